@@ -49,7 +49,7 @@ def _pairs(problem: Mapping[str, Any]) -> Iterator[tuple[int, int, float, float]
     matrices = [[*map(_numbers, matrix)] for matrix in (problem["parameters"]["stiffness"], problem["damping"])]
     for i in range(len(problem["u0"])):
         for j in range(-1, i):
-            # stiffness of the spring to the ground: the sum of the row, in which springs to other nodes cancel
+            # the sum of a row is the stiffness or damping to node 0, because the springs to other nodes cancel
             k, c = (sum(m[i]) if j < 0 else -m[i][j] for m in matrices)
             if k or c:
                 yield j + 1, i + 1, k, c
@@ -75,14 +75,14 @@ def chain(problem: Mapping[str, Any]) -> Chain | None:
 
 
 def _operator(scheme: Mapping[str, str]) -> str | None:
-    """Parameters of ``*DYNAMIC`` for a scheme."""
+    """Parameters of ``*DYNAMIC`` for Newmark's method and HHT-α; None for any other scheme."""
     if scheme["family"] not in ("newmark", "hht"):
         return None
     return f"ALPHA={scheme.get('alpha', '0')}, BETA={float(scheme['beta'])!r}, GAMMA={float(scheme['gamma'])!r}"
 
 
 def _amplitude(one: Chain, i: int) -> str:
-    """Amplitude table of the force on an unknown: the load less K u₀, because U starts at zero."""
+    """Amplitude table of the force on an unknown: the load less K u₀, because U in Abaqus is u − u₀."""
     name, pull = f"*AMPLITUDE, NAME=FORCE{i + 1}", one.pull[i]
     if one.ground:
         return "\n".join([name, *(f"{t!r}, {-one.mass[i] * a - pull!r}" for t, a in one.ground)])
@@ -91,7 +91,7 @@ def _amplitude(one: Chain, i: int) -> str:
 
 
 def abaqus(case: Mapping[str, Any]) -> str | None:
-    """Keywords of Abaqus/Standard; None for an unsupported problem or scheme."""
+    """Input of a case for Abaqus/Standard; None for an unsupported problem or scheme."""
     one, operator = chain(case["problem"]), _operator(case["scheme"])
     if one is None or operator is None:
         return None
@@ -129,11 +129,11 @@ def abaqus(case: Mapping[str, Any]) -> str | None:
 
 
 def _schema(scheme: Mapping[str, str]) -> str | None:
-    """Arguments of ``SCHEMA_TEMPS`` for a scheme."""
+    """Arguments of code_aster's ``SCHEMA_TEMPS`` for a scheme; None for an unsupported scheme."""
     family, numbers = scheme["family"], {n: float(x) for n, x in scheme.items() if n not in ("family", "start")}
     if family == "newmark":
         return f'SCHEMA="NEWMARK", FORMULATION="DEPLACEMENT", BETA={numbers["beta"]!r}, GAMMA={numbers["gamma"]!r}'
-    # code_aster derives β and γ of this method from α
+    # code_aster derives β and γ of HHT-α from α
     if family == "hht" and math.isclose(numbers["beta"], (1 - numbers["alpha"]) ** 2 / 4):
         return f'SCHEMA="HHT", FORMULATION="DEPLACEMENT", ALPHA={numbers["alpha"]!r}, MODI_EQUI="OUI"'
     if family == "central_difference":
@@ -144,7 +144,10 @@ def _schema(scheme: Mapping[str, str]) -> str | None:
 
 
 def mesh(case: Mapping[str, Any]) -> str | None:
-    """The mesh in code_aster's format: node N0 is fixed, M1 is the mass on N1, S01 the spring between N0 and N1."""
+    """Mesh of a case in code_aster's format; None for an unsupported problem or scheme.
+
+    Node N0 is fixed, M1 is the mass on node N1, and S01 is the spring between N0 and N1.
+    """
     one = chain(case["problem"])
     if one is None or _schema(case["scheme"]) is None:
         return None
@@ -160,7 +163,7 @@ def mesh(case: Mapping[str, Any]) -> str | None:
 
 
 def code_aster(case: Mapping[str, Any]) -> str | None:
-    """Commands of code_aster, in Python; None for an unsupported problem or scheme."""
+    """Commands of a case for code_aster, in Python; None for an unsupported problem or scheme."""
     one, schema = chain(case["problem"]), _schema(case["scheme"])
     if one is None or schema is None:
         return None
@@ -181,7 +184,7 @@ def code_aster(case: Mapping[str, Any]) -> str | None:
         for name, values in (("u0", one.u0), ("v0", one.v0))
     }
     nodal = ", ".join(f'_F(GROUP_NO="N{i}", FX={f!r})' for i, f in zip(free, forces, strict=True))
-    # absolute, because a relative tolerance divides by external forces, which are zero in free motion
+    # scale of an absolute tolerance; a relative one is divided by the external forces, which are zero in free motion
     largest = max(map(abs, [*one.pull, *one.forces, *(m * a for m in one.mass for _, a in one.ground)]))
     columns = {
         f"{name}{i}": f'RECU_FONCTION(RESULTAT=motion, NOM_CHAM="{field}", NOM_CMP="DX", GROUP_NO="N{i}")'

@@ -14,7 +14,7 @@ from conformance.writers import write
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the command."""
+    """Add the arguments of the command to a parser."""
     parser.add_argument("code", nargs="?", metavar="MODULE:FUNCTION", help="a Python function of your code")
     parser.add_argument("--command", metavar="TEXT", help="a command with {case} and {out}, which writes a CSV file")
     parser.add_argument("--collect", type=Path, metavar="FOLDER", help="a folder of CSV files that exist already")
@@ -38,12 +38,13 @@ def cases(skip: list[str] | tuple[str, ...] = (), only: list[str] | tuple[str, .
 
 
 def conform(arguments: argparse.Namespace) -> None:
-    """Run a code over the cases.
+    """Run a code over the cases, print the verdicts and write a report; with ``inputs``, only write input files.
 
     Raises
     ------
     ValueError
-        If not exactly one runner is chosen, if the function, folder or tag does not exist, or if no case has the tags.
+        If not exactly one of function, command and folder is given, if the function, the folder or a tag does not
+        exist, if the command is not usable, or if ``only`` and ``skip`` leave no case.
     FileNotFoundError
         If the command cannot be started.
     SystemExit

@@ -12,14 +12,14 @@ with mp.workdps(40):
 
 
 def _alpha(alpha_m: str, alpha_f: str) -> dict[str, str]:
-    """Generalized-α of second order, with the largest damping of high frequencies for its α_m and α_f."""
+    """Generalized-α with given α_m and α_f; γ gives second order, and β the largest damping of high frequencies."""
     with mp.workdps(40):
         m, f = (mp.fraction(*map(int, one.split("/"))) for one in (alpha_m, alpha_f))
         numbers = {"alpha_m": m, "alpha_f": f, "beta": (1 - m + f) ** 2 / 4, "gamma": mp.mpf(1) / 2 - m + f}
         return {"family": "generalized_alpha", **{name: mp.nstr(+value, 30) for name, value in numbers.items()}}
 
 
-#: Title and parameters of each scheme by its code of three letters.
+#: Title and parameters of each scheme, by its code of three characters.
 SCHEMES: dict[str, tuple[str, dict[str, str]]] = {
     "AVG": ("average acceleration", {"family": "newmark", "beta": "0.25", "gamma": "0.5"}),
     "LIN": ("linear acceleration", {"family": "newmark", "beta": _SIXTH, "gamma": "0.5"}),
@@ -43,27 +43,27 @@ SCHEMES: dict[str, tuple[str, dict[str, str]]] = {
     "TCH": ("Tchamwa and Wielgosz's method", {"family": "tchamwa_wielgosz", "phi": "1.033"}),
 }
 
-#: Schemes that are stable at any step on a linear problem.
+#: Codes of the schemes that are stable at any step size on linear problems.
 STABLE = ("AVG", "DIS", "WIL", "HOU", "HHT", "H96", "WBZ", "GEN", "BAT", "RBA", "TRB", "MID", "KRA")
 
 
 class Entry(NamedTuple):
-    """A problem with its step; each scheme makes one case of it.
+    """A problem with its step sizes; together with each of its schemes it makes one case.
 
     Attributes
     ----------
     name, title, why
-        Short name, whose first letter is the level; title of a few words; reason in one sentence.
+        Short name, whose first letter is the level; title of a few words; purpose in one sentence.
     problem, dt, steps, at
         Problem, step size and number of steps of the cases; numbers of the steps after which values are compared.
     schemes
-        Codes of the schemes in ``SCHEMES``; None for all.
+        Codes of the schemes, which are keys of ``SCHEMES``; None for all schemes.
     kind
         Kind of expectation: ``identical``, ``bound`` or ``order``.
     tags
         Tags in addition to the level, the family of the scheme and the form of the problem.
     sizes
-        Sizes of the steps, if they are not equal, in place of ``dt`` and ``steps``.
+        Sizes of unequal steps, which replace ``dt`` and ``steps``; empty for equal steps.
     version
         First version of the kit that has the case.
     """
@@ -85,7 +85,7 @@ class Entry(NamedTuple):
 def _problem(
     form: str, u0: str = "0", v0: str = "0", mass: str = "1", damping: str = "0", loads: Any = (), **parameters: str
 ) -> dict[str, Any]:
-    """A problem; rows of a matrix are separated by a semicolon."""
+    """The part ``problem`` of a case; in the text of a matrix, semicolons separate the rows."""
 
     def matrix(text: str) -> list[list[str]]:
         return [row.split() for row in text.split(";")]
@@ -99,8 +99,8 @@ def _load(amplitude: str, frequency: str, phase: str = "0") -> dict[str, Any]:
     return {"load": {"amplitude": amplitude.split(), "frequency": frequency, "phase": phase}}
 
 
-#: A made-up record of the ground with a pulse and a pause. It ends at zero, because codes differ in the load at a last
-#: sample that is not zero.
+#: Invented samples of a ground acceleration with a pulse and a pause. The last sample is zero, because codes differ in
+#: the load at and after a last sample that is not zero.
 _RECORD = "0 0.9 2.1 1.4 -0.6 -2.8 -3.3 -1.2 1.7 2.9 0.4 -1.5 0 0 0.8 -0.3 0"
 _GROUND = {"ground": {"dt": "0.05", "acceleration": _RECORD.split()}}
 
@@ -119,7 +119,7 @@ _MAIN = ("AVG", "DIS", "CDM", "WIL", "HOU", "HHT", "GEN", "BAT", "RK4")
 _IMPLICIT = ("AVG", "DIS", "WIL", "HOU", "HHT", "WBZ", "GEN", "BAT", "TRB", "MID")
 _FEW = ("AVG", "DIS", "WIL", "HHT", "GEN", "BAT")
 
-#: The ten steps ωΔt of level B, each with its schemes.
+#: The ten values of ωΔt of level B, each with the codes of its schemes; None for all schemes.
 _STEPS: dict[str, tuple[str, ...] | None] = {
     "0.05": _MAIN,
     "0.1": ("AVG", "CDM"),
@@ -144,7 +144,7 @@ def _level_a() -> Iterator[Entry]:
 
 
 def _level_b() -> Iterator[Entry]:
-    # with v₀ = 0.5 the first step of average acceleration at ωΔt = 1 would end at u₀, and mistakes would not show
+    # v₀ = 0.5 would hide mistakes, because the first step of average acceleration at ωΔt = 1 would end at u₀
     problem = _problem("linear", "1", "0.7", stiffness="1")
     for step, schemes in _STEPS.items():
         why = f"Every step of linear motion is the amplification matrix at ωΔt = {step}, which is the scheme itself."
@@ -186,7 +186,7 @@ def _level_d() -> Iterator[Entry]:
     yield Entry("D-DUF", f"{title} with two wells, damped and loaded", why, problem, "0.2", 20, (1, 6, 20), _MAIN)
     why = "The error must fall with the order of the scheme, with damping and load too."
     problem = _problem("cubic", "1", "0.3", damping="0.4", loads=_load("0.8", "1.3", "0.3"), S1="1", S2="0.5")
-    # at these steps the error of KR-α does not yet fall with its first order
+    # at these step sizes KR-α, which is of first order, does not yet converge with this order
     schemes = tuple(code for code in SCHEMES if code != "KRA")
     yield Entry("D-ORDER", "order with damping and load", why, problem, "0.05", 40, schemes=schemes, kind="order")
 

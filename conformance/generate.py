@@ -1,8 +1,8 @@
-"""Make all cases: ``python -m conformance.generate`` writes ``cases/*.json`` from 50 digits.
+"""Make all cases: ``python -m conformance.generate`` computes them with 50 digits and writes ``cases/*.json``.
 
-A case is a problem and a scheme of the tables in ``contents.py``. It holds the values of the scheme, the values of the
-alternatives and mistakes of ``variants.py`` if they differ, and the derivatives of the values with respect to the
-parameters of the scheme, which identify a slightly wrong parameter.
+A case is a problem and a scheme of the tables in ``contents.py``. It holds the values of the scheme. It also
+holds the values of those alternatives and mistakes of ``variants.py`` that differ from the scheme, and the derivatives
+of the values with respect to the parameters of the scheme, which identify a slightly wrong parameter.
 """
 
 import json
@@ -20,15 +20,16 @@ from conformance.variants import UNEQUAL, VARIANTS, WITHOUT_ACCELERATION
 
 CASES = Path(__file__).parent / "cases"
 
-#: Decimal digits: of the arithmetic; of the expected values; of the stored values of variants and of the slopes.
+#: DIGITS is the number of decimal digits of the arithmetic, EXPECTED of the expected values, and STORED of the values
+#: of variants and of the slopes.
 DIGITS, EXPECTED, STORED = 50, 17, 12
 
-#: SAME and LOOSE are the smallest and the largest tolerance, relative to the largest value of a quantity. ROUND_OFFS is
-#: the tolerance divided by the observed round-off.
+#: SAME is the smallest tolerance and LOOSE the largest, relative to the largest value of a quantity. In between, the
+#: tolerance is ROUND_OFFS times the observed round-off.
 SAME, ROUND_OFFS, LOOSE = 1e-9, 100, 1e-6
 
-#: DISTINCT is the smallest difference, in tolerances, between a variant and the expected values or an earlier variant.
-#: UNSTABLE is the ratio to the largest value or energy of the scheme above which a variant is left out as unstable.
+#: DISTINCT is the smallest difference between a variant and the expected values or an earlier variant, in multiples of
+#: the tolerance. A variant is omitted as unstable if it exceeds UNSTABLE times the scheme's largest value or energy.
 DISTINCT, UNSTABLE = 100, 1e6
 
 
@@ -49,7 +50,7 @@ def _quantities(entry: Entry, scheme: Mapping[str, str]) -> list[tuple[str, int]
 
 
 def _identical(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
-    """Expected values of each quantity of each unknown."""
+    """Expected values and tolerance of each quantity of each unknown."""
     exact, double = _march(entry, scheme), _march(entry, scheme, numbers=FLOAT)
     expected = []
     for name, unknown in _quantities(entry, scheme):
@@ -76,7 +77,7 @@ def _identical(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
 
 
 def _values(entry: Entry, motion: Mapping[str, np.ndarray], expected: list[dict]) -> list[np.ndarray]:
-    """Displacements and velocities of a run in the order in which they are expected."""
+    """Displacements and velocities of a run, in the order of the expected values."""
     return [motion[one["quantity"]][list(entry.at), one["unknown"]] for one in expected if one["quantity"] != "a"]
 
 
@@ -125,7 +126,7 @@ def _stored(values: list[np.ndarray]) -> list[list[str]]:
 
 
 def _bound(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
-    """Limit of E/E(0): the largest value of the scheme or one of its stable alternatives, plus 5 %."""
+    """Limit of E/E(0): 1.05 times the largest value in runs of the scheme and of its stable alternatives."""
     problem, largest = Problem(entry.problem), []
     alternatives = [one for one in VARIANTS if one.verdict == "differs" and scheme["family"] in one.families]
     for changed, words in [(scheme, ()), *(({**scheme, **one.change(scheme)}, one.words) for one in alternatives)]:
@@ -137,7 +138,7 @@ def _bound(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
 
 
 def exact(problem: Mapping[str, Any], end: str) -> Any:
-    """Exact displacement of one unknown at the end of the motion, by Taylor series."""
+    """Exact displacement at the time ``end`` of a problem with one unknown, by Taylor series."""
     one = Problem(problem, mp)
 
     def slope(t, y):
@@ -166,7 +167,7 @@ def _order(entry: Entry, scheme: Mapping[str, str], end: Any) -> list[dict]:
 
 
 def made() -> Iterator[dict]:
-    """All cases, one after the other."""
+    """All cases, one after another."""
     ends = {entry.name: exact(entry.problem, str(mp.mpf(entry.dt) * entry.steps)) for entry in ORDERS}
     for entry in PROBLEMS:
         for code, (title, scheme) in SCHEMES.items():
@@ -175,7 +176,7 @@ def made() -> Iterator[dict]:
 
 
 def case(entry: Entry, code: str, title: str, scheme: Mapping[str, str], end: Any = None) -> dict:
-    """One case as a dictionary."""
+    """The case of a problem and a scheme as a dictionary."""
     steps = {"sizes": list(entry.sizes)} if entry.sizes else {"dt": entry.dt, "steps": entry.steps}
     header = {
         "name": f"{entry.name}-{code}",
@@ -199,7 +200,7 @@ def case(entry: Entry, code: str, title: str, scheme: Mapping[str, str], end: An
 
 
 def written(one: Mapping[str, Any]) -> str:
-    """A case as text, with a line for each of its parts."""
+    """A case as JSON text, with a line for each part and for each item of a list of dictionaries."""
     return "{\n" + ",\n".join(f" {json.dumps(key)}: {_lines(value)}" for key, value in one.items()) + "\n}\n"
 
 
@@ -210,7 +211,7 @@ def _lines(value: Any) -> str:
 
 
 def main() -> None:
-    """Write every case, in place of the existing ones."""
+    """Write all cases, and remove the files of cases that are no longer made."""
     mp.dps = DIGITS
     texts = {f"{one['name']}.json": written(one) for one in made()}
     CASES.mkdir(exist_ok=True)

@@ -13,13 +13,13 @@ from conformance.variants import LATER, VARIANTS
 
 CASES = Path(__file__).parent / "cases"
 
-#: Largest number of digits reported, that of double precision.
+#: Largest number of digits reported, the digits of double precision.
 DIGITS = 16.0
 
-#: Error of the stored values of variants, relative to the largest value.
+#: Bound of the rounding errors of the stored values of variants, relative to the largest value.
 STORED = 1e-11
 
-#: Largest fraction of the difference that a wrong parameter may leave unexplained if it is named as the likely cause.
+#: Largest unexplained fraction of the difference at which a wrong parameter is named as the likely cause.
 UNEXPLAINED = 0.01
 
 #: Relative difference below which single precision or an iteration that ends early is the likely cause.
@@ -42,10 +42,10 @@ class Verdict(NamedTuple):
         ``pass``, ``differs`` (the values agree with an alternative, or only the acceleration differs), ``fail`` or
         ``skip``.
     digits
-        Number of correct digits of the worst value, relative to the largest value of its quantity; None if not
-        computed.
+        Number of correct digits of the worst value, relative to the largest value of its quantity; None if no values
+        are compared.
     cause
-        Name of the alternative, or likely cause of a failure.
+        Name of the alternative, likely cause of a failure, or reason of a skipped case.
     """
 
     name: str
@@ -60,8 +60,9 @@ def judge(case: Mapping[str, Any], motion: Callable[[int], Motion]) -> Verdict:
     Parameters
     ----------
     motion
-        Returns the motion of the code with the step Δt/part and ``part`` times the number of steps of the case.
-        It raises ``Unsupported`` to skip the case, and ``ValueError`` with a sentence to fail it.
+        Function of a whole number ``part``. It returns the motion of the code with the step size Δt/part and ``part``
+        times the number of steps of the case. It raises ``Unsupported`` to skip the case, and ``ValueError`` with a
+        sentence to fail it.
     """
     name, expected = case["name"], case["expect"]
     try:
@@ -139,7 +140,7 @@ def _identical(case: Mapping[str, Any], motion: Motion) -> Verdict:
     digits = min(_digits(float(max(abs(one.found - one.expected))), one.scale) for one in pairs)
     if all(max(abs(one.found - one.expected)) <= one.tolerance for one in pairs):
         return Verdict(case["name"], "pass", digits)
-    # variants and slopes have no accelerations, which are last in the list
+    # variants and slopes have no accelerations; in the list of expected values accelerations are last
     moved = [pair for pair, one in zip(pairs, given, strict=True) if one["quantity"] != "a"]
     places = [
         i for i, one in enumerate(case["expect"]) if motion[one["quantity"]] is not None and one["quantity"] != "a"
@@ -183,7 +184,10 @@ def _explained(case: Mapping[str, Any], pairs: list[_Compared], places: list[int
 
 
 def _met_later(case: Mapping[str, Any], pairs: list[_Compared], places: list[int]) -> tuple[str, str] | None:
-    """Verdict and text of a change whose values are not in the case; None if no such change gives the code's values."""
+    """Verdict and text of a change that gives the code's values; None if there is no such change.
+
+    Only changes are tried whose values are not in the case.
+    """
     (dt, steps), scheme = times(case), case["scheme"]
     changes = [("fail", text, words, changed(case["problem"]), scheme) for text, words, changed in LATER]
     if "sizes" in case["run"]:
@@ -194,7 +198,7 @@ def _met_later(case: Mapping[str, Any], pairs: list[_Compared], places: list[int
         ]
     for verdict, text, words, problem, other in changes:
         try:
-            with np.errstate(all="ignore"):  # a change may be unstable
+            with np.errstate(all="ignore"):  # a changed scheme may be unstable
                 motion = run(Problem(problem), other, dt, steps, words)
         except ArithmeticError:
             continue
@@ -206,7 +210,10 @@ def _met_later(case: Mapping[str, Any], pairs: list[_Compared], places: list[int
 
 
 def times(case: Mapping[str, Any], part: int = 1) -> tuple[float | np.ndarray, int]:
-    """The common size of the steps, or an array of unequal sizes, and the number of steps."""
+    """The step size divided by ``part``, and the number of steps multiplied by ``part``.
+
+    For unequal steps, the array of their sizes and their number, whatever ``part`` is.
+    """
     sizes = np.array(case["run"].get("sizes", []), float)
     return (sizes, len(sizes)) if sizes.size else (float(case["run"]["dt"]) / part, case["run"]["steps"] * part)
 

@@ -1,4 +1,4 @@
-"""Problems of the cases by their formulas, in floats or in mpmath's numbers with 50 digits."""
+"""Formulas of the problems of the cases, in double precision or with mpmath."""
 
 import math
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ FLOAT = SimpleNamespace(mpf=float, cos=math.cos, sin=math.sin, tanh=math.tanh, e
 
 
 def solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """The solution x (n,) of a linear system by Gauss's elimination with pivots."""
+    """The solution x (n,) of a linear system by Gaussian elimination with partial pivoting."""
     rows = np.column_stack([matrix, right])
     for i in range(len(rows)):
         pivot = i + max(range(len(rows) - i), key=lambda j: abs(rows[i + j, i]))
@@ -32,7 +32,7 @@ class Problem:
     text
         The part ``problem`` of a case.
     numbers
-        ``FLOAT``, or ``mpmath.mp``.
+        Numbers and functions: ``FLOAT`` for double precision, or ``mpmath.mp``.
 
     Attributes
     ----------
@@ -115,7 +115,10 @@ class Problem:
             self._plastic = u - self._elastic(u)
 
     def load(self, t: Any) -> np.ndarray:
-        """f(t), shape (n,): a harmonic load, plus −M 1 a_g(t) with a ground acceleration linear between samples."""
+        """f(t), shape (n,): a harmonic load, plus −M 1 a_g(t).
+
+        The ground acceleration a_g is linear between its samples and zero after the last sample.
+        """
         load = 0 * self.u0
         if harmonic := self.text.get("load"):
             frequency, phase = self.array([harmonic["frequency"], harmonic["phase"]])

@@ -1,4 +1,4 @@
-"""Verdicts as a text, as the dictionary of a JSON file, and as a page."""
+"""Verdicts as a table in text, as a dictionary for a JSON file, and as an HTML page."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ from conformance.judge import Verdict
 
 VERDICTS = ("pass", "differs", "fail", "skip")
 
-#: Order of the rows of a page.
+#: Order of the verdicts in the rows of a page.
 _ROWS = ("fail", "differs", "pass", "skip")
 
 _STYLE = """body {font: 16px/1.4 sans-serif; margin: 2em auto; max-width: 70em; padding: 0 1em}
@@ -19,7 +19,7 @@ table {border-collapse: collapse} th, td {border-bottom: 1px solid #ccc; padding
 
 
 def summary(verdicts: Sequence[Verdict], tool: str, version: str, note: str) -> dict[str, Any]:
-    """Verdicts without the motions, as they are stored for a tool and its version."""
+    """Counts of the verdicts on a version of a tool, and all verdicts, as the dictionary for a JSON file."""
     counts = Counter(one.verdict for one in verdicts)
     return {
         "kit": VERSION,
@@ -45,7 +45,7 @@ def table(verdicts: Sequence[Verdict]) -> str:
 
 
 def page(found: Mapping[str, Any], titles: Mapping[str, str]) -> str:
-    """The page of a tool, from its ``summary``."""
+    """HTML page of the verdicts on a tool, from its ``summary`` and the titles of the cases by name."""
     tool = escape(f"{found['tool']} {found['version']}".strip())
     counts = ", ".join(f"{verdict} {number}" for verdict, number in found["counts"].items())
     rows = [

@@ -18,27 +18,27 @@ import numpy as np
 from conformance.judge import CASES, Motion, Unsupported, times
 from conformance.problem import Problem
 
-#: Exit status of a command that has no such scheme or problem.
+#: Exit status by which a command states that it has no such scheme or problem.
 SKIPPED = 77
 
-#: Time limit of a command in seconds.
+#: Time limit of one run of a command in seconds.
 TIMEOUT = 60
 
-#: Function of a case and a whole number that divides its step; it returns a motion.
+#: Function of a case and of the whole number that divides the step size of the case. It returns a motion.
 Runner = Callable[[Mapping[str, Any], int], Motion]
 
 
 def of_function(place: str) -> Runner:
-    """Runner of ``MODULE:FUNCTION`` or ``FILE.py:FUNCTION``.
+    """Runner of the function that ``MODULE:FUNCTION`` or ``FILE.py:FUNCTION`` names.
 
-    The function takes the problem, the scheme as a dictionary, the step and the number of steps, and returns u, v and,
-    if available, a at the start and after every step, each (steps + 1, n). The step is an array (steps,) if the steps
-    are not equal. The function raises ``NotImplementedError`` for an unsupported case.
+    The function takes the problem, the scheme as a dictionary, the step size and the number of steps. It returns u, v
+    and, if available, a, at the start and after every step, each of shape (steps + 1, n). For unequal steps the step
+    size is an array of shape (steps,). The function raises ``NotImplementedError`` for an unsupported case.
 
     Raises
     ------
     ValueError
-        If there is no such function.
+        If the module cannot be imported or has no such function.
     """
     file, _, name = place.rpartition(":")
     folder, module = (str(Path(file).parent), Path(file).stem) if file.endswith(".py") else (".", file)
@@ -83,10 +83,10 @@ def _arrays(found: Any) -> Motion:
 
 
 def of_command(template: str) -> Runner:
-    """Runner of a command that reads the file ``{case}`` and writes the file ``{out}``.
+    """Runner of a command that reads a case from the file ``{case}`` and writes a table to the file ``{out}``.
 
-    The file describes a single run. For a case of the kind ``order`` the command is called four times, each time with
-    another step.
+    The case describes a single run. For a case of the kind ``order`` the command is called four times, each time with
+    another step size.
 
     Raises
     ------
@@ -119,9 +119,9 @@ def of_command(template: str) -> Runner:
 
 
 def _ended(command: list[str]) -> tuple[int, str]:
-    """Exit status of a command, negative for a signal, and its standard error."""
+    """Run a command, and return its exit status, negative for a signal, and its standard error."""
     try:
-        # a process group of its own, so that programs started by a script end with it
+        # in a separate process group, so that a command over its time limit is killed with the programs it has started
         started = subprocess.Popen(
             command, stdin=DEVNULL, stdout=DEVNULL, stderr=PIPE, text=True, errors="replace", start_new_session=True
         )
@@ -137,12 +137,12 @@ def _ended(command: list[str]) -> tuple[int, str]:
 
 
 def of_folder(folder: Path) -> Runner:
-    """Runner of files ``NAME.csv``, with ``NAME-2.csv`` for half the step and twice the steps, and so on.
+    """Runner of the tables ``NAME.csv`` in a folder, with half the step size in ``NAME-2.csv``, and so on.
 
     Raises
     ------
     ValueError
-        If there is no such folder, or no table in it.
+        If there is no such folder, or the folder contains no table of a case.
     """
     if not folder.is_dir():
         raise ValueError(f"there is no folder '{folder}'.")
@@ -159,7 +159,7 @@ def of_folder(folder: Path) -> Runner:
 
 
 def divided(case: Mapping[str, Any], part: int) -> dict[str, Any]:
-    """A case without expected values, with its step divided and its number of steps multiplied by ``part``."""
+    """A case without expected values, its step size divided and its number of steps multiplied by ``part``."""
     run = case["run"]
     if part > 1:
         run = {**run, "dt": repr(float(run["dt"]) / part), "steps": run["steps"] * part}
@@ -167,7 +167,7 @@ def divided(case: Mapping[str, Any], part: int) -> dict[str, Any]:
 
 
 def _read(file: Path, case: Mapping[str, Any], part: int) -> Motion:
-    """The columns t, u1, u2, ..., v1, ..., a1, ... of a CSV file; the columns of v and a may be missing."""
+    """Motion from the columns t, u1, u2, ..., v1, ..., a1, ... of a CSV file, which may have no v and a."""
     try:
         first, *lines = file.read_text(encoding="utf-8-sig").splitlines()
         rows = [[float(number) for number in line.split(",")] for line in lines if line.strip()]

@@ -1,7 +1,8 @@
-"""Schemes by their formulas, in floats or in mpmath's numbers: the arithmetic behind the cases.
+"""Formulas of the schemes, in double precision or with mpmath, which give the values of the cases.
 
-The schemes solve for the displacement, as textbooks on finite elements do, and share nothing with a code that is
-judged. Words change a scheme into a legitimate alternative or into a scheme with a mistake.
+The implicit schemes solve for the displacement, as textbooks on finite elements do. All schemes are separate from every
+code that is judged. Words such as ``no load`` change a scheme into a legitimate alternative or into a scheme with a
+mistake.
 """
 
 from collections.abc import Collection, Mapping
@@ -16,7 +17,7 @@ ITERATIONS = 60
 
 
 class March:
-    """State of a run: t, u, v and the carried acceleration a, with common parts of all schemes."""
+    """State of a run, which is t, u, v and the carried acceleration a, with one method for each scheme's step."""
 
     def __init__(self, problem: Problem, scheme: Mapping[str, Any], dt: Any, words: Collection[str]):
         self.problem, self.dt, self.words = problem, dt, words
@@ -35,9 +36,9 @@ class March:
         self.past = self.fictitious(self.start) if scheme["family"] == "houbolt" else []
 
     def next_size(self, size: Any) -> None:
-        """Set the size of the next step; two alternatives also correct the carried acceleration, to keep the order two.
+        """Set the size of the next step; two alternatives also correct the carried acceleration, to keep second order.
 
-        The acceleration of generalized-α belongs to t₁ + (α_m − α_f) Δt, where Δt is the step that ends at t₁.
+        The acceleration of generalized-α belongs to t₁ + (α_m − α_f) Δt, with the size Δt of the step that ends at t₁.
         """
         change = size / self.dt - 1
         if "corrected for step" in self.words:
@@ -77,7 +78,8 @@ class March:
     def balanced(self, place, damping, inertia, load, weight=1, rest=0) -> np.ndarray:
         """The solution x of M (a + a′x) + C (v + v′x) + w p(u + u′x) + rest = f, by Newton's iteration.
 
-        ``place``, ``damping`` and ``inertia`` are the pairs (u, u′), (v, v′) and (a, a′).
+        ``place``, ``damping`` and ``inertia`` are the pairs (u, u′), (v, v′) and (a, a′). ``load`` is f.
+        ``weight`` is w.
         """
         problem, words = self.problem, self.words
         viscous = problem.damping * ("no damping" not in words)
@@ -104,7 +106,7 @@ class March:
         return x
 
     def move(self, u: np.ndarray, v: np.ndarray, a: np.ndarray | None = None) -> None:
-        """Advance to t₁, and commit the history there."""
+        """Advance to t₁, commit the history there and store the motion; the equation of motion gives a missing a."""
         self.u, self.v, self.t = u, v, self.t + self.dt
         self.a = self.acceleration(0, u, v) if a is None or "rederived" in self.words else a
         if not {"no commit", "commit at balance", "commit in iterations"} & set(self.words):
@@ -112,7 +114,7 @@ class March:
         self.rows.append((self.u, self.v, self.a))
 
     def fictitious(self, start: str) -> list:
-        """Displacements of Houbolt's method up to t = 0; u₀ alone if another scheme makes the first two steps."""
+        """Displacements at −2Δt, −Δt and 0 for Houbolt's method; u₀ alone if another scheme makes two steps first."""
         if "two steps" in start:
             return [self.u]
         u, v, a, dt = self.u, self.v, self.a, self.dt
@@ -124,7 +126,7 @@ class March:
         return [6 * dt * v - 2 * first - 3 * u + 6 * before, before, u]
 
     def newmark_place(self, beta: Any, gamma: Any = None) -> tuple:
-        """Velocity and acceleration at t₁ as functions of u₁, by Newmark's formulas."""
+        """Constant and slope in u₁ of the velocity and of the acceleration at t₁, by Newmark's formulas."""
         u, v, a, dt = self.u, self.v, self.a, self.dt
         gamma = self.problem.numbers.mpf(1) / 2 if gamma is None else gamma
         new = -(u + dt * v) / (beta * dt**2) - (1 / (2 * beta) - 1) * a, 1 / (beta * dt**2)
@@ -166,7 +168,7 @@ class March:
         self.hht(alpha, beta, gamma)
 
     def central_difference(self, gamma: Any = None) -> None:
-        """Newmark's method with β = 0."""
+        """Newmark's method with β = 0, and γ = ½ by default."""
         dt, gamma = self.dt, self.problem.numbers.mpf(1) / 2 if gamma is None else gamma
         if "start at half" in self.words and len(self.rows) == 1:
             self.a = self.acceleration(0, self.u, self.v, dt / 2)

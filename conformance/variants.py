@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-#: Schemes that carry no acceleration from step to step.
+#: Families of schemes that carry no acceleration from step to step.
 WITHOUT_ACCELERATION = ("rk4", "midpoint", "symplectic_euler")
 
 ALPHA = ("hht", "hht_1996", "generalized_alpha")
@@ -23,11 +23,11 @@ class Variant(NamedTuple):
     verdict
         ``differs`` for an alternative, ``fail`` for a mistake.
     text
-        Description of a code with the values of this variant.
+        Description, for the report, of a code that gives the values of this variant.
     families
         Families of schemes to which the variant applies.
     words
-        Words that ``schemes.run`` takes.
+        Words with which ``schemes.run`` makes the change.
     change
         Function that returns new parameters from the parameters of the scheme.
     """
@@ -48,7 +48,7 @@ def _mistake(text, families, *words, change=lambda scheme: {}):
 
 
 def _with(**numbers: str) -> Callable[[Mapping[str, str]], Mapping[str, str]]:
-    """A change that sets those of these parameters that the scheme has."""
+    """Change that sets each given parameter if the scheme has this parameter."""
     return lambda scheme: {name: value for name, value in numbers.items() if name in scheme}
 
 
@@ -173,7 +173,7 @@ def _uncoupled(problem: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _loaded(change: Callable[[float, float], tuple[float, float]]) -> Callable[[Mapping[str, Any]], dict[str, Any]]:
-    """The same problem with a frequency and a phase of the load that ``change`` computes from both."""
+    """Function that returns a problem with another frequency and phase of its load, computed by ``change``."""
 
     def changed(problem: Mapping[str, Any]) -> dict[str, Any]:
         if "load" not in problem:
@@ -192,8 +192,8 @@ def _cubic_alone(problem: Mapping[str, Any]) -> dict[str, Any]:
     return {**problem, "parameters": {**parameters, "S2": repr(float(parameters["S2"]) / float(parameters["S1"]))}}
 
 
-#: Mistakes that were found after the cases were made, so that the cases hold no values of them: text, words for the
-#: scheme, and change of the problem.
+#: Mistakes that were found after the cases were made, so that the cases hold no values of these mistakes. Each has a
+#: text, words for the scheme, and a function that changes the problem.
 LATER: tuple[tuple[str, tuple[str, ...], Callable[[Mapping[str, Any]], Mapping[str, Any]]], ...] = (
     ("the internal force is that of the end of the step", ("force at end",), dict),
     ("the masses that couple unknowns are missing", (), _uncoupled),
@@ -204,7 +204,7 @@ LATER: tuple[tuple[str, tuple[str, ...], Callable[[Mapping[str, Any]], Mapping[s
     ("the cubic term of the force leaves out S1", (), _cubic_alone),
 )
 
-#: Variants of a scheme with unequal steps; cases with such steps have only the values of these variants.
+#: Variants of schemes with unequal steps. A case with unequal steps holds the values of these variants only.
 UNEQUAL = (
     _alternative(
         "the carried acceleration is moved to the new step", ("hht", "generalized_alpha"), "corrected for step"

@@ -1,7 +1,7 @@
 """Input files of the cases for codes that read no JSON: OpenSees here, other codes in ``chains``.
 
-The files of OpenSees are linear and cubic oscillators without moving ground. Each one writes its motion as ``NAME.csv``
-into the folder where it runs; a case without a file is skipped, because it has no result.
+The files for OpenSees define linear and cubic oscillators without ground motion. Each file writes its motion to
+``NAME.csv`` in the folder in which OpenSees runs. A case without an input file gets no table and is skipped.
 """
 
 import math
@@ -13,7 +13,7 @@ from conformance.chains import abaqus, code_aster, mesh
 
 
 def _scalars(case: Mapping[str, Any]) -> dict[str, float] | None:
-    """Numbers of a linear or cubic oscillator with one unknown; None for any other problem."""
+    """Numbers of a linear or cubic oscillator with one unknown and no ground motion; None for any other problem."""
     problem = case["problem"]
     if len(problem["u0"]) > 1 or problem["form"] not in ("linear", "cubic") or "ground" in problem:
         return None
@@ -30,7 +30,7 @@ def _scalars(case: Mapping[str, Any]) -> dict[str, float] | None:
 
 
 def _integrator(scheme: Mapping[str, str]) -> str | None:
-    """OpenSees' command for a scheme."""
+    """Integrator command of OpenSees for a scheme; None for an unsupported scheme."""
     family, numbers = scheme["family"], {name: one for name, one in scheme.items() if name not in ("family", "start")}
     if family == "newmark":
         return f"Newmark {numbers['gamma']} {numbers['beta']}"
@@ -41,7 +41,7 @@ def _integrator(scheme: Mapping[str, str]) -> str | None:
 
 
 def opensees(case: Mapping[str, Any]) -> str | None:
-    """Tcl commands of OpenSees; None for an unsupported problem or scheme."""
+    """Tcl commands of a case for OpenSees; None for an unsupported problem or scheme."""
     one, integrator = _scalars(case), _integrator(case["scheme"])
     if one is None or integrator is None:
         return None
@@ -69,12 +69,12 @@ close $out
 """
 
 
-#: Writer of the files of each suffix: OpenSees, Abaqus, and the commands and the mesh of code_aster.
+#: Function that makes the text of a file with each suffix: for OpenSees, Abaqus, and commands and mesh of code_aster.
 WRITERS = {".tcl": opensees, ".inp": abaqus, ".comm": code_aster, ".mail": mesh}
 
 
 def write(chosen: Iterable[Mapping[str, Any]], folder: Path) -> int:
-    """Write the input files of all cases that have one, and return their number. Cases of unequal steps have none."""
+    """Write all input files of the cases, and return the number of files. Cases with unequal steps have no files."""
     folder.mkdir(parents=True, exist_ok=True)
     made = [
         (case["name"] + ending, one(case)) for case in chosen if "dt" in case["run"] for ending, one in WRITERS.items()

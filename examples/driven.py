@@ -1,8 +1,8 @@
-"""A driven Duffing oscillator: damped, loaded, and judged by a designer's quantities.
+"""A driven Duffing oscillator, assessed by its amplitude, its acceleration and its last state.
 
     study assess examples/driven.py:driven --quantities examples/driven.py:quantities --duration 100 --output driven
 
-ü + 0.1 u̇ + u + u³ = 0.5 cos 1.2 t, from rest.
+The oscillator ü + 0.1 u̇ + u + u³ = 0.5 cos 1.2 t starts from rest at u = 0.
 """
 
 import jax.numpy as jnp

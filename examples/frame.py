@@ -1,6 +1,6 @@
 """A frame of three storeys under the record of El Centro.
 
-The assessment finds the scheme and the step that keep an allowed error of the drift.
+The assessment finds the scheme and the step size that keep an allowed error of drift, base shear and roof displacement.
 
     study assess examples/frame.py:frame --quantities examples/frame.py:quantities --duration 31.2 --output frame
 

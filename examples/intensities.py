@@ -1,8 +1,8 @@
 """One record at many intensities, and many structures under one record.
 
 An incremental dynamic analysis follows the peak drift of a yielding oscillator while the record of El Centro grows. A
-fragility sample draws a thousand oscillators, and counts those that exceed a drift. Both are ensembles over arguments
-of the function that makes the problem.
+fragility sample draws a thousand oscillators, and counts the oscillators that exceed a drift. Both are ensembles over
+arguments of the function that makes the problem.
 
     python examples/intensities.py
 """
@@ -14,12 +14,12 @@ from study import materials
 
 RECORD = study.GroundMotion.el_centro()
 DRIFT = study.Quantity(lambda u: u, name="drift", reduce="peak", long_name="peak drift", units="m")
-#: Twelve seconds, with four steps between two samples of the record.
+#: Arguments of every run: twelve seconds, with four steps between two samples of the record.
 RUN = {"dt": 0.005, "steps": 2400, "observe": [DRIFT]}
 
 
 def oscillator(intensity=1.0, period=0.5, strength=0.15):
-    """A unit mass under the scaled record; ``strength`` is its yield force over its weight, ``period`` is in s."""
+    """A unit mass under the scaled record; ``period`` is in s, and ``strength`` is yield force divided by weight."""
     stiffness = (2 * np.pi / period) ** 2
     spring = materials.elastoplastic(stiffness, strength * 9.81, hardening=0.02)
     damping = 2 * 0.05 * 2 * np.pi / period
@@ -27,7 +27,7 @@ def oscillator(intensity=1.0, period=0.5, strength=0.15):
 
 
 def analysis():
-    """Peak drift over twenty intensities."""
+    """Peak drift at twenty intensities of the record."""
     return study.run(oscillator, "average_acceleration", over={"intensity": np.linspace(0.1, 2.0, 20)}, **RUN)
 
 

@@ -12,12 +12,12 @@ import study
 
 RECORD = Path(study.__file__).parent / "mechanics" / "records" / "el_centro_1940_ns.at2"
 
-#: Width and height of the frame, mass at each joint, and the scale of the record.
+#: Width and height of the frame in m, mass at each joint in kg, and factor of the record.
 WIDTH, HEIGHT, MASS, SCALE = 6.0, 3.5, 2.0e4, 1.5
 
 
 def section(ops, tag, depth, width, web, flange):
-    """A wide-flange section of fibres of the steel."""
+    """Define a wide-flange section of steel fibres, with its dimensions in m."""
     ops.section("Fiber", tag)
     half = depth / 2
     ops.patch("rect", 1, 2, 1, half - flange, -width / 2, half, width / 2)
@@ -26,7 +26,7 @@ def section(ops, tag, depth, width, web, flange):
 
 
 def build(ops):
-    """Make the model: frame, gravity, damping, ground motion."""
+    """Build the model: frame, gravity, damping and ground motion."""
     ops.model("basic", "-ndm", 2, "-ndf", 3)
     for node, (x, y) in enumerate([(0, 0), (WIDTH, 0), (0, HEIGHT), (WIDTH, HEIGHT)], start=1):
         ops.node(node, x, y)
@@ -34,7 +34,7 @@ def build(ops):
         ops.fix(node, 1, 1, 1)
     for node in (3, 4):
         ops.mass(node, MASS, MASS, MASS * 0.1)
-    # a steel whose curve is smooth: modulus 200 GPa, strength 250 MPa, hardening of one percent
+    # steel with a smooth stress-strain curve: modulus 200 GPa, strength 250 MPa, hardening of one percent
     ops.uniaxialMaterial("Steel02", 1, 250e6, 200e9, 0.01, 18.0, 0.925, 0.15)
     section(ops, 1, 0.25, 0.25, 0.010, 0.014)
     section(ops, 2, 0.30, 0.15, 0.008, 0.011)

@@ -8,12 +8,13 @@ The ground moves as a sine. Forces are in kN, lengths in m.
 
 import math
 
-#: Mass of each floor, stiffness and damping of its storey, gap between the floors, and stiffness in contact.
+#: Masses of the floors in t, stiffnesses of their storeys in kN/m, dampings in kN s/m, gap in m, and stiffness of the
+#: contact in kN/m.
 MASSES, STIFFNESSES, DAMPINGS, GAP, CONTACT = (50.0, 30.0), (8.0e3, 2.0e4), (20.0, 20.0), 0.02, 2.0e5
 
 
 def build(ops):
-    """Make the model."""
+    """Build the model."""
     ops.model("basic", "-ndm", 1, "-ndf", 1)
     ops.node(1, 0.0)
     ops.fix(1, 1)
@@ -22,7 +23,7 @@ def build(ops):
         ops.mass(floor, mass)
         ops.uniaxialMaterial("Elastic", floor, stiffness, damping)
         ops.element("zeroLength", floor, 1, floor, "-mat", floor, "-dir", 1)
-    # a spring that never yields, and acts once the gap has closed
+    # the spring of the contact acts once the gap has closed, and never yields
     ops.uniaxialMaterial("ElasticPPGap", 1, CONTACT, -1e9, -GAP)
     ops.element("zeroLength", 1, 2, 3, "-mat", 1, "-dir", 1)
     ops.timeSeries("Trig", 1, 0.0, 100.0, 2 * math.pi / 12.0, "-factor", 3.0)

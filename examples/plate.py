@@ -25,7 +25,7 @@ def element():
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     stiffness = np.zeros((8, 8))
     for x, y in corners / np.sqrt(3):
-        slopes = corners * (1 + corners[:, ::-1] * [y, x]) / (2 * SIDE)  # of the shape functions along x and y
+        slopes = corners * (1 + corners[:, ::-1] * [y, x]) / (2 * SIDE)  # ∂/∂x and ∂/∂y of the shape functions
         strains = np.zeros((3, 8))
         strains[0, 0::2], strains[1, 1::2] = slopes.T
         strains[2, 0::2], strains[2, 1::2] = slopes.T[::-1]
@@ -34,7 +34,7 @@ def element():
 
 
 def cantilever(length, height, title="cantilever plate"):
-    """A plate of elements, clamped at its left end, whose right end starts upwards with 1 m/s."""
+    """A plate of ``length`` by ``height`` elements, clamped at its left end; its right end starts upwards at 1 m/s."""
     nodes = np.arange((length + 1) * (height + 1)).reshape(length + 1, height + 1)
     corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]], axis=-1).reshape(-1, 4)
     unknowns = np.stack([2 * corners, 2 * corners + 1], axis=-1).reshape(-1, 8)

@@ -3,7 +3,7 @@
     study assess examples/driven.py:driven --schemes examples/scheme.py:heun rk4 \
         --duration 100 --output heun
 
-Heun's method is of second order. Without damping it is unstable at any step.
+Heun's method is of second order. Without damping it is unstable at any step size.
 """
 
 from typing import ClassVar
@@ -18,7 +18,7 @@ from study.building import Effort, Phase, acceleration
 class Heun(study.OneStep):
     r"""Heun's method on u̇ = v, v̇ = F(t, u, v): the mean of two slopes.
 
-    The second slope follows from a step by Euler's rule.
+    The second slope is taken at the end of a step by Euler's rule.
 
     .. math::
 

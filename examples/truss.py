@@ -2,7 +2,7 @@
 
     study assess examples/truss.py:truss --duration 2 --output truss
 
-The bars join at a mass, with Green's strain in each. u holds the displacements of the mass, sideways and down.
+The bars meet at a mass and have Green's strain. u holds the displacements of the mass, sideways and down.
 """
 
 import jax.numpy as jnp
@@ -26,7 +26,7 @@ def energy(u):
 
 truss = study.Problem(
     potential=energy,
-    u0=[0.001, 0.0],  # off the axis, so that the mass also moves sideways
+    u0=[0.001, 0.0],  # off the axis of symmetry, so that the mass also moves sideways
     mass=MASS,
     damping=10.0,
     load=lambda t: jnp.array([0.0, LOAD]),

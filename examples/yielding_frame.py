@@ -16,7 +16,7 @@ def drifts(u):
     return u - jnp.pad(u[:-1], (1, 0))
 
 
-# stiffness in N/m, yield force in N, coefficient of the dampers in N √(s/m), mass in kg
+# units: stiffness in N/m, yield force in N, coefficient of the dampers in N √(s/m), mass in kg
 storeys = materials.elements(
     materials.elastoplastic(np.array([4.0e7, 3.5e7, 3.0e7]), np.array([4.0e5, 3.0e5, 2.0e5]), hardening=0.05), drifts, 3
 )
@@ -24,7 +24,7 @@ dampers = materials.elements(materials.viscous_damper(5.0e4, exponent=0.5), drif
 
 
 def force(u, v, history):
-    """Forces of the storeys and of their dampers, and the updated history of the storeys."""
+    """Sum of the forces of storeys and dampers, and the updated history of the storeys."""
     of_storeys, history = storeys(u, v, history)
     return of_storeys + dampers(u, v), history
 

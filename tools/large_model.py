@@ -1,9 +1,10 @@
-"""Time of ``study.assess`` for a model of many unknowns, in seconds and as a multiple of a run at the recommended step.
+"""Time of ``study.assess`` for a model of many unknowns, in seconds and as a multiple of the time of one run.
 
 python tools/large_model.py COLUMNS ROWS [SECONDS]
 
 The model is a membrane of COLUMNS by ROWS unknowns on a unit square with twenty cubic stops, Rayleigh damping and a
-harmonic load. Two implicit schemes are assessed for 10 and 1 % over five seconds.
+harmonic load. Two implicit schemes are assessed for errors of 10 and 1 % over five seconds of motion. The one
+run has a recommended step size.
 """
 
 import math
@@ -21,7 +22,7 @@ SCHEMES, DURATION, ERRORS = ("average_acceleration", "bathe"), 5.0, (0.1, 0.01)
 
 
 def membrane(columns: int, rows: int) -> study.Problem:
-    """A membrane held at its edge, by second differences."""
+    """A membrane held at its edge, discretised by second differences."""
 
     def second_difference(n):
         return (n + 1) ** 2 * sparse.diags_array([-np.ones(n - 1), 2 * np.ones(n), -np.ones(n - 1)], offsets=[-1, 0, 1])

@@ -1,9 +1,10 @@
-"""Number of random steps below a step recommended by ``study.assess`` at which a run exceeds the error.
+"""Number of random step sizes, below a step size that ``study.assess`` recommends, at which a run exceeds the error.
 
     python tools/recommended_steps.py [NAME ...]
 
-The script draws 1,000 random steps between a twentieth of a recommended step and the step itself, with another seed. It
-prints how many of them exceed the error, and the largest error divided by the allowed error.
+The script draws 1,000 random step sizes between a twentieth of a recommended step size and the recommended step size,
+with another seed than the assessment. It prints the number of step sizes at which the error exceeds the allowed error,
+and the largest error divided by the allowed error.
 """
 
 import sys
@@ -47,7 +48,7 @@ PROBLEMS = {
 
 
 def check(name: str) -> None:
-    """Print a line for every scheme, quantity and error of a problem."""
+    """Print a line for every scheme, quantity and allowed error of a problem."""
     problem, quantities, duration = PROBLEMS[name]()
     ds = assess(problem, SCHEMES, duration=duration, quantities=quantities, errors=(0.1, 0.01), maps=False)
     equation, wanted = excited(problem, 1.0, displaced=True), errors.named(quantities)

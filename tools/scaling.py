@@ -2,12 +2,12 @@
 
 ``python tools/scaling.py OUTPUT``, in the folder of a finished study, reads the plan of the pipeline and
 ``results/benchmarks``. It assigns ready jobs to free cores, the longest path first, and writes a table OUTPUT.csv and a
-figure OUTPUT.png of time against cores. The time of a job is at most its processor time, as on one idle core. Figures
-and pages are drawn one after the other. Waiting in a queue and the exclusive node of timed jobs are
-not counted.
+figure OUTPUT.png of time against cores. The time of a job is its elapsed time or, if shorter, its processor time, as
+on one idle core. Figures and pages are drawn one after another. Waiting in a queue and the exclusive node of timed jobs
+are not counted.
 
 The study must have been made with ``snakemake --no-hooks``, without the worker that runs the jobs of a local run,
-because Snakemake measures the processor and memory of the processes that it starts itself.
+because Snakemake measures processor time and memory only of processes that it starts itself.
 
 The script also prints entries for ``profiles/slurm``: memory and run time of the rules that need more than the
 defaults.
@@ -65,7 +65,7 @@ def measured() -> dict[str, Job]:
         inputs = step["jobs"][job]["inputs"]
         after = tuple(dict.fromkeys(maker[one] for one in inputs if one in maker))
         taken = pd.read_csv(file, sep="\t").iloc[0]
-        # Snakemake measures every half second and later every half minute; it does not measure the shortest jobs
+        # Snakemake may miss the last interval between two measurements, and does not measure the shortest jobs
         missed = SAMPLED[int(taken.s > SAMPLED[1])]
         seconds = taken.s if pd.isna(taken.cpu_time) else min(taken.s, taken.cpu_time + missed)
         jobs[name] = Job(name, float(seconds), after, step["group"] or "", step["name"], float(taken.max_rss))
@@ -87,7 +87,7 @@ def longest_paths(jobs: dict[str, Job]) -> dict[str, float]:
 
 
 def critical_path(jobs: dict[str, Job]) -> list[str]:
-    """The chain of jobs that no number of cores makes shorter."""
+    """Names of the jobs on the longest path, which no number of cores makes shorter."""
     length = longest_paths(jobs)
     path = [max(length, key=length.__getitem__)]
     while followers := [job.name for job in jobs.values() if path[-1] in job.after]:
@@ -96,7 +96,7 @@ def critical_path(jobs: dict[str, Job]) -> list[str]:
 
 
 def makespan(jobs: dict[str, Job], cores: int) -> float:
-    """Seconds until all jobs are done, if ready jobs with the longest path start first."""
+    """Seconds until all jobs are done on a number of cores, if ready jobs with the longest path start first."""
     length, waits = longest_paths(jobs), {name: set(job.after) for name, job in jobs.items()}
     ready = [(-length[name], name) for name, after in waits.items() if not after]
     heapq.heapify(ready)
@@ -125,7 +125,10 @@ def makespan(jobs: dict[str, Job], cores: int) -> float:
 
 
 def resources(jobs: dict[str, Job]) -> str:
-    """Entries of a profile for rules beyond its defaults: 1.5 times the memory, and three times the run time."""
+    """Entries of a profile for rules that need more than its defaults.
+
+    A rule is given at least 1.5 times the memory and three times the run time of its largest and longest jobs.
+    """
     rules: dict[str, list[Job]] = {}
     for job in jobs.values():
         rules.setdefault(job.rule, []).append(job)

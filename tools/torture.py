@@ -1,4 +1,4 @@
-"""Kill the pipeline at random moments, and compare the products of the next calls with an undisturbed run.
+"""Kill the pipeline at random moments, and compare the products of the next calls with those of an undisturbed run.
 
 ``python tools/torture.py KILLS OUTPUT`` works in copies of the project. Before every kill some products are removed, so
 that the pipeline has work. After every kill a plain call must succeed. OUTPUT is a table of kills, restarts and
@@ -35,7 +35,7 @@ PRODUCTS = (
     "figures/hardening.pdf",
     "figures/round_off.pdf",
 )
-#: Products that are removed before a kill.
+#: Number of products that are removed before each kill.
 REMOVED = 3
 
 
@@ -65,7 +65,7 @@ def _one_job(run: subprocess.Popen, moment: float) -> bool:
 
 
 def _a_writer(run: subprocess.Popen, moment: float) -> bool:
-    """Kill all jobs as soon as an unfinished file exists, and return whether there was one."""
+    """Kill all jobs as soon as an unfinished file exists, and return whether an unfinished file appeared."""
     folders = {Path(psutil.Process(run.pid).cwd(), "results", name).parent for name in PRODUCTS}
     seen = False
     while not seen and run.poll() is None:
@@ -95,14 +95,14 @@ def _hashes(folder: Path) -> dict[str, str]:
 
 
 def _killed(folder: Path, mode: str, moment: float) -> bool:
-    """Start the pipeline and kill it, and return whether it was still running."""
+    """Start the pipeline, kill it in a way of ``MODES``, and return whether it was still at work."""
     command = [sys.executable, "-m", "snakemake", *_targets(), "--configfile", str(SMALL)]
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     with (folder / "torture.log").open("a") as log:
         run = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment, start_new_session=True)
         try:
             at_work = MODES[mode](run, moment)
-        except (ProcessLookupError, psutil.NoSuchProcess):  # the run ended at that moment
+        except (ProcessLookupError, psutil.NoSuchProcess):  # the run had just ended
             at_work = False
         run.wait()
     return at_work
@@ -114,7 +114,7 @@ def _remove(folder: Path, choose: random.Random) -> None:
 
 
 def _undisturbed(folder: Path, choose: random.Random) -> float:
-    """Seconds of an undisturbed call with as much work as the killed ones."""
+    """Seconds of an undisturbed call with as much work as the killed calls."""
     _remove(folder, choose)
     start = time.monotonic()
     restarted(folder)
@@ -126,10 +126,10 @@ def _targets() -> list[str]:
 
 
 def torture(undisturbed: Path, tortured: Path, kills: int, seed: int = 0) -> pd.DataFrame:
-    """Kill the pipeline in a finished copy of the project; the table has a row for each kind of kill.
+    """Kill the pipeline repeatedly in a finished copy of the project; return a table with a row for each kind of kill.
 
-    The moments of the kills are random within the time of an undisturbed call; the kill of writing jobs waits for an
-    unfinished file instead.
+    The moments of the kills are random within the time of an undisturbed call. The kill of jobs that write a file waits
+    for an unfinished file instead.
 
     Raises
     ------

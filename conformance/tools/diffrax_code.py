@@ -1,8 +1,8 @@
 """diffrax, a library of solvers in JAX: ``python -m conformance conformance.tools.diffrax_code:step``.
 
-The unknowns are (u, v). Symplectic Euler is a solver of diffrax. Other schemes are its explicit and diagonally implicit
-Runge-Kutta solvers with the tableau of the scheme: average acceleration is the trapezoidal rule, and Bathe's method has
-three stages. The equations are taken from the study, because JAX must differentiate them.
+The state is (u, v). Symplectic Euler is a solver of diffrax. Every other scheme is an explicit or diagonally implicit
+Runge-Kutta solver of diffrax with the tableau of the scheme: average acceleration is the trapezoidal rule, and Bathe's
+method has three stages. The equations are taken from the study, because JAX must differentiate them.
 """
 
 import json
@@ -16,12 +16,12 @@ import optimistix
 from conformance.tools.time_integration_study import problem_of
 from study.mechanics.balance import acceleration
 
-#: Relative correction of the state at which Newton's iteration ends; the error is about its square.
+#: Relative correction of the state at which Newton's iteration ends; the remaining error is about its square.
 _TOLERANCE = 1e-10
 
 
 def _solver(rows, weights) -> Any:
-    """Solver of the tableau with these rows, each with its entry on the diagonal."""
+    """Runge-Kutta solver with a tableau whose rows end with the diagonal entry."""
     lower, diagonal = [np.array(row[:-1]) for row in rows[1:]], np.array([row[-1] for row in rows])
     implicit = bool(diagonal.any())
     given = diffrax.ButcherTableau(

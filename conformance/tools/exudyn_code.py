@@ -12,7 +12,7 @@ from exudyn.utilities import NodeGenericODE2, ObjectGenericODE2, SensorNode
 
 
 def _settings(scheme, dt, steps):
-    """Simulation settings and the solver of a scheme; None for a scheme that Exudyn does not have."""
+    """Simulation settings and solver of a scheme; the solver is None if Exudyn does not have the scheme."""
     settings: Any = exudyn.SimulationSettings()
     integration = settings.timeIntegration
     integration.numberOfSteps, integration.endTime = steps, dt * steps
@@ -20,7 +20,7 @@ def _settings(scheme, dt, steps):
     integration.newton.relativeTolerance = integration.newton.absoluteTolerance = 1e-13
     integration.newton.useModifiedNewton = False
     settings.solutionSettings.writeSolutionToFile = False
-    settings.solutionSettings.sensorsWritePeriod = dt / 2  # every step
+    settings.solutionSettings.sensorsWritePeriod = dt / 2  # less than a step, so that every step is written
     alpha = integration.generalizedAlpha
     alpha.computeInitialAccelerations = True
     family, solvers = scheme["family"], exudyn.DynamicSolverType

@@ -1,7 +1,7 @@
 """Newmark's family in NumPy, an example of a code that the kit runs.
 
-``python -m conformance conformance.tools.newmark:step`` judges average acceleration and its relatives, central
-difference, Wilson's θ-method, HHT-α and generalized-α on every problem of the kit.
+``python -m conformance conformance.tools.newmark:step`` judges Newmark's method, central difference,
+Wilson's θ-method, HHT-α and generalized-α on every problem of the kit.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """OpenSees, a finite element code: ``python -m conformance conformance.tools.opensees:step``.
 
-Every entry of a stiffness or damping matrix is a spring or a dashpot between two nodes on a line. OpenSees does not
-compute the acceleration at the start; ``step`` sets it, but ``from_zero`` does not. ``others`` and ``more`` run
-integrators of other names for the same schemes.
+A stiffness or damping matrix is modelled by springs or dashpots between nodes on a line. OpenSees does not compute the
+acceleration at the start; ``step`` sets it, but ``from_zero`` does not. ``others`` and ``more`` run the integrators
+that OpenSees has for the same schemes under other names.
 """
 
 import math
@@ -12,12 +12,12 @@ from functools import partial
 import numpy as np
 import openseespy.opensees as ops
 
-#: Name and arguments of the integrator of each family, from the numbers of a scheme.
+#: Name and arguments of the integrator of each family, from the parameters of a scheme.
 INTEGRATORS: dict[str, Callable[..., tuple]] = {
     "newmark": lambda beta, gamma: ("Newmark", gamma, beta),
     "central_difference": lambda: ("NewmarkExplicit", 0.5),
     "hht": lambda alpha, beta, gamma: ("HHT", 1 + alpha, gamma, beta),
-    # its usage message has γ before β, but its constructor has β before γ
+    # the usage message of GeneralizedAlpha has γ before β, but its constructor has β before γ
     "generalized_alpha": lambda alpha_m, alpha_f, beta, gamma: (
         "GeneralizedAlpha",
         1 - alpha_m,
@@ -32,7 +32,7 @@ INTEGRATORS: dict[str, Callable[..., tuple]] = {
 }
 
 
-#: Other integrators of the same families.
+#: Integrators of OpenSees with other names, for the same families.
 OTHERS: dict[str, Callable[..., tuple]] = {
     "newmark": lambda beta, gamma: ("Newmark", gamma, beta, "-form", "A"),
     "generalized_alpha": lambda alpha_m, alpha_f, beta, gamma: (
@@ -46,7 +46,7 @@ OTHERS: dict[str, Callable[..., tuple]] = {
     "kr_alpha": lambda rho_inf: ("KRAlphaExplicit_TP", rho_inf),
 }
 
-#: A third set of integrators.
+#: Integrators of OpenSees with a third name, for the same families.
 MORE: dict[str, Callable[..., tuple]] = {
     "central_difference": lambda: ("CentralDifference",),
     "hht": lambda alpha, beta, gamma: ("HHT_TP", 1 + alpha, beta, gamma),
@@ -61,7 +61,7 @@ MORE: dict[str, Callable[..., tuple]] = {
 
 
 def _springs(text):
-    """A material for every pair of nodes with a spring or a dashpot; node 1 is fixed."""
+    """Add the springs and dashpots of a problem to the model of OpenSees; node 1 is fixed."""
     form, n = text["form"], len(text["u0"])
     numbers = {name: np.array(value, float) for name, value in text["parameters"].items()}
     damping = np.array(text["damping"], float)
@@ -69,7 +69,7 @@ def _springs(text):
     tag = 0
     for i in range(n):
         for j in range(-1, i):
-            # the stiffness of the spring to the ground is the sum of the row
+            # the sum of a row is the stiffness or damping to the fixed node
             k, c = (m[i].sum() if j < 0 else -m[i, j] for m in (stiffness, damping))
             if k or c:
                 tag += 1
@@ -81,7 +81,7 @@ def _springs(text):
     elif form == "elastoplastic":
         ops.uniaxialMaterial("Steel01", 99, *(float(numbers[name]) for name in ("yield_force", "k", "hardening")))
     elif form == "gap":
-        # a material without tension, with reversed nodes
+        # ENT resists compression only; with reversed nodes it resists u > 0
         ops.uniaxialMaterial("ENT", 99, float(numbers["k"]))
     elif form != "linear":
         raise NotImplementedError(f"it has no material for the form {form}")

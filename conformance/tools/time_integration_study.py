@@ -20,7 +20,7 @@ from study.scheme.wrapper.with_history import WithHistory
 
 _ARRAYS = ("u0", "v0", "mass", "damping")
 
-#: Rows of the longest case.
+#: Number of rows of the longest motion: the start and 320 steps.
 _ROWS = 321
 
 #: Zero load and ground at rest, so that problems with and without load or ground motion share a program.
@@ -30,7 +30,7 @@ _STARTS = {"linear acceleration": "linear_acceleration", "taylor": "taylor"}
 
 
 class _Smooth(eqx.Module):
-    """K u for several unknowns, and the smooth springs of the kit for one unknown."""
+    """K u for several unknowns, and the sum of the smooth springs of the kit for one unknown."""
 
     stiffness: np.ndarray
     S1: np.ndarray
@@ -101,7 +101,7 @@ def problem_of(written):
 
 def scheme_of(text):
     """The scheme of a case as a scheme of the study."""
-    # NumPy numbers are arguments of a compiled program, Python numbers would be constants in it
+    # NumPy numbers become arguments of the compiled program; Python numbers would become constants in it
     numbers = {name: np.float64(value) for name, value in text.items() if name not in ("family", "start")}
     makers: dict[str, Callable[..., study.Scheme]] = {
         "newmark": study.Newmark,

@@ -1,6 +1,6 @@
-"""Speed of the study: ratios of times that are measured in turns, on one core unless stated otherwise.
+"""Speed of the study: ratios of its times to times of a baseline, measured in turns, on one core by default.
 
-``make benchmark`` runs it, prints the ratios as a table and writes them to ``results/benchmark.nc``.
+``make benchmark`` measures the ratios, prints them as a table and writes them to ``results/benchmark.nc``.
 """
 
 import os
@@ -24,7 +24,7 @@ from study.io import provenance, write
 
 #: Number of measured turns of each case, after one turn to warm up; nine give reliable ratios.
 REPEATS = int(os.environ.get("REPEATS", "9"))
-#: Target of the time to trace and compile, in s.
+#: Largest acceptable time to trace and compile, in s.
 COMPILE_AT_MOST = 0.3
 
 _COMPILE = """
@@ -42,9 +42,9 @@ print(len(misses))
 
 
 def compilation() -> pd.DataFrame:
-    """Seconds to trace and compile, by problem and scheme, and number of compiled programs, in two processes."""
+    """Seconds to trace and compile each problem and scheme, and number of compiled programs, in two processes."""
     with tempfile.TemporaryDirectory() as folder:
-        # without the cache of this process, which has imported the study
+        # both processes share a new cache; the import of the study has set JAX's variables to the usual cache
         inherited = {name: value for name, value in os.environ.items() if not name.startswith("JAX_")}
         environment = inherited | {"XDG_CACHE_HOME": folder}
         columns = {}
@@ -59,7 +59,7 @@ def compilation() -> pd.DataFrame:
 
 
 def measure(cases: list[Case]) -> xr.Dataset:
-    """Measure every case in turns; the first turn is a warm-up."""
+    """Times of every case and of its baseline, measured in turns after one turn to warm up, and their ratios."""
     ours, baseline = np.empty((len(cases), REPEATS)), np.empty((len(cases), REPEATS))
     for c, case in enumerate(cases):
         for repeat in range(-1, REPEATS):

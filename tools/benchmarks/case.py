@@ -1,4 +1,4 @@
-"""The timed cases, and their durations."""
+"""The type of a timed case, and functions that make and time cases."""
 
 import importlib.util
 import time
@@ -9,24 +9,24 @@ from typing import NamedTuple
 
 from study.problem.named import printed_periods
 
-#: Steps of a single run.
+#: Number of steps of a single run.
 STEPS = 100_000
 
 
 class Case(NamedTuple):
-    """Two functions that are timed in turns and return the seconds of the same work."""
+    """Two functions that return the seconds of comparable work, and are called in turns."""
 
     name: str
     ours: Callable[[], float]
     baseline: Callable[[], float]
-    #: Largest acceptable ratio.
+    #: Largest acceptable ratio of our time to the time of the baseline.
     target: float
-    #: Number of steps by which the times are divided.
+    #: Number of steps by which both times are divided.
     steps: int
 
 
 def example(name: str) -> ModuleType:
-    """A file of the examples as a module."""
+    """The file of this name in ``examples/`` as a module."""
     spec = importlib.util.spec_from_file_location(name, Path(__file__).parents[2] / "examples" / f"{name}.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -35,7 +35,7 @@ def example(name: str) -> ModuleType:
 
 
 def step_size(problem: str) -> float:
-    """A thousandth of the period."""
+    """A thousandth of the printed period of a spring."""
     return printed_periods[problem] / 1000
 
 

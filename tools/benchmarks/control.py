@@ -1,4 +1,4 @@
-"""Controlled steps: the cost of a trial step compared with an equal step of the same scheme."""
+"""Controlled steps: the cost of a trial step compared with the cost of an equal step of the same scheme."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -11,7 +11,7 @@ from study.problem.named import approximate_periods
 
 
 def cases() -> Iterator[Case]:
-    """A spring and a chain, with schemes whose estimate needs no further forces."""
+    """All timed cases of controlled steps, with schemes whose error estimate needs no further force evaluation."""
     for problem, duration, tolerance in (
         ("hardening", 200 * approximate_periods["hardening"], 1e-6),
         ("fpu_chain", 60.0, 1e-6),

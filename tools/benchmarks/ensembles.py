@@ -1,4 +1,4 @@
-"""Ensembles against single runs, against C, and against ensembles of other sizes and mixtures."""
+"""Ensembles compared with single runs, with C, and with ensembles of other sizes or of other mixtures of lanes."""
 
 import os
 from collections.abc import Iterator

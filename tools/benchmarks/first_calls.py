@@ -1,4 +1,4 @@
-"""First calls on a structure, with compilation, against a loop written by hand; lanes against single runs."""
+"""First calls on a structure, with compilation, compared with a hand-written loop; lanes compared with single runs."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -52,7 +52,7 @@ def _by_hand(frame: study.Problem) -> Callable:
 
 
 def first(call: Callable[[], Any]) -> float:
-    """Seconds of a call without compiled programs."""
+    """Seconds of a call that has to compile its programs."""
     jax.clear_caches()
     jax.config.update("jax_enable_compilation_cache", False)
     start = time.perf_counter()
@@ -67,7 +67,7 @@ def _as_often(call: Callable[[], Any]) -> float:
 
 
 def cases() -> Iterator[Case]:
-    """First calls of one run and of eight lanes, and eight lanes against eight runs."""
+    """All timed cases: first calls of one run and of eight lanes, and eight lanes compared with eight runs."""
     frame = example("frame").frame
     by_hand = _by_hand(frame)
     u0 = np.linspace(0.0, 1e-3, LANES)[:, None] * np.ones(3)

@@ -26,7 +26,7 @@ _ENSEMBLE = ("-O3", "-march=native", "-ffast-math", "-fopenmp-simd")
 
 
 def compiler() -> str | None:
-    """The C compiler, if there is one."""
+    """Path of the C compiler; None if there is no compiler."""
     return shutil.which(os.environ.get("CC", "gcc"))
 
 
@@ -40,7 +40,7 @@ def _library(spring: str, flags: tuple[str, ...], folder: str) -> ctypes.CDLL:
 
 
 def single(spring: str, scheme: str, u0: float, dt: float, steps: int, folder: str) -> tuple[float, float]:
-    """Seconds of one run, and its largest energy error as a fraction."""
+    """Seconds of one run in C, and its largest energy error as a fraction."""
     run = getattr(_library(spring, _SINGLE, folder), f"run_{scheme}")
     run.restype = ctypes.c_double
     start = time.perf_counter()
@@ -49,7 +49,7 @@ def single(spring: str, scheme: str, u0: float, dt: float, steps: int, folder: s
 
 
 def ensemble(spring: str, u0: np.ndarray, dt: float, steps: int, force, folder: str) -> tuple[float, np.ndarray]:
-    """Seconds of an ensemble with two fixed Newton iterations per step, and the displacements at its end."""
+    """Seconds of an ensemble in C with two Newton iterations in every step, and the displacements at its end."""
     run = _library(spring, _ENSEMBLE, folder).ensemble
     u, v, a, largest = u0.copy(), np.zeros_like(u0), -np.asarray(force(u0)), np.zeros_like(u0)
     pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (u, v, a, largest)]

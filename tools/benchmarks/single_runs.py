@@ -1,4 +1,4 @@
-"""One run at a time: against C, heyoka and OpenSees, and of the schemes against each other."""
+"""Single runs compared with C, heyoka and OpenSees, and single runs of schemes compared with each other."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from study.observer.base import Reduction
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.problem.named import printed_periods
 
-#: Number of stages that one Newton iteration of a scheme solves for together, if not one.
+#: Number of stages for which one Newton iteration of a scheme solves together; one for other schemes.
 STAGES = {"gauss4": 2}
 #: Largest acceptable ratio to C, by spring and scheme; the ratio of average acceleration holds for other schemes.
 TO_C = {
@@ -36,7 +36,7 @@ def cases(folder: str) -> Iterator[Case]:
 
 
 def against_c(folder: str) -> Iterator[Case]:
-    """A run that observes the energy, against the same formulas in C."""
+    """A run that observes the energy, compared with the same formulas in C."""
     for spring, targets in TO_C.items():
         for name in peer.SCHEMES:
             ours = Timed(study.problems[spring], study.schemes[name], (MaxEnergyError(),))
@@ -54,7 +54,7 @@ def against_c(folder: str) -> Iterator[Case]:
 
 
 def tangents() -> Iterator[Case]:
-    """Every implicit scheme against average acceleration, per tangent that is solved for."""
+    """Every implicit scheme compared with average acceleration, by time per solution of a linear system."""
 
     def timed(spring, name):
         scheme, dt = study.schemes[name], step_size(spring)
@@ -73,7 +73,7 @@ def tangents() -> Iterator[Case]:
 
 
 def forces() -> Iterator[Case]:
-    """Every explicit scheme against central difference, per force that is evaluated."""
+    """Every explicit scheme compared with central difference, by time per evaluation of the force."""
     for spring in TO_C:
         dt = step_size(spring)
         baseline = Timed(study.problems[spring], study.schemes["central_difference"], (EnergyDrift(),))
@@ -90,7 +90,7 @@ def forces() -> Iterator[Case]:
 
 
 def against_heyoka() -> Iterator[Case]:
-    """The scheme of highest order against heyoka: 100 periods of the hardening spring to 1e-10."""
+    """The scheme of highest order compared with heyoka, over 100 periods of the hardening spring to 1e-10."""
     problem, parts, periods = study.problems["hardening"], 32, 100
     exact_period, certified = exact.period(problem, printed_periods["hardening"])
     period = float(exact_period)
@@ -103,7 +103,7 @@ def against_heyoka() -> Iterator[Case]:
     run = Timed(problem, study.schemes["extrapolation12"], (EnergyDrift(),))
     yield Case(
         "extrapolation12, 100 periods to 1e-10 : heyoka",
-        # heyoka's time excludes its set-up and the call, so ours is measured over ten times as many periods
+        # heyoka's time excludes set-up and call; over ten times as many periods our set-up and call matter little
         lambda: run.run(period / parts, 10 * parts * periods)[0] / 10,
         lambda: taylor.trajectory(problem, t, 1e-13).seconds,
         1.0,
@@ -112,7 +112,7 @@ def against_heyoka() -> Iterator[Case]:
 
 
 def recording() -> Iterator[Case]:
-    """Runs that record a trajectory against runs that record none."""
+    """Runs that record a trajectory, compared with runs that record no trajectory."""
 
     def run(steps, **more):
         return timed(
@@ -130,7 +130,7 @@ def recording() -> Iterator[Case]:
 
 
 def many_steps() -> Iterator[Case]:
-    """A long run against short runs with as many steps in all; the cost must be linear in the number of steps."""
+    """A long run compared with short runs, in proportion; the cost must be linear in the number of steps."""
     scheme = Timed(study.problems["hardening"], study.schemes["central_difference"], (MaxEnergyError(),))
     for steps in (10**7, 10**8):
         yield Case(
@@ -145,12 +145,12 @@ def many_steps() -> Iterator[Case]:
 
 
 def observers() -> Iterator[Case]:
-    """Every scheme with all observers against none: loops must stay below XLA's limit of native loops."""
+    """Every scheme with all observers compared with one observer; XLA must still compile the longer loops natively."""
 
     def run(spring, name, **more):
         return timed(lambda: study.run(spring, name, dt=step_size(spring), steps=STEPS * 10, **more))
 
-    # without observers that need a neighbour, whose march is another program
+    # observers that need a neighbouring motion are left out, because another program computes their runs
     every_one = [
         o for o in study.observers.values() if not o.refusal(study.problems["hardening"]) and not o.needs_neighbour
     ]
@@ -177,7 +177,7 @@ def observers() -> Iterator[Case]:
 
 
 def against_opensees() -> Iterator[Case]:
-    """OpenSees, if its extra is installed, against the same scheme here."""
+    """Schemes of the study compared with the same schemes in OpenSees, if the extra ``opensees`` is installed."""
     try:
         opensees.load()
     except opensees.NotInstalled as reason:

@@ -23,7 +23,7 @@ def cases() -> Iterator[Case]:
 
 
 def few_unknowns() -> Iterator[Case]:
-    """Two and three unknowns against one."""
+    """Runs with two to three unknowns compared with runs with one unknown."""
     one = Timed(study.problems["hardening"], study.schemes["average_acceleration"], ())
     row = study.Problem(
         lambda u: jnp.stack([2 * u[0] - u[1], 2 * u[1] - u[0] - u[2], u[2] - u[1]]),
@@ -54,12 +54,12 @@ def _iterations(problem, dt, steps) -> tuple[Callable[[], float], int]:
 
 
 def long_bars() -> Iterator[Case]:
-    """A Newton iteration on a bar against LAPACK's solution of the same system alone."""
+    """A Newton iteration on a bar compared with LAPACK's solution of a system of the same size and form alone."""
     for n in (1_000, 10_000, 100_000, 1_000_000):
         bar = chains.impact_bar(n)
         ours, solved = _iterations(bar, 1 / n, max(10, 1_000_000 // n))
         bands = np.array([np.full(n, -1.0), np.full(n, 4.0), np.full(n, -1.0)])
-        # one call of LAPACK's gtsv, which pivots, for every Newton iteration
+        # the baseline is one call of LAPACK's gtsv, which pivots, for every Newton iteration
         yield Case(
             f"bar of {n:,}, an unknown and iteration : LAPACK's tridiagonal solution",
             ours,
@@ -70,7 +70,7 @@ def long_bars() -> Iterator[Case]:
 
 
 def full_tangent() -> Iterator[Case]:
-    """A Newton iteration with a full tangent of a hundred unknowns against LAPACK's solution alone."""
+    """A Newton iteration with a full tangent of a hundred unknowns compared with LAPACK's solution alone."""
     n = 100
     chain = chains.toda_chain(n)
     full = study.Problem(chain.force, chain.u0, chain.v0, tangent="dense", title="full chain")
@@ -87,7 +87,7 @@ def full_tangent() -> Iterator[Case]:
 
 
 def sparse_plates() -> Iterator[Case]:
-    """A Newton iteration on plates with few stops against SciPy's solution of such a system alone."""
+    """A Newton iteration on plates with few stops compared with SciPy's solution of its linear system alone."""
     dt = 5e-5
     for size, steps, baseline, solver, target in (
         ((100, 9), 200, "solveh_banded", _by_band, 1.4),
@@ -107,7 +107,7 @@ def sparse_plates() -> Iterator[Case]:
 
 
 def _by_superlu(matrix) -> Callable:
-    """SciPy's sparse factorisation and solution."""
+    """Function that factorises a sparse matrix and solves with it, by SciPy."""
     return lambda rhs: splu(matrix).solve(rhs)
 
 
@@ -119,7 +119,7 @@ def _as_sparse(matrix) -> sparse.csc_array:
 
 
 def _by_band(matrix) -> Callable:
-    """SciPy's solution of a symmetric band."""
+    """Function that solves with a symmetric band matrix, by SciPy."""
     width = int(np.abs(np.subtract(*matrix.nonzero())).max())
     bands = np.stack([np.pad(matrix.diagonal(-d), (0, d)) for d in range(width + 1)])
     return lambda rhs: solveh_banded(bands, rhs, lower=True)

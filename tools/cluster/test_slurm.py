@@ -15,13 +15,13 @@ import pytest
 
 from tests.pipeline.pipeline import SMALL, call_snakemake, copied
 
-#: Products: jobs on the node, figures in one group, a table on the login node, and a job that measures times.
+#: Products: datasets of jobs on the node, figures of one group, and a dataset of measured times.
 PRODUCTS = ["energy_drift.nc", "houbolt_start.nc", "figures/energy_drift.pdf", "figures/roots.pdf", "cpu_time.nc"]
-#: Products that are the same, byte by byte, as in a local run.
+#: Products without measured times, which must have the same bytes as in a local run.
 UNTIMED = PRODUCTS[:-1]
-#: Options without accounting: the state of a job is read from the queue.
+#: Options of Snakemake for a Slurm without accounting: the state of a job is read from the queue.
 OPTIONS = "--workflow-profile profiles/slurm --slurm-status-command squeue --slurm-no-account".split()
-#: Seconds between two checks of the queue, fewer than in the profile, for short runs.
+#: Option with the seconds between two checks of the queue: fewer than in the profile, because the jobs are short.
 SOON = "--slurm-init-seconds-before-status-checks", "2"
 
 pytestmark = pytest.mark.slow
@@ -112,9 +112,9 @@ def test_a_node_that_goes_and_comes_back_is_survived(folder, local):
     try:
         _wait(lambda: not _queue(folder, "RUNNING"))
     finally:
-        # without check, because a node that has returned by itself cannot be resumed
+        # errors are ignored, because a node that has returned by itself cannot be resumed
         subprocess.run(["scontrol", "update", f"nodename={node}", "state=resume"], check=False)
-        for number in _queue(folder, "PENDING"):  # Slurm lets such jobs wait for two minutes
+        for number in _queue(folder, "PENDING"):  # Slurm lets a requeued job wait for two minutes
             subprocess.run(["scontrol", "update", f"jobid={number}", "starttime=now"], check=True)
     run.wait(timeout=300)
     assert run.returncode == 0, (folder / "slurm.log").read_text()[-4000:]
