@@ -147,7 +147,8 @@ def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Cal
     Raises
     ------
     ValueError
-        If the experiment makes no dataset, the name of a dataset is invalid, or the module declares a dataset twice.
+        If the experiment makes no dataset, the name of a dataset or folder is invalid, or the module declares
+        the first dataset twice.
     """
     if not makes or not all(isinstance(name, str) for name in makes):
         raise ValueError('an experiment must name the dataset that it makes: @experiment("name").')
