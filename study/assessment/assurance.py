@@ -6,7 +6,7 @@ from study.words import number
 
 
 def percent(fraction: float) -> str:
-    """A fraction in percent, as on pages of an assessment."""
+    """A fraction as a text in percent, in the form of an assessment's page."""
     return f"{number(100 * fraction)}\u00a0%"
 
 

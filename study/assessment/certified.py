@@ -40,7 +40,7 @@ class Certified(NamedTuple):
 def _holds(
     one: DenseSolution, other: DenseSolution, quantities: dict[str, Quantity], problem: Problem, most: float
 ) -> float:
-    """Last time on the grid of ``one`` up to which the two solutions agree in every quantity."""
+    """Last time on the grid of ``one`` up to which the two solutions differ by at most ``most`` in every quantity."""
     ends = [one.t[-1]]
     for quantity in quantities.values():
         _, along = errors.difference(quantity, problem, one, other)

@@ -77,7 +77,7 @@ class OscillationErrors(Reduction):
 
 def _upward_crossings(solution: DenseSolution, level: float) -> np.ndarray:
     """Times at which the displacement crosses a level upwards, on the interpolant."""
-    from scipy.optimize import brentq  # here, because its import is slow
+    from scipy.optimize import brentq  # imported here, because the import is slow
 
     u = solution.u
     before = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))

@@ -29,7 +29,8 @@ POINTS_BETWEEN_KINKS = 10
 #: Largest number of successively refined grids.
 GRIDS = 6
 
-#: Largest phase in radians of the highest mode over the duration at which explicit solvers need few enough steps.
+#: Phase in radians of the highest mode over the duration above which a problem is stiff: explicit solvers would need
+#: too many steps.
 STIFF = 2e6
 
 #: Largest number of steps of a solver.
@@ -41,9 +42,10 @@ class NoReference(ValueError):
 
 
 class Kinks(NamedTuple):
-    """Times within the duration: kinks of a record in the load, and changes of a comparison in a force or load.
+    """Times within the duration at which the acceleration has kinks or jumps.
 
-    The load may jump where a comparison changes, so a solver restarts there.
+    ``of_load`` are the kinks that a load declares, such as the samples of a record. At the times ``of_force``, a
+    comparison in a force or load changes. There the load may jump, so a solver restarts.
     """
 
     of_load: Times
@@ -76,7 +78,7 @@ def _switches_of_load(load: Callable | None, duration: float) -> Times:
 
     Without these times, both solvers would step over a short pulse.
     """
-    from scipy import optimize  # imported here, because it is slow
+    from scipy import optimize  # imported here, because the import is slow
 
     if load is None or hasattr(load, "kinks"):
         return np.zeros(0)
@@ -103,7 +105,7 @@ def _accelerations(problem: Problem, t, u, v):
 
 
 class Reference:
-    """The kinks of a problem over a duration, its grid, and the two solvers, called routes.
+    """The kinks of a problem over a duration, its grid, and the two routes, which are solvers with their settings.
 
     The first route is the Taylor method of heyoka, if the problem has one unknown and its force and load can be
     translated. Otherwise it is diffrax, with Dopri8 or, for a stiff problem, Kvaerno5. The second route is CVODE, with
@@ -170,7 +172,7 @@ class Reference:
         of_cvode = Route(f"CVODE {several_steps}", by_cvode)
         if np.ndim(problem.u0):
             return of_diffrax, of_cvode
-        from reference import symbolic, taylor  # imported here, because it takes a second
+        from reference import symbolic, taylor  # imported here, because the import takes a second
 
         def by_taylor(t, rtol):
             return taylor.trajectory(problem, t, max(rtol * 1e-2, np.finfo(float).eps))[:2]
@@ -213,10 +215,10 @@ class Reference:
         return DenseSolution(t, u, v, np.asarray(_accelerations(self.problem, *map(jnp.asarray, (t, u, v)))))
 
     def solutions(self, grid: Times, rtol: float, goal: float) -> tuple[DenseSolution, DenseSolution, Times]:
-        """Solutions of both routes, and the grid of the first one, refined until its interpolant reaches the goal.
+        """Solutions of both routes, and a grid on which the interpolant of the first solution reaches the goal.
 
-        The second solution also has points between those of the first, so that the difference of the two solutions
-        shows the error of the interpolant. At most ``GRIDS`` grids are tried.
+        The second solution also has points between the points of the first, so that the difference of the two
+        solutions shows the error of the interpolant. At most ``GRIDS`` grids are tried.
 
         Parameters
         ----------

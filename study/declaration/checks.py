@@ -19,7 +19,7 @@ def unlisted(key: str, values: Iterable, source: str, listed: Collection) -> str
 
 
 def no_multiple(key: str, values: Iterable[int], divisor: int, source: str = "") -> str | None:
-    """Refuse a value that is not a multiple of ``divisor``; ``source`` is the key of the option with the divisor."""
+    """Refuse a value that is not a multiple of ``divisor``; ``source`` is the key of the divisor's option, if any."""
     for value in values:
         if value % divisor:
             return f"{key}: {value} is not a multiple of {source + ', ' if source else ''}{divisor}."

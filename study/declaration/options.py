@@ -97,7 +97,7 @@ class Names:
 
 _FEW = Len(1, 1000)
 _DISTINCT = Checked(_distinct)
-#: ``first`` must be less than ``last``.
+#: Check that ``first`` is less than ``last``.
 IN_ORDER = Checked(_in_order)
 
 #: Relative damping of linear oscillators.
@@ -110,7 +110,7 @@ RecordedSteps = Annotated[int, Ge(1), Le(1_000_000)]
 Repeats = Annotated[int, Ge(1), Le(1000)]
 #: Number of values along an axis of a dataset.
 Length = Annotated[int, Ge(2), Le(10_000)]
-#: A time, a step size or a displacement greater than zero.
+#: A time, a step size or a displacement, from 1e-9 to 1e9.
 Size = Annotated[float, Ge(1e-9), Le(1e9)]
 #: A relative tolerance, error or perturbation.
 Tolerance = Annotated[float, Ge(1e-15), Lt(1)]
@@ -132,9 +132,9 @@ FallingTolerances = Annotated[list[Annotated[float, Ge(1e-15), Le(0.1)]], _FEW, 
 #: A name that is valid as the name of a file.
 Name = Annotated[str, Checked(_plain)]
 PlainNames = Annotated[list[Name], _FEW, _DISTINCT]
-#: A Python object in a file, FILE.py:NAME.
+#: Place of a Python object in a file, as FILE.py:NAME.
 Place = Annotated[str, Len(1, 1000)]
-#: Name of a problem, or a problem in a file, FILE.py:NAME.
+#: Name of a problem, or place of a problem in a file, as FILE.py:NAME.
 ProblemPlace = Annotated[str, Len(1, 1000), Names("problem")]
 #: Name of any problem.
 ProblemName = Annotated[str, _listed("problem"), Names("problem")]

@@ -43,7 +43,7 @@ Runnable = Callable[[str, float], Mapping]
 
 
 class Unusable(Exception):
-    """A run failed, with one of the ``STATUSES`` and the reason."""
+    """Exception for a failed run, with one of the ``STATUSES`` and the reason."""
 
     def __init__(self, status: str, reason: str):
         super().__init__(reason)
@@ -165,7 +165,7 @@ def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
         return Run(scheme, dt, STATUSES[0], "", float(seconds), elapsed, t, values)
     except Unusable as failed:
         status, reason = failed.status, failed.reason
-    except SystemExit as end:  # it would end this process, too
+    except SystemExit as end:  # SystemExit would end this process, too
         status, reason = "exit_code", f"it ended with the exit code {end.code}"
     except Exception as error:  # a user's program may raise anything
         status, reason = "raised", f"it raised {type(error).__name__}: {error}"

@@ -46,7 +46,7 @@ class Command:
 
     @property
     def source(self) -> str:
-        """The command, ``more``, and digests of all files that the command names; together they identify its runs."""
+        """The command, ``more``, and digests of all files that the command names; together they identify the runs."""
         words = shlex.split(self.template)
         files = [Path(shutil.which(words[0]) or words[0]), *map(Path, words[1:])]
         digests = [hashlib.sha256(file.read_bytes()).hexdigest() for file in files if file.is_file()]
@@ -100,7 +100,7 @@ def _check_end(code: int, printed: str) -> None:
 
 
 def _quantities(output: Path) -> dict[str, np.ndarray]:
-    """Columns of a CSV file with a header, by name; a file of one row without a column of times has single numbers."""
+    """Columns of a CSV file with a header, by name; a file of one row without times holds single numbers."""
     if not output.is_file() or not output.stat().st_size:
         raise Unusable("nothing", "it wrote nothing to {output}")
     try:

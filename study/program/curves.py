@@ -50,26 +50,26 @@ class Curve:
         """Values at some times, by a cubic spline if they are not times of this curve; a single number is constant."""
         if not self.values.ndim:
             return self.values
-        # a run with half the step needs no spline, which would take longer than a run with many components
+        # times of a run with half the step need no spline; with many components, a spline takes longer than the run
         places = np.searchsorted(self.t, times - self._slack).clip(max=len(self.t) - 1)
         if (np.abs(self.t[places] - times) <= self._slack).all():
             return self.values[places]
         return self._spline(times)
 
     def within(self, other: Curve) -> Curve:
-        """This curve at those of its times that lie within the times of another curve."""
+        """Points of this curve at times that another curve covers."""
         if not self.values.ndim:
             return self
         shared = (self.t >= other.t[0] - self._slack) & (self.t <= other.t[-1] + self._slack)
         return Curve(self.t[shared], self.values[shared])
 
     def difference(self, finer: Curve) -> Values:
-        """This curve minus a finer curve, at the times of this curve that lie within the times of the finer one."""
+        """Values of this curve minus values of a finer one, at the times of this curve that the finer one covers."""
         shared = self.within(finer)
         return shared.values - finer.at(shared.t)
 
     def distance(self, finer: Curve) -> float:
-        """Largest absolute difference from a finer curve, at the times of ``difference``."""
+        """Largest absolute value of the ``difference`` from a finer curve."""
         return float(np.abs(self.difference(finer)).max(initial=0.0))
 
     def between(self) -> float:

@@ -88,8 +88,8 @@ class Runs:
             pool.submit(os.getpid).result()
         except BrokenProcessPool:
             raise RuntimeError(
-                f"the processes for the runs of '{self.program.title}' end at once: put what starts them under `if "
-                '__name__ == "__main__":`, or give the program workers=1.'
+                f"the processes for the runs of '{self.program.title}' end at once: put the code that starts them "
+                'under `if __name__ == "__main__":`, or give the program workers=1.'
             ) from None
         return pool
 
@@ -146,7 +146,7 @@ class Runs:
         return {(s, dt): work.get(s, 0.0) / dt for s, dt in jobs}
 
     def _wait(self, each: list[float]) -> float:
-        """Wall time in s of several runs, some made at once, with ``each`` of their times in s."""
+        """Expected wall time in s of runs that take ``each`` of these times in s, several runs at once."""
         return max(max(each, default=0.0), sum(each) / self._at_once)
 
     def _in_time(self, expected: dict[Job, float]) -> list[Job]:
@@ -216,5 +216,5 @@ def _read(path: Path) -> Run:
             values = {key.removeprefix(QUANTITY): file[key] for key in file.files if key.startswith(QUANTITY)}
             return Run(scheme, dt, status, reason, seconds, elapsed, file[T], values)
     except (OSError, ValueError, KeyError, BadZipFile) as error:
-        again = "remove it, and it is made again."
+        again = "remove it, and the run is made again."
         raise NotRead(f"'{path}' cannot be used, because it is damaged ({error}): {again}") from None
