@@ -61,6 +61,6 @@ def checked_errors(allowed: Sequence[float]) -> list[float]:
     if values.min() < LEAST_ERROR:
         raise ValueError(
             f"errors must be at least {LEAST_ERROR:g}, not {values.min():g}: no reference in double precision is "
-            "accurate enough for less."
+            "accurate enough for smaller errors."
         )
     return sorted(set(values.tolist()), reverse=True)

@@ -30,7 +30,7 @@ SIZES = (1e-3, 1.0, 1e3)
 #: Largest relative deviation of a force from linearity that counts as round-off.
 ROUND_OFF = 1e-9
 
-#: Names of explicit schemes that may also give the reference, because their order is high and their steps are cheap.
+#: Names of explicit schemes that may also give the reference: their order is high, and their steps solve no equations.
 WITNESSES = ("rk4", "nystrom4")
 
 
@@ -50,8 +50,8 @@ class _Runs:
     def __post_init__(self):
         """Set ``source`` to a digest of the traced equation, the schemes, the reductions, and values at several states.
 
-        The values are accelerations and quantities at states of several sizes. They distinguish equations that differ
-        only in numbers.
+        The values are u₀, u̇₀, and the accelerations and quantities at states of several sizes. They distinguish
+        equations that differ only in numbers.
         """
 
         def of_state(t, u, v):
@@ -107,7 +107,7 @@ def _spread(places: np.ndarray, count: int) -> np.ndarray:
 
 
 def compared(problem: Problem) -> np.ndarray:
-    """Up to ``SHOWN`` unknowns: up to half of them where the force is not linear, the others spread evenly."""
+    """Up to ``SHOWN`` unknowns to compare: up to half of them where the force is not linear, the rest spread evenly."""
     chosen = _spread(_not_linear(problem), SHOWN // 2)
     others = np.setdiff1d(np.arange(np.size(problem.u0)), chosen)
     return np.union1d(chosen, _spread(others, SHOWN - len(chosen)))

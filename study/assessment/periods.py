@@ -65,7 +65,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
 
 
 def highest_frequency_along(problem: Problem, motion: DenseSolution) -> float:
-    """The highest circular frequency of small motions about points of the motion, one with its largest displacement."""
+    """Highest circular frequency of small motions about points of the motion, including its largest displacement."""
     last, unknowns = len(motion.t) - 1, np.size(problem.u0)
     places = np.linspace(0, last, max(2, STIFFEST // unknowns)).astype(int)
     farthest = np.abs(motion.u).reshape(last + 1, -1).max(axis=1).argmax()

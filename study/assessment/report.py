@@ -23,7 +23,7 @@ from study.words import document, number, text_of
 
 #: Colours of curves, which differ in greyscale and for the colour-blind.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-#: Markers of curves, whose number differs from that of the colours, so that pairs of both repeat late.
+#: Markers of curves; with seven colours and ten markers, a pair of both repeats only after 70 curves.
 MARKERS = "osD^vPX<>*"
 
 #: Largest error that is drawn.
