@@ -34,7 +34,7 @@ def _checked(one: str | Scheme) -> Scheme:
 
 
 def chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | Scheme] | None) -> dict[str, Scheme]:
-    """Schemes by their names in the dataset."""
+    """The given schemes, or the default ones, by their names in the dataset."""
     if given is None:
         return {name: schemes_by_name[name] for name in USUAL}
     if isinstance(given, Mapping) and given:
@@ -54,13 +54,13 @@ def chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | S
 
 
 def checked_errors(allowed: Sequence[float]) -> list[float]:
-    """Allowed errors, the largest first."""
+    """The distinct allowed errors, the largest first."""
     values = np.atleast_1d(np.asarray(allowed))
     if values.dtype.kind not in "fiu" or not values.size or not np.all((values > 0) & (values < 1)):
         raise ValueError(f"errors must be fractions between zero and one, such as 0.01 for one percent, not {allowed}.")
     if values.min() < LEAST_ERROR:
         raise ValueError(
             f"errors must be at least {LEAST_ERROR:g}, not {values.min():g}: no reference in double precision is "
-            "accurate enough for less."
+            "accurate enough for smaller errors."
         )
     return sorted(set(values.tolist()), reverse=True)

@@ -1,4 +1,4 @@
-"""``study.assess``: the scheme and the step that a problem needs for an error."""
+"""``study.assess``: the scheme and the step that a problem needs for an allowed error."""
 
 import math
 import time
@@ -52,20 +52,22 @@ def assess(
 ) -> xr.Dataset:
     """Find the scheme and the step that a problem needs for an allowed error, by runs against a certified reference.
 
-    Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, octave by octave
-    from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the smallest error.
-    There are up to 128 runs in an octave and 500 in the octave below a recommended step, fewer if they have many steps.
-    ``largest_dt`` is the largest step that keeps an error together with all finer steps tried, with a margin for the
-    scatter of their errors. The recommended step is the largest one below ``largest_dt`` with two digits; under a
-    record it is an integer fraction or multiple of the spacing of the samples. It is run with the given initial
-    values and load, and with values one percent smaller and larger. If none of n random finer steps exceeds the error,
-    at most 3/n of all finer steps do, with 95 % confidence. No number is interpolated.
+    Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, in octaves of the
+    step size, from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the
+    smallest error. An octave has up to 128 runs, the octave below a recommended step up to 500; both have fewer if the
+    runs have many steps. ``largest_dt`` is the largest step tried that keeps an error, as all finer steps tried do,
+    with a margin for the scatter of their errors. The recommended step is the largest step with two digits up to
+    ``largest_dt``. Under a record, it is an integer fraction or multiple of the spacing of the samples. It must keep
+    the error with the given initial values and load, and with values one percent smaller and larger. If none of n
+    random finer steps exceeds the error, at most 3/n of all finer steps do, with 95 % confidence. Every recommended
+    step was run; neither the step nor its error is interpolated.
 
-    A run ends with the last step that fits into the duration. Quantities along time are compared at every step.
+    A run ends with the last step that fits into the duration. Quantities along time are compared with the reference at
+    every step.
 
     A problem of more than 1,000 unknowns is assessed like a :class:`study.Program`: the given schemes, ``rk4`` and
-    ``nystrom4`` run with halved steps until two of them agree. Their common result is the reference, and their
-    difference is its uncertainty. Only a few random finer steps confirm a recommended step.
+    ``nystrom4`` run with halved steps until two schemes agree. The result on which they agree is the reference; its
+    uncertainty follows from their difference. Only a few random finer steps confirm a recommended step.
 
     Parameters
     ----------
@@ -76,46 +78,53 @@ def assess(
         Names in ``study.schemes``, your own :class:`study.Scheme`, or a mapping from names to schemes; ten common
         schemes by default.
     duration
-        Simulated time of the runs in seconds. The default for a free oscillator of one unknown is ten of its periods.
+        Simulated time of the runs in seconds. The default for a free undamped oscillator of one unknown is ten of its
+        periods; other problems need a duration.
     quantities
         Quantities whose errors are measured: a mapping from names to :class:`study.Quantity`. The default quantities
         are displacement and velocity along time; the acceleration, unless an unknown has no mass or the force has a
         history; the balance of energies, if the problem has a potential and its force cannot dissipate; and period,
-        phase and amplitude of a free oscillator of one unknown.
+        phase and amplitude of a free undamped oscillator of one unknown.
     errors
         Allowed errors, as fractions of the largest value of each quantity.
     maps
-        Whether to map how each scheme fails over step size and excitation. A problem of more than 1,000 unknowns has no
-        map.
+        Whether to make a map of the failures of each scheme over step size and excitation, the multiple of initial
+        values and load. A program, or a problem of more than 1,000 unknowns, has no map.
     controller
         Name in ``study.controllers``, or your own :class:`study.Controller`. Each one-step scheme then also runs with
-        controlled steps at random tolerances; the result has the tolerance that keeps each error, and its cost. It is
-        available for up to 1,000 unknowns.
+        controlled steps at random tolerances; the result has the tolerance that keeps each error, and its cost. A
+        program, or a problem of more than 1,000 unknowns, cannot have a controller.
     seconds
-        Wall time in s after which no run begins. The results so far are returned, and the verdict on the rest is
-        ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case. If the
-        time runs out, there is no map.
+        Wall time in s after which no run begins. The results so far are returned. The verdict is ``out_of_time`` where
+        the runs do not suffice. The reference of two solvers and the first runs of every scheme are made in any case.
+        If the time runs out, there is no map.
 
     Returns
     -------
     xarray.Dataset
         Over ``scheme``, ``dt`` and ``quantity``: ``error``. Over ``scheme`` and ``dt``: ``status``,
         ``energy_imbalance`` and ``newton_iterations``. Where a step was not tried, ``status`` is ``not_tried`` and the
-        other variables are NaN. Over ``scheme``, ``quantity`` and ``allowed_error``: ``recommended_dt`` and the
-        error there, ``largest_dt``, ``verdict``, ``steps_tried`` from a twentieth of the recommended step up to it and
-        the ``worst_error`` among them as a fraction of the allowed one, ``time`` with its spread,
-        ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is the highest
-        circular frequency of small motions about points of the reference. With a controller: ``tolerance``, the largest
-        of 1, 2 and 5 times a power of ten that keeps the error together with all smaller ones tried, down to a
-        hundredth of it; ``tolerance_error``, ``controlled_steps`` and ``controlled_force_evaluations``. For a program
-        also ``reason``, ``run_time`` and ``repeated``, and ``remarks`` among the attributes; variables without a value
-        for programs are NaN. Attributes name the routes of the reference, the time up to which it holds, versions and
+        other variables are NaN. Over ``scheme``, ``quantity`` and ``allowed_error``: ``verdict``, ``largest_dt`` and
+        ``recommended_dt``; ``recommended_error``, ``time``, ``time_spread`` and ``force_evaluations`` of the run with
+        the recommended step; ``steps_tried``, the number of steps tried from a twentieth of the recommended step up to
+        it, and ``worst_error``, their largest error as a fraction of the allowed one. Over ``quantity``:
+        ``reference_uncertainty``. ``highest_frequency`` is the highest circular frequency of small motions about
+        points of the reference.
+
+        With a controller: ``tolerance``, the largest round tolerance (1, 2 or 5 times a power of ten) that keeps the
+        error, as all smaller tolerances tried do, down to a hundredth of it; ``tolerance_error``, ``controlled_steps``
+        and ``controlled_force_evaluations`` of the run with this tolerance.
+
+        For a program: ``reason`` and ``run_time`` of each run; ``repeated``, the relative difference of a repeated run
+        of each scheme; and the attribute ``remarks``. Variables that have no value for a program are NaN.
+
+        Attributes name the solvers or schemes that gave the reference, the time up to which it holds, versions and
         processor. :func:`study.recommend` and :func:`study.report` take this dataset.
 
     Raises
     ------
     KeyError
-        If there is no such problem or scheme.
+        If there is no such problem, scheme or controller.
     TypeError, ValueError
         If an argument is invalid, the problem does not move, or no reference is accurate enough.
 
@@ -134,7 +143,7 @@ def assess(
             )
         own = narrowed(problem, schemes)  # type: ignore[arg-type]
         return assess_program(own, checked_errors(errors), seconds, Progress(len(own.schemes)).report)
-    # a factor of one changes no number; with it, the problem shares the compiled program with its neighbours
+    # the problem scaled by one shares a compiled program with the problems whose start is one percent away
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
     wanted = _wanted(quantities, equation)
@@ -237,7 +246,7 @@ def assess(
 
 
 def _lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
-    """A sentence if the energy at the start is too small as a scale of errors of the balance; empty otherwise."""
+    """A sentence if the energy at the start is too small to scale the errors of the balance of energies; else empty."""
     if problem.load is not None:
         return ""
     at_start = abs(float(problem.energy(problem.u0, problem.v0)))
@@ -271,7 +280,7 @@ def _wanted(quantities: Mapping[str, Quantity] | None, problem: Problem) -> dict
 
 
 def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: Progress) -> dict[str, Assessed]:
-    """Results of each scheme; after Ctrl-C, results of the finished schemes."""
+    """Results by name of the scheme; after Ctrl-C, results of the finished schemes only."""
     with progress.bar, ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
         waiting = {name: pool.submit(of, scheme) for name, scheme in schemes.items()}
         try:

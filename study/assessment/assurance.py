@@ -6,12 +6,12 @@ from study.words import number
 
 
 def percent(fraction: float) -> str:
-    """A fraction in percent, as on pages of an assessment."""
+    """A fraction as a text in percent, in the form of an assessment's page."""
     return f"{number(100 * fraction)}\u00a0%"
 
 
 def confirmation(assessed: xr.Dataset) -> str:
-    """Sentences on the steps that confirm the recommended ones, and the confidence; empty if no step is recommended."""
+    """Sentences on the steps that confirm recommended steps, and on the confidence; empty if no step is recommended."""
     tried = assessed.steps_tried.values[assessed.recommended_dt.notnull().values]
     if not tried.size:
         return ""
@@ -39,7 +39,7 @@ def confirmation(assessed: xr.Dataset) -> str:
 
 
 def limits_of_reference(assessed: xr.Dataset) -> str:
-    """The remarks on a program, or a sentence on a reference that holds only for part of the duration; may be empty."""
+    """The remarks on a program, or a sentence if the reference holds only for part of the duration; otherwise empty."""
     if assessed.attrs.get("remarks"):
         return f"{assessed.attrs['remarks']}."
     held, requested = assessed.attrs["duration"], assessed.attrs["duration_requested"]

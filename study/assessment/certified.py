@@ -1,4 +1,4 @@
-"""The certified reference of a problem, by two routes whose tolerance is tightened until they agree."""
+"""The certified reference of a problem, by two solvers whose tolerance is tightened until they agree."""
 
 from typing import NamedTuple
 
@@ -14,18 +14,18 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
 from study.observer.motion import Quantity
 
-#: Uncertainty of the reference: target and maximum, as parts of the smallest allowed error.
+#: Target and maximum of the uncertainty of the reference, as fractions of the smallest allowed error.
 AIMED, ACCEPTED = 1 / 100, 1 / 10
 
-#: Relative tolerances of the routes, from the first try to the last.
+#: Relative tolerances of the two solvers, from the first try to the last.
 TOLERANCES = (1e-8, 1e-10, 1e-12, 1e-14)
 
-#: Smallest part of the duration over which the two solutions must agree.
+#: Smallest fraction of the duration over which the two solutions must agree.
 SHORTEST = 0.05
 
 
 class Certified(NamedTuple):
-    """The solution, its quantities, their uncertainty, and the time up to which it holds."""
+    """The reference solution, its quantities, their uncertainty, and the time ``horizon`` up to which it holds."""
 
     solution: DenseSolution
     targets: dict[str, Target]
@@ -40,7 +40,7 @@ class Certified(NamedTuple):
 def _holds(
     one: DenseSolution, other: DenseSolution, quantities: dict[str, Quantity], problem: Problem, most: float
 ) -> float:
-    """Last time on the grid of ``one`` up to which the two solutions agree in every quantity."""
+    """Last time on the grid of ``one`` up to which the two solutions differ by at most ``most`` in every quantity."""
     ends = [one.t[-1]]
     for quantity in quantities.values():
         _, along = errors.difference(quantity, problem, one, other)
@@ -57,14 +57,14 @@ def certified(
     coarsest: float,
     periodic: bool,
 ) -> Certified:
-    """The reference, from two routes whose tolerance is tightened until they agree.
+    """The reference, from two solvers whose tolerance is tightened until they agree.
 
     Raises
     ------
     NoReference
-        If the routes fail, or agree only over a small part of the duration.
+        If the solvers fail, or agree only over less than a twentieth of the duration.
     ValueError
-        If the problem has no motion.
+        If the problem does not move, or a quantity is not finite or is zero at all times.
     """
     reference = Reference(problem, duration)
     (route, witness), grid = reference.routes, reference.grid(coarsest)
@@ -106,12 +106,14 @@ def certified(
 def cases_of(
     problem: Problem, reference: Certified, quantities: dict[str, Quantity], tightest: float
 ) -> dict[float, Case]:
-    """The problem and its neighbours, each with its own reference.
+    """The problem, and its neighbours with start and load one percent smaller and larger, each with its own reference.
+
+    The keys are the multiples of start and load.
 
     Raises
     ------
     NoReference
-        If the routes fail for a neighbour.
+        If the solvers fail for a neighbour.
     """
     cases = {1.0: Case(problem, reference.targets, reference.oscillation)}
     for factor in search.STARTS:

@@ -12,17 +12,17 @@ from study.scheme.named import schemes
 #: Bibliography of the study: in the repository a link to the article's file, in a wheel a copy of it.
 WORKS = Path(__file__).with_name("references.bib")
 
-#: Key of the paper of 1996, and keys of the works on solvers for references, by a word in the solver's name.
+#: Key of the paper of 1996 in the bibliography, and keys of the works on solvers, by a word in the solver's name.
 PAPER, SOLVERS = "xie1996", {"heyoka": "biscani2021", "CVODE": "hindmarsh2005", "diffrax": "kidger2021"}
 
 _ENTRY = re.compile(r"^@\w+\{(\w+),\n.*?^\}$", re.MULTILINE | re.DOTALL)
 
-#: Fields of the bibliography that are left out of citations.
+#: Pattern of the fields of the bibliography that are left out of citations.
 _OWN = re.compile(r"^  (?:shortjournal|shortbooktitle|unconfirmed) = .*\n", re.MULTILINE)
 
 
 def _label(entry: str) -> str:
-    """Authors and year, in the form of a scheme's source."""
+    """Authors and year of an entry, in the form in which a scheme states its source."""
     found = {
         key: re.sub("[{}]", "", value) for key, value in re.findall(r"^  (\w+) = \{(.*)\},?$", entry, re.MULTILINE)
     }
@@ -42,14 +42,14 @@ def _study(attributes: dict) -> str:
 
 
 def _record(attributes: dict) -> str:
-    """A record of ground motion, by its name and the header of its file."""
+    """Entry of a record of ground motion, from its name and the header of its file."""
     key = re.sub(r"\W+", "_", attributes["record"])
     title = re.sub(r"([%&#_$])", r"\\\1", attributes["record_source"])
     return f"@misc{{{key},\n  title = {{{title}}},\n  note = {{Record of ground motion}}\n}}"
 
 
 def _sources(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
-    """Source and identifier of each scheme of the study in a dataset."""
+    """Source and DOI of each scheme in a dataset that is a scheme of the study."""
     named = dataset["scheme"].values if "scheme" in dataset.variables else dataset.attrs.get("scheme", [])
     for name in np.atleast_1d(named).tolist():
         if name in schemes:
@@ -67,8 +67,9 @@ def cite(dataset: xr.Dataset) -> str:
     Returns
     -------
     str
-        Entries of the study, the paper that it reproduces, the named schemes of the dataset, the solvers of its
-        reference, and its record of ground motion if its source is known.
+        Entries of the study, the paper that it reproduces, the sources of the dataset's schemes, the solvers of its
+        reference, and its record of ground motion. Schemes that are not in the study have no entry, nor has a record of
+        unknown source.
 
     Raises
     ------

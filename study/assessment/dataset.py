@@ -17,11 +17,11 @@ from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 from study.scheme.wrapper.with_history import WithHistory
 
-#: Timing of a recommended step: number of runs, sufficient time of a run in s, and largest number of steps of the
-#: first run.
+#: Timing of a recommended step: number of timed runs, time in s that a timed run should take, and largest number of
+#: steps of a timed run.
 REPEATS, ENOUGH, MOST_TIMED = 5, 0.003, 20_000
 
-#: Outcomes of a run, and the mark of steps that were not tried.
+#: Outcomes of a run; the last one marks steps that were not tried.
 ENDS = (*STATUSES, "not_tried")
 NOT_TRIED = ENDS.index("not_tried")
 
@@ -65,11 +65,12 @@ class Assessed(NamedTuple):
 
 
 def _timed(problem: Problem, scheme: Scheme, wanted: dict[float, int]) -> dict[float, tuple]:
-    """Median and interquartile range of the time of the steps of a run, by step size.
+    """Median and interquartile range of the time in s of all steps of a run, by step size.
 
-    ``wanted`` has the number of steps at each step size. The timed runs have as many steps of the same size as the
-    resolution of the clock requires. The overhead of a call is the time of a run of one step. It is subtracted if the
-    run takes more than twice as long.
+    ``wanted`` maps each step size to the number of steps of its run. A timed run has at most ``MOST_TIMED`` steps, and
+    more steps than ``wanted`` if these take less than ``ENOUGH`` seconds. Its time is scaled to the number of steps
+    wanted. The overhead of a call is the time of a run of one step. It is subtracted from the median if the median
+    exceeds twice the overhead.
     """
     timed = Timed(problem, scheme, ())
     call = np.median([timed.run(max(wanted), 1)[0] for _ in range(REPEATS)])
@@ -79,7 +80,7 @@ def _timed(problem: Problem, scheme: Scheme, wanted: dict[float, int]) -> dict[f
         once = max(timed.run(dt, first)[0] - call, ENOUGH * first / MOST_TIMED)
         most = max(first, int(first * ENOUGH / once))
         runs = [timed.run(dt, most) for _ in range(REPEATS)]
-        if not all(completed for _, completed in runs):  # the longer run fails after the requested duration
+        if not all(completed for _, completed in runs):  # a run with more steps than wanted fails after the duration
             most, runs = first, [timed.run(dt, first) for _ in range(REPEATS)]
         low, median, high = np.quantile([taken for taken, _ in runs], [0.25, 0.5, 0.75])
         less = call if median > 2 * call else 0.0
@@ -88,7 +89,7 @@ def _timed(problem: Problem, scheme: Scheme, wanted: dict[float, int]) -> dict[f
 
 
 def _times(problem: Problem, schemes: dict[str, Scheme], found: dict[str, Assessed]) -> dict[str, dict]:
-    """Times by scheme, measured one after the other; after Ctrl-C, times of the finished schemes."""
+    """Times of recommended steps by scheme, one scheme after the other; after Ctrl-C, times of the finished schemes."""
     times = {}
     for name, one in found.items():
         steps = one.runs.groupby("dt").steps.first()
@@ -109,7 +110,7 @@ def dataset_of(
     names: list[str],
     allowed: list[float],
 ) -> xr.Dataset:
-    """All results, with times."""
+    """Results of all schemes, with the times of the recommended steps, as a dataset."""
     of_scheme = _times(problem, schemes, found)
     own = {name: one.runs[one.runs.start == 1.0].set_index("dt") for name, one in found.items()}
     tried = pd.concat(own, names=["scheme"]).to_xarray().sel(scheme=list(found)).sortby("dt", ascending=False)

@@ -26,11 +26,11 @@ FINER = 8
 #: Refinement of a peak: number of samples between the neighbours of the largest sample, and number of refinements.
 CLOSER, REFINEMENTS = 65, 2
 
-#: Number of times at which a quantity is evaluated at once.
+#: Number of times at which one call evaluates a quantity.
 AT_ONCE = 4096
 
-#: Number of intervals of the reference that a step may cross before a loop is needed, because the loop takes longer
-#: than the rest of the observer.
+#: Number of intervals of the reference that a step may cross without a loop. A loop takes longer than the rest of the
+#: observer.
 AHEAD = 4
 
 #: Values of a quantity at some times, with an axis for its components.
@@ -48,12 +48,12 @@ DEFAULT = {
 
 
 def named(quantities: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """The quantities with the names under which they are given.
+    """The quantities, renamed: their keys become their long names and, after ``PREFIX``, their names.
 
     Raises
     ------
     TypeError
-        If they are not a mapping from names to quantities.
+        If they are not a mapping from names to quantities, or the mapping is empty.
     """
     if not isinstance(quantities, Mapping) or not quantities:
         raise TypeError(f"quantities must be a mapping from names to study.Quantity, not {quantities!r}.")
@@ -82,7 +82,7 @@ def values_along(quantity: Quantity, problem: Problem, solution: DenseSolution, 
 
 
 def _peak(quantity: Quantity, problem: Problem, solution: DenseSolution, times: Times, values: Values) -> np.ndarray:
-    """Largest size of each component among its samples and closer samples about the largest of them.
+    """Largest absolute value of each component, among its samples and finer samples around its largest one.
 
     The solution is smooth only between its points, so interpolation of the samples would miss the height of a peak.
     """
@@ -120,9 +120,10 @@ class Target:
     quantity, problem, solution
         The quantity, the problem and its reference.
     times, values
-        Fine times of the reference, and the quantity there, of shape (t, components).
+        Times of the reference and times in between, and the quantity at these times, of shape (t, components).
     scale
-        Largest size along time; if the quantity is reduced to a peak or a root mean square, the size of the reduction.
+        Largest absolute value along time; if the quantity is reduced to a peak or a root mean square, the largest
+        component of the reduced quantity.
     """
 
     quantity: Quantity
@@ -133,7 +134,7 @@ class Target:
     scale: float
 
     def until(self, ends: Times) -> Values:
-        """The reduction of the reference up to each of some times, of shape (ends, components)."""
+        """The reduced quantity of the reference from t = 0 to each of the ``ends``, of shape (ends, components)."""
         at_end = values_along(self.quantity, self.problem, self.solution, ends)
         if self.quantity.reduce == "final":
             return at_end
@@ -154,7 +155,7 @@ class Target:
 
 
 def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Target:
-    """The reference of a quantity.
+    """The reference of a quantity, and the scale of its errors.
 
     Raises
     ------
@@ -176,14 +177,15 @@ def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Tar
 
 
 class ErrorsAlong(Reduction):
-    """Largest difference of each quantity from its reference over all steps, relative to its size.
+    """Largest difference of each quantity from its reference over all steps, relative to the quantity's scale.
 
     Attributes
     ----------
     quantities, scales
         Quantities along time, and the scales of their errors.
     begin, length, coefficients
-        Intervals of the reference, and the quintics in them, of shape (intervals, 6, ...).
+        Begin and length of the intervals of the reference, of shape (intervals,), and coefficients of the quintics in
+        them, of shape (intervals, 6, ...).
     """
 
     quantities: tuple[Quantity, ...]
@@ -194,11 +196,11 @@ class ErrorsAlong(Reduction):
 
     @classmethod
     def of(cls, targets: Sequence[Target]) -> "ErrorsAlong":
-        """The observer of targets with one reference."""
+        """The observer for targets that share one reference solution."""
         solution, length = targets[0].solution, np.diff(targets[0].solution.t)
         before, after = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
         table = np.stack(quintic(before, after, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
-        # padded to a power of two, so that few programs are compiled; padding begins at infinity, so no step reaches it
+        # padded to a power of two, so that few programs are compiled; no step reaches the padding, which begins at ∞
         padding = 2 ** math.ceil(math.log2(len(length) + AHEAD + 1)) - len(length)
         begin = np.append(solution.t[:-1], np.full(padding, np.inf))
         numbers = (
@@ -241,9 +243,10 @@ def observers(targets: Sequence[Target]) -> list[Observer]:
 
 
 def error(target: Target, runs: xr.Dataset, ends: Times) -> np.ndarray:
-    """Errors of runs in a quantity, relative to its size, of shape (lanes,); NaN if a run failed.
+    """Errors of runs in a quantity, relative to the scale of its target, of shape (lanes,); NaN if a run failed.
 
-    The error of a quantity along time is the largest difference at any step. A run is compared up to its own end.
+    The error of a quantity along time is the largest difference at any step. A reduced quantity is compared with the
+    reduced reference up to the end of the run, which ``ends`` gives for each lane.
     """
     got = runs[target.quantity.name].values
     if target.quantity.reduce is None:
@@ -252,15 +255,13 @@ def error(target: Target, runs: xr.Dataset, ends: Times) -> np.ndarray:
 
 
 def difference(quantity: Quantity, problem: Problem, one: DenseSolution, other: DenseSolution) -> tuple[float, Times]:
-    """Difference of a quantity between two solutions, as a whole and up to each time, relative to its size.
-
-    The solutions are compared at the times of ``other``.
+    """Difference of a quantity between two solutions, relative to its size in ``one``, at the times of ``other``.
 
     Returns
     -------
     tuple
-        The difference of the reductions, or the largest difference along time if the quantity is not reduced; and the
-        largest difference up to each time, of shape (t,).
+        First, the difference of the reduced quantities, or the largest difference along time if the quantity is not
+        reduced. Second, the largest difference up to each time, of shape (t,).
     """
     values, others = (values_along(quantity, problem, s, other.t) for s in (one, other))
     _check_finite(values, other.t, quantity, problem)

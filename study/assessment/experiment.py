@@ -31,7 +31,7 @@ class _Assessment(TypedDict):
 
 
 def _places(options: Options) -> list[tuple[str, str]]:
-    """Keys and values that name an object in a file."""
+    """Pairs of key and value of the options that name a Python object in a file."""
     return [(key, options[key]) for key in ("problem", "quantities") if ".py" in options.get(key, "")]
 
 
@@ -40,7 +40,7 @@ def _files(options: Options) -> Iterable[str]:
 
 
 def _reads(options: Options) -> list[str]:
-    """Dataset with the exact period of a spring, if the length of the runs is given in periods."""
+    """Name of the dataset with the exact period of the spring, if the options give the duration in periods."""
     return [f"reference/{options['problem']}"] if "periods" in options else []
 
 
@@ -65,7 +65,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _jobs(options: Options) -> dict[str, Options]:
-    """The options of each job; schemes are given by their names, from which the files of the job follow."""
+    """The options of each job, with the names of default schemes, because the files of a job follow from the names."""
     return {name: {"schemes": list(USUAL)} | one for name, one in options.items()}
 
 
@@ -96,8 +96,8 @@ def assessment(
     """Assess which scheme and which step a problem of the study, or one in a file, needs for an error.
 
     ``problem`` and ``quantities`` name a :class:`study.Problem` and a dict of :class:`study.Quantity` as
-    ``FILE.py:NAME``; ``problem`` may also be a name of the study. ``periods`` is the duration of a run of
-    a spring in exact periods. The dataset ``reference/PROBLEM`` contains the exact period.
+    ``FILE.py:NAME``; ``problem`` may also be a name of the study. ``periods`` is the duration of the runs of
+    a spring, as a multiple of its exact period. The dataset ``reference/PROBLEM`` contains the exact period.
     """
     progress(f"assessment of {problem}")
     if periods is not None:

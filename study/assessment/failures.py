@@ -25,7 +25,7 @@ SAFE = (Outcome.ACCURATE, Outcome.BOUNDED)
 
 
 def _cause(problem: Problem, scheme: Scheme, outcome: int, dt: float) -> str:
-    """Cause of an outcome that is not safe at a step, and remedies, in a sentence or two."""
+    """Cause of an unsafe outcome at the step ``dt``, and remedies, in one or two sentences."""
     if outcome == Outcome.CHAOTIC:
         return (
             "Neighbouring runs diverge exponentially, so only the statistics of a long run are meaningful. If finer "
@@ -38,17 +38,17 @@ def _cause(problem: Problem, scheme: Scheme, outcome: int, dt: float) -> str:
 def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, recommended: np.ndarray) -> xr.Dataset:
     """Outcome, Lyapunov exponent and Newton iterations over excitation and step size, with the largest safe step.
 
-    Excitation multiplies the start and the load. A step is safe if no run fails, grows or turns chaotic at this and at
-    all finer steps, at any excitation up to the problem's own.
+    Excitation is the multiple of start and load. A step is safe if no run with this or a finer step fails, grows or
+    becomes chaotic at an excitation of at most one.
 
     Parameters
     ----------
     coarsest
-        Coarsest step of a search. The map covers steps from twice this step down to 1/64 of it, unless finer ones take
-        more than ``MOST_STEPS`` steps.
+        Coarsest step of a search. The map covers steps from twice this step down to 1/64 of it. Steps finer than
+        ``coarsest`` are left out if their runs have more than ``MOST_STEPS`` steps.
     recommended
-        Recommended steps. If one is coarser than the finest step of the map, its runs count for ``largest_safe_dt``,
-        but the map does not show them.
+        Recommended steps. Runs with recommended steps coarser than the finest step of the map count for
+        ``largest_safe_dt``, but the map does not show them.
 
     Returns
     -------

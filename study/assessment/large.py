@@ -30,7 +30,7 @@ SIZES = (1e-3, 1.0, 1e3)
 #: Largest relative deviation of a force from linearity that counts as round-off.
 ROUND_OFF = 1e-9
 
-#: Explicit schemes that may give the reference too: their steps solve no equations, and their order is high.
+#: Names of explicit schemes that may also give the reference: their order is high, and their steps solve no equations.
 WITNESSES = ("rk4", "nystrom4")
 
 
@@ -48,9 +48,10 @@ class _Runs:
     starts_a_process = True
 
     def __post_init__(self):
-        """Set ``source`` to a digest of the traced equation, the schemes, and values at states of several sizes.
+        """Set ``source`` to a digest of the traced equation, the schemes, the reductions, and values at several states.
 
-        The values distinguish equations that differ only in numbers.
+        The values are u₀, u̇₀, and the accelerations and quantities at states of several sizes. They distinguish
+        equations that differ only in numbers.
         """
 
         def of_state(t, u, v):
@@ -70,7 +71,7 @@ class _Runs:
         return self.problem.title
 
     def __call__(self, scheme: str, dt: float) -> dict[str, np.ndarray]:
-        """The quantities of a run; reduced ones are constants along time."""
+        """Times and quantities of a run; a reduced quantity is constant along time."""
         steps = int(np.floor(self.duration / dt * (1 + 1e-9)))
         ds = run(self.problem, self.schemes[scheme], dt=dt, steps=steps, observe=self.quantities, on_failure="raise")
         found: dict[str, np.ndarray] = {"t": dt * np.arange(steps + 1)}
@@ -87,7 +88,7 @@ def _states(problem: Problem) -> list[np.ndarray]:
 
 
 def _not_linear(problem: Problem) -> np.ndarray:
-    """The unknowns at which p(2u, 2v) − 2 p(u, v) + p(0, 0) is not zero for random u and v."""
+    """Unknowns at which p(2u, 2v) − 2 p(u, v) + p(0, 0) exceeds round-off for random u and v."""
 
     @jax.jit
     def off(state):
@@ -106,7 +107,7 @@ def _spread(places: np.ndarray, count: int) -> np.ndarray:
 
 
 def compared(problem: Problem) -> np.ndarray:
-    """Unknowns at which motions are compared: up to half where the force is not linear, the rest spread evenly."""
+    """Up to ``SHOWN`` unknowns to compare: up to half of them where the force is not linear, the rest spread evenly."""
     chosen = _spread(_not_linear(problem), SHOWN // 2)
     others = np.setdiff1d(np.arange(np.size(problem.u0)), chosen)
     return np.union1d(chosen, _spread(others, SHOWN - len(chosen)))

@@ -20,7 +20,7 @@ from study.program.truth import Estimate
 from study.registry import UnknownName, did_you_mean
 from study.scheme.named import schemes as schemes_by_name
 
-#: Attributes of variables that differ from those of a problem, or that only a program has.
+#: Attributes of variables that the dataset of a problem lacks or describes otherwise.
 OWN = {
     "status": flags("how the run ended", STATUSES, np.int8),
     "reason": {"long_name": "reason why the run failed"},
@@ -30,7 +30,7 @@ OWN = {
     "highest_frequency": {"long_name": "highest circular frequency of small motions, unknown", "units": "s-1"},
 }
 
-#: Names of the numbers of a verdict.
+#: Names of the variables of a verdict that are NaN if the verdict gives no number.
 NUMBERS = "largest_dt recommended_dt recommended_error worst_error time time_spread force_evaluations".split()
 
 
@@ -40,7 +40,7 @@ def narrowed(program: Program, schemes: str | Sequence[str] | None) -> Program:
     Raises
     ------
     UnknownName
-        If it has no such scheme.
+        If the program has no such scheme.
     """
     names = [schemes] if isinstance(schemes, str) else list(schemes or program.schemes)
     for name in names:
@@ -55,7 +55,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
     Raises
     ------
     NoTruth
-        If fewer than two schemes run to the end at three successively halved steps.
+        If fewer than two schemes run to the end at three successively halved steps, or a quantity is always zero.
     """
     search = Search(program, allowed, round_step, seconds, report)
     remarks = "; ".join(search.refinement.remarks)
@@ -138,7 +138,7 @@ def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
 
 
 def _runs(search: Search, names: list[str], dts: list[float]) -> xr.Dataset:
-    """Every run, by scheme and step."""
+    """Error, status, reason and time of every run, by scheme and step."""
     schemes = search.program.schemes
     shape = len(schemes), len(dts)
     error = np.full((*shape, len(names)), np.nan)

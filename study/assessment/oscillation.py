@@ -11,7 +11,7 @@ from study.mechanics.definition import Problem
 from study.observer.base import Reduction
 from study.observer.errors import AmplitudeDecay, PeriodError
 
-#: Names of the quantities, and the variables that hold their errors.
+#: Variables of a run that hold the errors of the quantities, by the quantity's name.
 QUANTITIES = {"period": "period_elongation", "phase": "phase_error", "amplitude": "amplitude_decay"}
 
 #: Long names of the quantities.
@@ -32,9 +32,9 @@ class Oscillation(eqx.Module):
     period
         Mean time between upward crossings of ``level``.
     level, rest
-        Mean of the extremes, and the displacement of equilibrium.
+        Mean of the largest and the smallest displacement, and displacement of equilibrium.
     crossing
-        Time of the first upward crossing in periods.
+        Time of the first upward crossing, in periods.
     crossings
         Number of upward crossings.
     """
@@ -52,7 +52,7 @@ class Oscillation(eqx.Module):
 
 
 class OscillationErrors(Reduction):
-    """Errors of period, phase and amplitude in runs that differ in their steps."""
+    """Errors of period, phase and amplitude in runs with different step sizes."""
 
     of: Oscillation
 
@@ -65,7 +65,7 @@ class OscillationErrors(Reduction):
 
     def update(self, carried, problem, state, t, effort):
         dt, inner = carried
-        dt = jnp.where(jnp.isnan(dt), t, dt)  # the first step ends at the time Δt
+        dt = jnp.where(jnp.isnan(dt), t, dt)  # the step size is the time at which the first step ends
         both = zip(self.of.observers(dt), inner, strict=True)
         return dt, tuple(one.update(c, problem, state, t, effort) for one, c in both)
 
@@ -77,7 +77,7 @@ class OscillationErrors(Reduction):
 
 def _upward_crossings(solution: DenseSolution, level: float) -> np.ndarray:
     """Times at which the displacement crosses a level upwards, on the interpolant."""
-    from scipy.optimize import brentq  # here, because its import is slow
+    from scipy.optimize import brentq  # imported here, because the import is slow
 
     u = solution.u
     before = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))
@@ -92,8 +92,8 @@ def _upward_crossings(solution: DenseSolution, level: float) -> np.ndarray:
 def oscillation(problem: Problem, solution: DenseSolution) -> Oscillation | None:
     """The oscillation of a solution, or None.
 
-    It is None if the problem has several unknowns, damping or a load, or if the solution crosses its mean upwards fewer
-    than three times or has no equilibrium between its extremes.
+    It is None if the problem has several unknowns, if its energy is not constant, if the solution crosses the mean of
+    its extremes upwards fewer than three times, or if no equilibrium lies between the extremes.
     """
     if np.ndim(problem.u0) or not problem.conservative:
         return None
@@ -116,11 +116,11 @@ def oscillation(problem: Problem, solution: DenseSolution) -> Oscillation | None
 
 
 def uncertainties(one: Oscillation, other: Oscillation, displacement: float) -> dict[str, float]:
-    """Uncertainty of each quantity, from two references and the uncertainty of the displacement."""
+    """Uncertainty of each quantity, from two solutions and a bound ``displacement`` of the uncertainty of u."""
     period, crossings = float(abs(one.period - other.period) / one.period), int(one.crossings)
     return {"period": period, "phase": period * crossings, "amplitude": displacement / crossings}
 
 
 def errors(runs: xr.Dataset) -> dict[str, np.ndarray]:
-    """Errors of runs that :class:`OscillationErrors` observed."""
+    """Absolute errors of period, phase and amplitude in runs that :class:`OscillationErrors` observed."""
     return {name: np.abs(runs[variable].values) for name, variable in QUANTITIES.items()}

@@ -14,21 +14,21 @@ PERIODS = 10
 #: Run that estimates the period: steps in the slowest period of small motions, and number of such periods.
 ESTIMATE = 100, 40
 
-#: Number of points of the motion at which the highest frequency is computed, times the number of unknowns.
+#: Number of unknowns × number of points of the motion at which the highest frequency is computed.
 STIFFEST = 100
 
 
 def slowest_period(problem: Problem) -> float | None:
     """Period of the slowest small motion about the start or about u = 0, whichever is shorter.
 
-    If there are no oscillations about either, it is 2π √(max |u₀| / max |ü₀|), or None if one of the two is zero.
+    If small motions oscillate about neither, it is 2π √(max |u₀| / max |ü₀|), or None if u₀ or ü₀ is zero.
     """
     oscillating = []
     for at in (problem.u0, np.zeros(np.shape(problem.u0))):
         found = frequencies(problem, at)
         if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
             oscillating.append(2 * np.pi / found[of_motion])
-    if not oscillating:  # for example, if both are maxima of the potential
+    if not oscillating:  # for example, if the start and u = 0 are maxima of the potential
         pull = np.abs(np.asarray(acceleration(problem, 0.0, problem.u0, problem.v0))).max()
         far = np.abs(problem.u0).max()
         return 2 * np.pi * float(np.sqrt(far / pull)) if far > 0 and pull > 0 else None
@@ -36,7 +36,7 @@ def slowest_period(problem: Problem) -> float | None:
 
 
 def _period(problem: Problem) -> float | None:
-    """Approximate period of a free oscillator of one unknown; None for another problem."""
+    """Approximate period of a free undamped oscillator of one unknown; None for other problems or without a period."""
     slowest = slowest_period(problem)
     if np.ndim(problem.u0) or not problem.conservative or slowest is None:
         return None
@@ -47,12 +47,12 @@ def _period(problem: Problem) -> float | None:
 
 
 def length_of(problem: Problem, duration: float | None) -> float:
-    """Length of the runs: as given, or ten periods of a free oscillator.
+    """Duration of the runs in s: the given one, or by default ten periods of a free undamped oscillator.
 
     Raises
     ------
     ValueError
-        If the duration is not a positive time, or is missing and the problem has no period.
+        If the given duration is not a positive time, or if none is given and the problem has no period.
     """
     if duration is not None:
         if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
@@ -65,7 +65,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
 
 
 def highest_frequency_along(problem: Problem, motion: DenseSolution) -> float:
-    """The highest circular frequency of small motions about points of the motion, also at its largest displacement."""
+    """Highest circular frequency of small motions about points of the motion, including its largest displacement."""
     last, unknowns = len(motion.t) - 1, np.size(problem.u0)
     places = np.linspace(0, last, max(2, STIFFEST // unknowns)).astype(int)
     farthest = np.abs(motion.u).reshape(last + 1, -1).max(axis=1).argmax()

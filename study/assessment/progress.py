@@ -10,16 +10,17 @@ PAUSE = 5.0
 
 
 class Progress:
-    """Progress: on a terminal a bar, elsewhere a line every few seconds at most."""
+    """Progress of an assessment: a bar on a terminal, otherwise lines at intervals of at least ``PAUSE`` seconds."""
 
     def __init__(self, schemes: int):
         self.bar = tqdm(total=schemes, disable=None, leave=False, unit="scheme")
         self.stopped, self.done, self._reported, self._start = False, 0, -PAUSE, time.monotonic()
 
     def report(self, what: str, ahead: float = 0.0) -> None:
-        """Report the present work, immediately if its expected time ``ahead`` in s exceeds the pause between two lines.
+        """Show the present work: at once on a terminal, otherwise as a line if ``PAUSE`` seconds have passed.
 
-        After Ctrl-C it raises ``KeyboardInterrupt``, which ends the thread.
+        A line is also printed if ``ahead``, the expected time of this work in s, exceeds ``PAUSE``. After Ctrl-C this
+        method raises ``KeyboardInterrupt``, which ends the thread of the caller.
         """
         if self.stopped:
             raise KeyboardInterrupt

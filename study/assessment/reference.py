@@ -1,4 +1,4 @@
-"""The reference solution of a problem: two independent routes, on grids with all kinks of load and force."""
+"""The reference solution of a problem by two independent solvers, on grids with all kinks of load and force."""
 
 from collections.abc import Callable
 from functools import partial
@@ -20,30 +20,32 @@ from study.mechanics.internal_force import switches
 #: shorter.
 POINTS = 12
 
-#: Number of parts of a run in which changes of a condition in the load are sought.
+#: Number of equal parts of the duration in which changes of a comparison in the load are sought.
 SWITCHES = 4096
 
-#: Least number of points between two kinks of the force: a contact may be far shorter than a period.
+#: Least number of intervals between two kinks of the force, because a contact may be far shorter than a period.
 POINTS_BETWEEN_KINKS = 10
 
 #: Largest number of successively refined grids.
 GRIDS = 6
 
-#: Phase in radians of the highest mode over the run beyond which explicit routes need too many steps.
+#: Phase in radians of the highest mode over the duration above which a problem is stiff: explicit solvers would need
+#: too many steps.
 STIFF = 2e6
 
-#: Largest number of steps of a route.
+#: Largest number of steps of a solver.
 MAX_STEPS = 4_000_000
 
 
 class NoReference(ValueError):
-    """No route solves the problem accurately enough; the message states how far they got and why."""
+    """The solvers give no reference that is accurate enough; the message states why."""
 
 
 class Kinks(NamedTuple):
-    """Times within the run at which a record has a kink, and times at which a comparison in a force or load changes.
+    """Times within the duration at which the acceleration has kinks or jumps.
 
-    At the latter the load may jump, and a solver restarts.
+    ``of_load`` are the kinks that a load declares, such as the samples of a record. At the times ``of_force``, a
+    comparison in a force or load changes. There the load may jump, so a solver restarts.
     """
 
     of_load: Times
@@ -51,7 +53,7 @@ class Kinks(NamedTuple):
 
 
 class Route(NamedTuple):
-    """A route's name, and its function of times and tolerance that returns displacement and velocity."""
+    """One way to the reference: a solver's name, and its function of times and tolerance that returns u and u̇."""
 
     name: str
     trajectory: Callable[[Times, float], tuple[History, History]]
@@ -72,11 +74,11 @@ def _switches(load, times):
 
 
 def _switches_of_load(load: Callable | None, duration: float) -> Times:
-    """Times at which a comparison in the program of a load changes; empty for a load that declares its kinks.
+    """Times at which a comparison in the function of a load changes; empty if the load declares its kinks.
 
     Without these times, both solvers would step over a short pulse.
     """
-    from scipy import optimize  # here, because its import is slow
+    from scipy import optimize  # imported here, because the import is slow
 
     if load is None or hasattr(load, "kinks"):
         return np.zeros(0)
@@ -103,28 +105,29 @@ def _accelerations(problem: Problem, t, u, v):
 
 
 class Reference:
-    """The kinks of a problem over a duration, its grid, and the two routes that solve it.
+    """The kinks of a problem over a duration, its grid, and the two routes, which are solvers with their settings.
 
     The first route is the Taylor method of heyoka, if the problem has one unknown and its force and load can be
     translated. Otherwise it is diffrax, with Dopri8 or, for a stiff problem, Kvaerno5. The second route is CVODE, with
-    Adams' method or BDF. No route shares code with a scheme.
+    Adams' method or, for a stiff problem, BDF. No route shares code with a scheme.
 
-    A force with a history is a function of u and u̇ from one commit to the next. This is exact as long as no element
-    reverses in between, so every reversal is a kink of the grid. The routes agree only on such a solution.
+    Between two times of the grid, at which its history is updated, a force with a history is a function of u and u̇.
+    This is exact as long as no element reverses in between, so every reversal is a kink of the grid. The routes agree
+    only if this holds.
 
     Parameters
     ----------
     problem
         The problem.
     duration
-        Time in seconds.
+        Duration of the motion in s.
 
     Attributes
     ----------
     kinks
         The kinks of load and force. Kinks of the force are found along the motion.
     routes
-        The two routes, the more accurate one first.
+        The two routes, the more accurate route first.
 
     Raises
     ------
@@ -158,7 +161,7 @@ class Reference:
         problem, (one_step, several_steps) = self.problem, self._methods
 
         def by_diffrax(t, rtol):
-            from reference import diffrax  # here, because the route through heyoka does not need it
+            from reference import diffrax  # imported here, because the route through heyoka does not need it
 
             return diffrax.trajectory(problem, t, rtol, one_step, MAX_STEPS)[:2]
 
@@ -169,7 +172,7 @@ class Reference:
         of_cvode = Route(f"CVODE {several_steps}", by_cvode)
         if np.ndim(problem.u0):
             return of_diffrax, of_cvode
-        from reference import symbolic, taylor  # here, because importing them takes a second
+        from reference import symbolic, taylor  # imported here, because the import takes a second
 
         def by_taylor(t, rtol):
             return taylor.trajectory(problem, t, max(rtol * 1e-2, np.finfo(float).eps))[:2]
@@ -181,7 +184,7 @@ class Reference:
         return Route("heyoka", by_taylor), of_cvode
 
     def grid(self, coarsest: float) -> Times:
-        """The first grid, between whose times the solution is interpolated, with all kinks of load and force."""
+        """Times of the first grid, with all kinks of load and force; the solution is interpolated between them."""
         shortest = coarsest
         if self._highest is not None and 0 < self._highest < np.inf:
             shortest = min(coarsest, 2 * np.pi / self._highest)
@@ -189,9 +192,9 @@ class Reference:
         return self.with_kinks(np.linspace(0.0, self.duration, points + 1))
 
     def with_kinks(self, grid: Times) -> Times:
-        """The grid with all kinks, and some points between any two kinks of the force.
+        """The grid with all kinks, and at least ``POINTS_BETWEEN_KINKS`` intervals between two kinks of the force.
 
-        Points next to a kink are left out, because they would only cause short steps.
+        Points of the grid close to a kink are left out, because they would only cause short steps.
         """
         of_force, all_kinks = self.kinks.of_force, np.union1d(*self.kinks)
         ends = np.concatenate([[-np.inf], all_kinks, [np.inf]])
@@ -205,22 +208,22 @@ class Reference:
         return np.union1d(merged, stretches[:, few])
 
     def solution(self, route: Route, t: Times, rtol: float) -> DenseSolution:
-        """The solution of a route on a grid that begins at zero."""
+        """The solution of a route on a grid that begins at t = 0."""
         u, v = route.trajectory(t[1:], rtol)
         u = np.concatenate([np.asarray(self.problem.u0, float)[None], u])
         v = np.concatenate([np.asarray(self.problem.v0, float)[None], v])
         return DenseSolution(t, u, v, np.asarray(_accelerations(self.problem, *map(jnp.asarray, (t, u, v)))))
 
     def solutions(self, grid: Times, rtol: float, goal: float) -> tuple[DenseSolution, DenseSolution, Times]:
-        """Solutions of both routes, and a grid fine enough for the interpolant of the first one.
+        """Solutions of both routes, and a grid on which the interpolant of the first solution reaches the goal.
 
-        The second solution has points between any two points of the first, so that their difference shows the error of
-        the interpolant.
+        The second solution also has points between the points of the first, so that the difference of the two
+        solutions shows the error of the interpolant. At most ``GRIDS`` grids are tried.
 
         Parameters
         ----------
         grid
-            First grid.
+            Grid of the first try.
         goal
             Target error of the interpolant, relative to the largest value.
         """

@@ -21,19 +21,22 @@ from study.scheme.codes import names_in_codes
 from study.scheme.named import schemes
 from study.words import document, number, text_of
 
-#: Colours that differ in greyscale and for the colour-blind, and markers for more curves than colours.
+#: Colours of curves, which differ in greyscale and for the colour-blind.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+#: Markers of curves; with seven colours and ten markers, a pair of both repeats only after 70 curves.
 MARKERS = "osD^vPX<>*"
 
 #: Largest error that is drawn.
 WORST = 10.0
 
-#: Number of points of a curve in an octave of steps; each point is the worst error around it.
+#: Number of points of a curve per octave of steps or times; each point is the largest error in its part of the octave.
 IN_OCTAVE = 8
 
-#: Grey level of each outcome from best to worst, colour of its letter, and the letter.
+#: Grey level of each outcome in a map, from the best to the worst outcome.
 SHADES = np.linspace(1.0, 0.25, len(Outcome))
+#: Colour of the letter of each outcome.
 INK = np.where(SHADES > 0.5, "black", "white")
+#: Letter of each outcome.
 LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")
 
 
@@ -45,11 +48,11 @@ def _time(seconds: float) -> str:
 
 
 def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
-    """A table; the columns in ``text`` hold sentences."""
+    """A table of HTML; the columns whose numbers are in ``text`` hold sentences."""
 
     def row_of(tag: str, row: list[object]) -> str:
         kinds = (' class="text"' if i in text else "" for i in itertools.count())
-        tags = (tag if one else "td" for one in row)  # an empty cell is not a heading
+        tags = (tag if one else "td" for one in row)  # an empty cell of the head is no heading
         return "".join(f"<{t}{kind}>{text_of(one)}</{t}>" for t, kind, one in zip(tags, kinds, row, strict=False))
 
     cells, body = row_of("th", list(head)), "".join(f"<tr>{row_of('td', list(row))}</tr>" for row in rows)
@@ -99,7 +102,7 @@ def curves(assessed: xr.Dataset, along: xr.DataArray, label: str, values: xr.Dat
     """Values of every scheme against steps or times of its runs, as SVG; empty if there is nothing to draw."""
     from matplotlib.figure import Figure
 
-    # narrow enough that the letters keep their size on a phone
+    # narrow, so that a phone does not shrink the letters
     figure = Figure(figsize=(5.4, 3.6 + 0.1 * assessed.sizes["scheme"]), layout="constrained")
     axes = figure.subplots()
     drawn = 0
@@ -126,7 +129,7 @@ def curves(assessed: xr.Dataset, along: xr.DataArray, label: str, values: xr.Dat
 
 
 def _maps(assessed: xr.Dataset) -> str:
-    """Outcome over step size and excitation, a panel for each scheme."""
+    """Maps of the outcome over step size and excitation, a panel for each scheme, as SVG."""
     from matplotlib.figure import Figure
 
     columns = min(4, assessed.sizes["scheme"])
@@ -137,7 +140,7 @@ def _maps(assessed: xr.Dataset) -> str:
         outcome = assessed.outcome.sel(scheme=name).values
         axes.imshow(SHADES[outcome], cmap="gray", vmin=0, vmax=1, aspect="auto", origin="lower")
         for e, row in enumerate(outcome):
-            ends = np.flatnonzero(np.diff(row, prepend=-1, append=-1))  # a letter for each stretch of one outcome
+            ends = np.flatnonzero(np.diff(row, prepend=-1, append=-1))  # a letter for each stretch of equal outcomes
             for first, end in itertools.pairwise(ends):
                 one, middle = row[first], (first + end - 1) / 2
                 axes.text(middle, e, LETTERS[one], color=INK[one], ha="center", va="center", fontsize=8)
@@ -153,14 +156,14 @@ def _maps(assessed: xr.Dataset) -> str:
 
 
 def figure_of(svg: str, caption: str) -> str:
-    """A figure with its caption."""
+    """A figure of HTML with its caption, or a sentence if ``svg`` is empty."""
     if not svg:
         return "<p>No run has an error above zero.</p>"
     return f'<figure><div class="scroll">{svg}</div><figcaption>{text_of(caption)}</figcaption></figure>'
 
 
 def _input_lines(assessed: xr.Dataset) -> list[str]:
-    """Names that other codes give to the recommended schemes; empty if there are none."""
+    """Heading and table of the recommended schemes' input in other codes; empty if no code has such a scheme."""
     recommended = assessed.recommended_dt.notnull().any(["quantity", "allowed_error"]).values
     titles = set(assessed.scheme_title.values[recommended])
     named = ((schemes[one.scheme].title, one.code, one.name, one.note) for one in names_in_codes())
@@ -169,7 +172,7 @@ def _input_lines(assessed: xr.Dataset) -> list[str]:
 
 
 def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
-    """A table of implicit and one of explicit schemes, the fastest first."""
+    """Tables of the steps that schemes need, one table for each kind of scheme, the fastest scheme first."""
     head = ("", "Δt (unrounded), s", "Δt·ω", "steps", "error", "time", "forces/s", "tried", "search")
     parts = []
     for kind, of_kind in table.groupby("kind", sort=False):
@@ -194,7 +197,7 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
 
 
 def _controlled(table: pd.DataFrame, titles: dict[str, str]) -> str:
-    """A table of the tolerances that keep an error; nothing if steps were not controlled."""
+    """A table of the tolerances that keep an error; empty if there is no such tolerance."""
     found = table[table["tolerance"] > 0] if "tolerance" in table else table[:0]
     rows = [
         (
@@ -296,7 +299,7 @@ def report(assessed: xr.Dataset, path: str | Path) -> Path:
     assessed
         Dataset of :func:`study.assess`.
     path
-        File to write, ``.html``.
+        File of HTML to write.
 
     Raises
     ------

@@ -80,23 +80,24 @@ def assess_scheme(
     Parameters
     ----------
     scheme
-        Your own :class:`study.Scheme`, or a name.
+        Your own :class:`study.Scheme`, or the name of a scheme.
     compare_with
         Names of schemes to compare with.
     problems
-        Names of problems, or a mapping from names to durations; None means ten periods.
+        Names of problems, or a mapping from names to durations in s; the duration None means ten periods.
     errors
         Allowed errors.
 
     Returns
     -------
     SchemeAssessment
-        ``linear``, a dataset of linear theory, and ``problems``, a dataset of :func:`study.assess` for each problem.
+        ``linear``, a dataset of linear theory, and ``problems``, a mapping from the name of each problem to its dataset
+        of :func:`study.assess`.
 
     Raises
     ------
     KeyError, TypeError, ValueError
-        As :func:`study.assess`; also if the scheme breaks the contract of a step.
+        As :func:`study.assess`; also if an attribute of the scheme is invalid.
     """
     own = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
     check_attributes(own)
@@ -138,7 +139,7 @@ def _curve(linear: xr.Dataset, variable: str, limits: tuple[float, float]) -> st
 
 
 def scheme_page(assessed: SchemeAssessment) -> str:
-    """The page of a scheme as HTML."""
+    """The page of an assessment of a scheme as HTML."""
     linear = assessed.linear
     rows = [
         (

@@ -21,58 +21,62 @@ from study.program.confirmation import TWENTIETH, largest_with_margin
 from study.scheme.base import Scheme
 from study.settings import cores
 
-#: Number of steps in a period of the slowest small motion with which a search begins.
+#: Number of steps in a period of the slowest small motion at the coarsest step, with which a search begins.
 COARSEST = 4
 
-#: Finest step of a search: number of steps in a period of the slowest small motion, or number of steps × unknowns of a
-#: run if this product allows more steps. The third number is the largest number of steps of any run.
+#: Limits of the finest step of a search. ``FINEST`` is a number of steps in a period of the slowest small motion, and
+#: ``FINEST_OF_RUN`` a number of steps × unknowns of a run; the limit that allows more steps holds. ``MOST_STEPS`` is
+#: the largest number of steps of any run.
 FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 
-#: Finest Δt·ω of a search, with the highest frequency ω of the motion, and its caps on steps and steps × unknowns.
-#: Stiff modes of a structure need finer steps than its slowest period suggests.
+#: Finest Δt·ω of a search, with the highest frequency ω of the motion, and caps on steps and on steps × unknowns of a
+#: run at this limit. Stiff modes of a structure need finer steps than its slowest period suggests.
 FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST = 0.03, 20_000, 4_000_000
 
 #: Ratio of the finest step tried to the finest step wanted, up to which no finer step is tried. Without this margin,
 #: a slight reduction of the largest step that keeps an error would need further runs.
 ENOUGH = 1.1
 
-#: Number of runs in an octave of step sizes: maximum, minimum of runs in tiles, and minimum of runs of several unknowns
-#: or of more than ``LONG`` steps.
+#: Number of runs in an octave of step sizes: maximum, minimum of short runs of one unknown, which fill a tile, and
+#: minimum of runs of several unknowns or of more than ``LONG`` steps.
 MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
 
-#: Caps on steps × unknowns of the runs of an octave, if enough runs remain, by whether there is one unknown.
+#: Caps on the sum of steps × unknowns over the runs of an octave, by whether there is one unknown. The minimum number
+#: of runs is made in any case.
 WORK = {True: 1_500_000, False: 4_000_000}
 
-#: Runs in the octave below a recommended step, where errors are largest: maximum, cap on their steps × unknowns, and
-#: minimum. A step of at most half of the finest one needs none, because otherwise a search might not end.
+#: Runs in the octave below a recommended step, where errors are largest: maximum number, cap on the sum of steps ×
+#: unknowns, and minimum number, the last two by whether there is one unknown. The minimum is zero if the recommended
+#: step is at most half of the finest step, because otherwise a search might not end.
 CONFIRMED, WORK_OF_CONFIRMED, LEAST_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}, {True: 0, False: 8}
 
-#: Number of steps above which a run of one unknown is made alone. The second number is for a search of runs up to
-#: ``FINEST_OF_RUN`` steps, for which compiling the program of a single run takes as long as it saves.
+#: Number of steps above which a run of one unknown is made alone. The second number holds if no run of a search has
+#: more than ``FINEST_OF_RUN`` steps: compiling the program of a single run then takes as long as it saves.
 LONG, LONG_OF_SHORT = 30_000, 120_000
 
-#: Starts from which a recommended step must keep the error too, as multiples of u₀, u̇₀ and load.
+#: Multiples of u₀, u̇₀ and load with which a recommended step must also keep the error.
 STARTS = (0.99, 1.01)
 
-#: Smallest ratio of an allowed error to the uncertainty of the reference.
+#: Smallest ratio of an allowed error to the uncertainty of the reference at which steps are recommended.
 CERTAIN = 10
 
-#: Ends of a search for a step.
+#: Outcomes of a search for a step, as indices of ``VERDICTS``.
 FOUND, COARSEST_KEEPS, FINEST_FAILS, UNCERTAIN, OUT_OF_TIME = range(5)
+#: Names of the outcomes in the dataset.
 VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "below_the_reference", "out_of_time")
 
 #: Name of the balance of energies among the quantities.
 ENERGY = "energy"
 
-#: Quantity and its allowed error.
+#: Name of a quantity, and its allowed error.
 Limit = tuple[str, float]
 
 
 class Recommendation(NamedTuple):
-    """End of a search, the largest step that keeps the error, the round one below it, and the confirming runs.
+    """Outcome of a search, the largest step that keeps the error, the round step up to it, and the confirming runs.
 
-    ``tried`` counts the steps from a twentieth of the recommended one up to it. ``worst`` is the largest error among
-    them as a fraction of the allowed one.
+    ``how`` is the outcome. ``tried`` is the number of steps tried from a twentieth of the recommended step up to it.
+    ``worst`` is their largest error as a fraction of the allowed error.
     """
 
     how: int
@@ -84,7 +88,7 @@ class Recommendation(NamedTuple):
 
 @dataclass(frozen=True)
 class Case:
-    """A start of the problem, as a multiple of u₀, u̇₀ and load, with its reference."""
+    """The problem with a multiple of its u₀, u̇₀ and load, and its reference."""
 
     problem: Problem
     targets: dict[str, Target]
@@ -99,7 +103,7 @@ class Case:
 
 
 def sentence_on_starts(cases: dict[float, Case]) -> str:
-    """A sentence on the starts close to the problem's own start; a multiple of zero is not another start."""
+    """A sentence on the runs with start and load one percent away, or on their absence if start and load are zero."""
     own = cases[1.0].problem
     others = [case.problem for factor, case in cases.items() if factor != 1.0]
     if own.load is None and all(np.array_equal(one.u0, own.u0) and np.array_equal(one.v0, own.v0) for one in others):
@@ -108,14 +112,14 @@ def sentence_on_starts(cases: dict[float, Case]) -> str:
 
 
 def spacing(problem: Problem, duration: float) -> float | None:
-    """Time between the samples of a record in the load; None if there is none, or its samples are unevenly spaced."""
+    """Time in s between the samples of a record in the load; None without a record, or with unevenly spaced samples."""
     times = np.asarray(getattr(problem.load, "kinks", ()))
     gaps = np.diff(times[times < duration])
     return float(gaps.mean()) if len(gaps) and np.ptp(gaps) < 1e-6 * gaps.mean() else None
 
 
 def finest_step(duration: float, slowest: float, highest: float, unknowns: int) -> float:
-    """Step down to which a search goes, by the slowest period and the highest frequency of small motions."""
+    """Finest step of a search, from the slowest period and the highest frequency of small motions."""
     of_highest = min(highest * duration / FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST / unknowns)
     steps = max(duration * FINEST / slowest, FINEST_OF_RUN / unknowns, of_highest)
     return duration / min(MOST_STEPS, steps)
@@ -126,9 +130,9 @@ def _two_digits(x: float) -> float:
 
 
 def round_step(largest: float, spacing: float | None) -> float:
-    """The largest step up to ``largest`` with two digits, or that is an integer multiple or fraction of ``spacing``.
+    """The largest round step up to ``largest``: with two digits, or an integer multiple or fraction of ``spacing``.
 
-    If a fraction has two digits and is at least about half as long as the longest fraction, it is preferred.
+    A fraction with two digits is preferred if it is at least about half of the largest possible fraction.
     """
     largest *= 1 + 1e-9
     if spacing is None:
@@ -149,11 +153,11 @@ class Search:
     scheme
         The scheme.
     cases
-        The problem and its neighbours by the multiple of their start; 1 is the problem itself.
+        The problem with several multiples of start and load, by the multiple; 1 is the problem itself.
     duration
-        Length of the runs, which end with the last step that fits into it.
+        Duration in s; a run ends with the last step that fits into it.
     coarsest, finest
-        Largest and smallest step.
+        Largest and smallest step in s.
     of_energy
         Whether the balance of energies is one of the quantities.
     end
@@ -203,7 +207,7 @@ class Search:
         return pd.DataFrame({name: np.broadcast_to(values, len(ends)) for name, values in rows.items()})
 
     def run(self, dt: np.ndarray, start: float = 1.0) -> None:
-        """Run at some steps."""
+        """Make runs with the steps ``dt``, with start and load multiplied by ``start``."""
         dt = np.sort(dt)  # sorted, so that the lanes of a tile end together
         alone = (self.duration / dt > self._long) & (self._size == 1)
         at_once, together = TILE * cores() if self._size == 1 else FEW, dt[~alone]
@@ -211,18 +215,18 @@ class Search:
         self.runs = pd.concat([self.runs, *(self._run(start, part) for part in parts)], ignore_index=True)
 
     def _stretch(self, bottom: float, top: float) -> None:
-        """Run at random steps between two steps, as many as their work allows."""
+        """Make runs at random steps from ``bottom`` to ``top``, as many as ``WORK`` allows."""
         steps, alone = self.duration / bottom, self._size > 1 or self.duration / bottom > self._long
         least = LEAST_RUNS if alone else LEAST_IN_TILES
         count = int(np.clip(WORK[self._size == 1] / steps / self._size, least, MOST_RUNS)) // least * least
         self.run(self._drawn(bottom, top, count))
 
     def _drawn(self, bottom: float, top: float, count: int) -> np.ndarray:
-        """``count`` random steps, one in each of as many equal parts between two steps on a logarithmic scale."""
+        """One random step in each of ``count`` equal parts of the logarithmic scale from ``bottom`` to ``top``."""
         return top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count)
 
     def _unconfirmed(self, steps: Iterable[float]) -> np.ndarray:
-        """Random steps in the octave below each given step, as many as its confirmation still lacks."""
+        """Random steps in the octave below each given step that its confirmation still lacks."""
         tried = self._arrays()[0]
         drawn = tried
         for step in sorted(steps, reverse=True):
@@ -240,16 +244,16 @@ class Search:
         return self.runs.dt.to_numpy()[own], self.runs[name].to_numpy()[own]
 
     def largest(self, name: str, allowed: float) -> float:
-        """Largest step tried below which all runs keep an error, with a margin for scatter; zero if there is none."""
-        fails = ~(self.runs[name].to_numpy() <= allowed)  # a failed run, NaN, counts as above
+        """Largest step that keeps an error with a margin for scatter, as all finer steps do; zero if there is none."""
+        fails = ~(self.runs[name].to_numpy() <= allowed)  # NaN, the error of a failed run, counts as too large
         dt, error = self._arrays(name)
         below = dt < self.runs.dt.to_numpy()[fails].min(initial=np.inf)
         return largest_with_margin(dt[below], error[below], allowed)
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
-        """Run down to a twentieth of each step that keeps an error, then at round steps from all starts.
+        """Make runs down to a twentieth of each step that keeps an error, then at the round steps from all starts.
 
-        Random steps in the octave below each round step confirm it.
+        Runs at random steps in the octave below each round step confirm it.
         """
         top = self.coarsest
         while not self.late:

@@ -7,8 +7,9 @@ from jaxtyping import Float
 
 from study.algebra.elementwise import quintic, value
 
-#: Places s in an interval at which the interpolant is compared. Its error is about proportional to s³(1 − s)³ in u, and
-#: to the derivative of this function in u̇. The derivative is zero at s = 1/2, so a single place could miss an error.
+#: Places s in an interval at which the interpolant is compared. Its error in u is about proportional to s³(1 − s)³, and
+#: its error in u̇ to the derivative of this function. The derivative is zero at s = 1/2, so a single place could miss an
+#: error.
 BETWEEN = (0.25, 0.6)
 
 #: Largest number of parts into which an interval is divided at once.
@@ -20,7 +21,7 @@ MOST_POINTS = 200_000
 #: Times in seconds.
 Times = Float[np.ndarray, "t"]
 
-#: Displacements or velocities at these times.
+#: Displacements or velocities along time.
 History = Float[np.ndarray, "t *n"]
 
 
@@ -57,16 +58,18 @@ class DenseSolution(NamedTuple):
     def refined(self, other: "DenseSolution", goal: float) -> Times:
         """The grid, refined where the error of the interpolant exceeds a goal, relative to the largest value.
 
+        The grid is returned unchanged if the refined one would have more than ``MOST_POINTS`` intervals.
+
         Parameters
         ----------
         other
-            The solution of another route, with points between the points of this grid.
+            The solution of another route, at the points of this grid and at points in between.
         """
         off = np.zeros(len(self.t) - 1)
         for mine, theirs in zip(self.at(other.t), (other.u, other.v), strict=True):
             apart = np.abs(mine - theirs).reshape(len(other.t), -1).max(axis=1) / (np.abs(theirs).max() or 1.0)
             at, between = np.split(apart[:-1].reshape(len(off), -1), [1], axis=1)
-            # the difference of the routes at the points is not an error of the interpolant
+            # the difference of the two solutions at the points of this grid is not an error of the interpolant
             at_ends = np.maximum(at[:, 0], np.append(at[1:, 0], apart[-1]))
             np.maximum(off, between.max(axis=1) - at_ends, out=off)
         if not np.isfinite(off).all():  # an unbounded motion, which the caller reports
@@ -82,5 +85,5 @@ class DenseSolution(NamedTuple):
 
 
 def with_points_between(grid: Times) -> Times:
-    """The grid with points added in each of its intervals, where the interpolant has large errors."""
+    """The grid with points added in each of its intervals, at places where the interpolant has large errors."""
     return np.append((grid[:-1, None] + np.diff(grid)[:, None] * (0.0, *BETWEEN)).ravel(), grid[-1])

@@ -35,21 +35,22 @@ from study.scheme.wrapper.with_history import WithHistory
 #: Largest and smallest tolerance of a search.
 LOOSEST, TIGHTEST = 0.1, 1e-12
 
-#: Part of a tolerance that keeps an error, down to which smaller tolerances are tried.
+#: Smallest tolerance tried, as a fraction of the tolerance that keeps an error.
 HUNDREDTH = 0.01
 
 #: Number of runs made at once, and largest number of steps of a run.
 RUNS, MOST_STEPS = 32, 200_000
 
-#: Digits of a recommended tolerance.
+#: Possible first digits of a recommended tolerance, whose other digits are zero.
 DIGITS = (5.0, 2.0, 1.0)
 
 
 class Tolerance(NamedTuple):
-    """End of a search, the tolerance that keeps the error, and the run with this tolerance.
+    """Outcome of a search, the tolerance that keeps the error, and error, steps and forces of the run with it.
 
-    ``forces`` counts the forces of all trial steps. ``tried`` counts the tolerances from a hundredth of this one up to
-    it, and ``worst`` is the largest error among them as a fraction of the allowed one.
+    ``how`` is the outcome. ``forces`` is the number of internal forces evaluated in all trial steps. ``tried`` is the
+    number of tolerances tried from a hundredth of ``tolerance`` up to it. ``worst`` is their largest error as a
+    fraction of the allowed error.
     """
 
     how: int
@@ -61,7 +62,8 @@ class Tolerance(NamedTuple):
     worst: float = np.nan
 
 
-#: Ends of a search. Multi-step schemes need equal steps and have no search, as do period, phase and amplitude.
+#: Outcomes of a search. The last one stands for no search: multi-step schemes, and errors of period, phase and
+#: amplitude, need equal steps.
 ENDS = (*VERDICTS, "needs_equal_steps")
 EQUAL_ONLY = ENDS.index("needs_equal_steps")
 
@@ -92,9 +94,9 @@ class ToleranceSearch:
     scheme, controller
         Scheme and controller of the runs.
     cases
-        The problem and its neighbours by the multiple of their start; 1 is the problem itself.
+        The problem with several multiples of start and load, by the multiple; 1 is the problem itself.
     duration
-        Length of the runs.
+        Duration of the runs in s.
     of_energy
         Whether the balance of energies is one of the quantities.
     end
@@ -122,7 +124,7 @@ class ToleranceSearch:
         self._random = np.random.default_rng(0)
 
     def _run(self, start: float, tolerance: np.ndarray) -> None:
-        """Run with some tolerances, from a multiple of the start."""
+        """Make runs with the given tolerances, with start and load multiplied by ``start``."""
         case = self.cases[start]
         ds = run(
             case.problem,
@@ -147,23 +149,23 @@ class ToleranceSearch:
         self.late = time.monotonic() > self.end
 
     def _drawn(self, bottom: float, top: float, first: Sequence[float] = ()) -> np.ndarray:
-        """The tolerances ``first`` and random ones on a logarithmic scale, ``RUNS`` in all."""
+        """``RUNS`` tolerances: ``first``, and random ones on the logarithmic scale from ``bottom`` to ``top``."""
         count = RUNS - len(first)
         return np.append(first, top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count))
 
     def largest(self, name: str, allowed: float) -> float:
-        """Largest tolerance below which all runs keep an error, with a margin for scatter; zero if there is none."""
-        fails = ~(self.runs[name].to_numpy() <= allowed)  # a failed run, NaN, counts as above
+        """Largest tolerance that keeps an error with a margin for scatter, as all smaller ones do; zero if none."""
+        fails = ~(self.runs[name].to_numpy() <= allowed)  # NaN, the error of a failed run, counts as too large
         lowest = self.runs.tolerance.to_numpy()[fails].min(initial=np.inf)
         own = self.runs[(self.runs.start == 1.0) & (self.runs.tolerance < lowest)]
-        # the step is proportional to this root of the tolerance
+        # the margin is defined for steps, and the step size is proportional to this root of the tolerance
         return (
             largest_with_margin(own.tolerance.to_numpy() ** (1 / self._power), own[name].to_numpy(), allowed)
             ** self._power
         )
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None]) -> None:
-        """Run down to a hundredth of the tolerance that keeps each error, then from all starts at round tolerances."""
+        """Make runs down to a hundredth of each tolerance that keeps an error, then at round ones from all starts."""
         top, steps = LOOSEST, 0.0
         while not self.late:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
@@ -196,7 +198,7 @@ class ToleranceSearch:
 
 
 def variables_of(found: dict[str, dict[Limit, Tolerance] | None], names: list[str], allowed: list[float]) -> xr.Dataset:
-    """Results of each scheme, over scheme, quantity and allowed error."""
+    """The results of all schemes as variables over scheme, quantity and allowed error."""
     rows = []
     for scheme, verdicts in found.items():
         for limit in ((name, error) for name in names for error in allowed):

@@ -23,16 +23,16 @@ def work_precision(
     quantity: str | None = None,
     **options: Any,
 ) -> xr.Dataset:
-    """Errors of schemes against the times of their runs.
+    """Errors of schemes, and the computing times of their runs.
 
     Parameters
     ----------
     problem, schemes
         As the parameters of :func:`study.assess`.
     figure
-        File for the diagram, ``.svg``; by default none is drawn.
+        File for the diagram, ``.svg``; by default no diagram is drawn.
     quantity
-        Quantity of the diagram, by default the first.
+        Quantity of the diagram, by default the first quantity of the assessment.
     **options
         Further parameters of :func:`study.assess`, such as ``duration`` and ``errors``.
 
@@ -40,12 +40,12 @@ def work_precision(
     -------
     xarray.Dataset
         Over ``scheme``, ``dt`` and ``quantity``: ``error``, NaN where a step was not tried or a run failed; over
-        ``scheme`` and ``dt``: ``status`` and ``time`` in s.
+        ``scheme`` and ``dt``: ``status`` and ``time`` in s, and for a program ``reason``.
 
     Raises
     ------
     KeyError
-        If there is no such quantity.
+        If there is no such problem or scheme, or no such quantity for the diagram.
     TypeError, ValueError
         As :func:`study.assess`.
 

@@ -1,7 +1,7 @@
 r"""Controllers of the step size.
 
-A controller takes :math:`r = \eta/\text{tolerance}`, the estimate of a step relative to the tolerance, and the power k
-of Δt with which the estimate falls. It accepts the step or not, and chooses the size of the next one.
+A controller takes :math:`r = \eta/\text{tolerance}`, the estimated error of a step relative to the tolerance, and the
+power k of Δt with which the estimate falls. It accepts or rejects the step, and chooses the size of the next step.
 """
 
 import abc
@@ -18,15 +18,15 @@ from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.scheme.base import check_ranges
 
-#: Limits of the ratio of two successive steps, and safety factor of the step that the estimate allows.
+#: Smallest and largest ratio of successive step sizes, and safety factor of the step size that the estimate allows.
 SMALLEST, LARGEST, SAFETY = 0.2, 5.0, 0.9
 
-#: Smallest estimate relative to the tolerance, which keeps the next step finite where the estimate is zero.
+#: Smallest ratio r with which a controller computes, so that the next step stays finite if the estimate is zero.
 TINY = 1e-10
 
 
 class Decision(NamedTuple):
-    """Whether a step is accepted, the size of the next one, and the next state of the controller."""
+    """Whether a step is accepted, the size ``dt`` of the next step, and the next state of the controller."""
 
     accepted: jax.Array | bool
     dt: Scalar
@@ -34,7 +34,7 @@ class Decision(NamedTuple):
 
 
 class Controller(eqx.Module):
-    """The choice of the next step; the methods are pure functions that JAX compiles into the march."""
+    """A controller of the step size; its methods are pure functions that JAX compiles into the march."""
 
     title: ClassVar[str]
     source: ClassVar[str]
@@ -47,12 +47,12 @@ class Controller(eqx.Module):
         return ()
 
     def first(self, carried: Any, dt: Scalar, tolerance: ScalarLike) -> Scalar:
-        """Size of the first step; by default ``dt``, which is given or a guess."""
+        """Size of the first step; by default ``dt``, the given size or a small part of the duration."""
         return dt
 
     @abc.abstractmethod
     def decide(self, carried, r, k: int, dt, problem: Problem, state, t, tolerance) -> Decision:
-        """The decision on a step of the size ``dt`` that ended in ``state`` at the time ``t``."""
+        """The decision on a step of size ``dt`` that ended in ``state`` at time ``t``."""
 
 
 def _limited(factor):
@@ -62,7 +62,7 @@ def _limited(factor):
 class Integral(Controller):
     r"""The elementary controller, :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`.
 
-    A step is accepted if r ≤ 1, and grows or shrinks by at most a factor of five.
+    A step is accepted if r ≤ 1. The step size grows or shrinks by at most a factor of five.
 
     References
     ----------
@@ -79,7 +79,7 @@ class Integral(Controller):
 
 
 class ProportionalIntegral(Controller):
-    r"""The PI controller, :math:`\Delta t' = 0.9\,\Delta t\,r^{-0.7/k} r_0^{0.4/k}` with r₀ of the step before.
+    r"""The PI controller, :math:`\Delta t' = 0.9\,\Delta t\,r^{-0.7/k} r_0^{0.4/k}` with r₀ of the last accepted step.
 
     A step with r > 1 is repeated with :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`.
 
@@ -111,8 +111,8 @@ class Filtered(Controller):
         c = r^{-1/(4k)}\,r_0^{-1/(4k)}\,(\Delta t/\Delta t_0)^{-1/4}, \quad
         \Delta t' = \Delta t\,[1 + \arctan(c - 1)]
 
-    with r₀ and Δt₀ of the step before. A step is accepted if :math:`r^{-1/k} \ge 0.9`; otherwise it is repeated with
-    :math:`c = 0.9\,r^{-1/k}`.
+    with r₀ and Δt₀ of the last accepted step. A step is accepted if :math:`r^{-1/k} \ge 0.9`; otherwise it is repeated
+    with :math:`c = 0.9\,r^{-1/k}`.
 
     References
     ----------
@@ -139,18 +139,18 @@ class Filtered(Controller):
 
 
 class DeadBand(Controller):
-    r"""The controller of Zienkiewicz and Xie: the step stays while the estimate stays within bounds.
+    r"""The controller of Zienkiewicz and Xie: the step size stays while the estimate stays within bounds.
 
     A step with r > ``high`` is repeated with :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`. After ``patience``
-    consecutive steps with r < ``low`` the step grows by this factor. The factor 0.9 is our addition: without it a step
-    just above the bound is repeated without end.
+    consecutive steps with r < ``low``, the step size grows by the same factor :math:`0.9\,r^{-1/k}`. The factor 0.9 is
+    our addition: without it, a step just above the bound is repeated without end.
 
     Parameters
     ----------
     low, high
         0 < low < high: bounds of r.
     patience
-        Number of steps before growth.
+        Number of consecutive steps with r < ``low`` before the step size grows.
 
     Raises
     ------
@@ -186,7 +186,7 @@ class DeadBand(Controller):
 
 
 class Reversible(Controller):
-    r"""Reversible control of Hairer and Söderlind: the step follows a density ρ of steps instead of an error.
+    r"""Reversible control of Hairer and Söderlind: the step size follows a density ρ of steps, not an error.
 
     .. math::
 
@@ -194,8 +194,8 @@ class Reversible(Controller):
         \rho_{n+1/2} = \rho_{n-1/2} + \varepsilon G(y_n), \quad \Delta t_n = \varepsilon/\rho_{n+1/2},
         \quad G = \frac{1}{\rho} \frac{d\rho}{dt}
 
-    along the flow, with the tolerance ε. Symmetric schemes on reversible problems then show no drift of energy. It
-    takes one additional force per step.
+    with the derivative of ρ along the motion, and the tolerance ε. Symmetric schemes on reversible problems then show
+    no drift of energy. The controller evaluates one additional force per step.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ class Reversible(Controller):
 
 
 class Prescribed(Controller):
-    """Steps of given sizes in turn, repeated from the first, whatever the error.
+    """Steps of given sizes in turn, from the first again after the last, whatever the error.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Estimators of the error of a step.
 
-An estimator returns one or several norms of an estimate. A run divides each by the largest value so far of a norm of
-the motion; the largest quotient is η. An estimator also states the power k of Δt with which the estimate falls, so that
-a controller can choose the next step.
+An estimator returns one or several norms of an estimate, such as one of u and one of u̇. A run divides each norm by the
+largest value so far of the corresponding norm of the motion; the largest quotient is η. An estimator also states the
+power k of Δt with which the estimate falls, so that a controller can choose the next step size.
 """
 
 import abc
@@ -28,12 +28,13 @@ Sizes = tuple[jax.Array, ...]
 
 
 class Estimator(eqx.Module):
-    """The estimate of the error of a step; the methods are pure functions that JAX compiles into the march."""
+    """An estimator of the error of a step; its methods are pure functions that JAX compiles into the march."""
 
     title: ClassVar[str]
     source: ClassVar[str]
     doi: ClassVar[str]
-    #: Whether a run from rest needs a scale. It does if the tolerance would otherwise be relative to zero.
+    #: Whether estimates are relative to the size of the motion. A run from rest then needs another scale, because this
+    #: size is zero.
     relative: ClassVar[bool] = True
 
     @abc.abstractmethod
@@ -45,11 +46,11 @@ class Estimator(eqx.Module):
         return None
 
     def forces_per_step(self, scheme: Scheme) -> int:
-        """Forces that a trial step and its estimate evaluate, in addition to those of Newton's iterations."""
+        """Number of internal forces of a trial step and its estimate, without the forces of Newton's iterations."""
         return scheme.forces_per_step
 
     def sizes(self, problem: Problem, state: Any) -> Sizes:
-        """Sizes of the motion, to whose largest values so far the estimates are relative."""
+        """Norms of the motion; each estimate is divided by the largest value so far of its norm."""
         return (size(state.u),)
 
     def start(self, scheme: Scheme, problem: Problem, state: Any) -> Any:
@@ -88,7 +89,7 @@ class Unestimated(Estimator):
 
 
 def size(x: Vector) -> jax.Array:
-    """The Euclidean norm of a vector, or the size of a number."""
+    """The Euclidean norm of a vector, or the absolute value of a number."""
     return jnp.abs(x) if jnp.ndim(x) == 0 else jnp.sqrt(jnp.vdot(x, x))
 
 
@@ -115,10 +116,10 @@ class _OfAcceleration(Estimator):
         return acceleration(problem, 0.0, state.u, state.v)
 
     def ends(self, scheme, problem, before, old, new, t, dt) -> tuple[Vector, Vector, float]:
-        """ü at both ends of a step, and the offset of its times from these ends, in steps.
+        """ü at both ends of a step, and the offset of the times of both ü from these ends, in steps.
 
-        If the scheme carries no ü, the equation of motion gives ü at the end of the step, and ``before`` is this value
-        at the end of the previous step.
+        If the scheme carries no ü, the equation of motion gives ü at the end of the step, the offset is zero, and
+        ``before`` is the ü at the end of the previous step.
         """
         if scheme.acceleration_offset is not None:
             return *ends_of_step(old, new), scheme.acceleration_offset
@@ -126,12 +127,12 @@ class _OfAcceleration(Estimator):
 
 
 def carried_acceleration(state: Any) -> Vector:
-    """ü as the scheme carries it."""
+    """The ü that the state of a scheme carries."""
     return carried_acceleration(state.inner) if isinstance(state, WrapperState) else state.a
 
 
 def ends_of_step(old: Any, new: Any) -> tuple[Vector, Vector]:
-    """ü as the scheme carries it at both ends of a step, each later than its end by ``acceleration_offset`` steps."""
+    """The carried ü of both ends of a step, each of a time ``acceleration_offset`` steps after its end."""
     inner = new
     while isinstance(inner, WrapperState):
         if isinstance(inner, StateOfStep):
@@ -141,7 +142,7 @@ def ends_of_step(old: Any, new: Any) -> tuple[Vector, Vector]:
 
 
 class ZienkiewiczXie(_OfAcceleration):
-    r"""The difference from a motion with linear acceleration.
+    r"""The difference of the displacement after a step from a motion with linear acceleration in the step.
 
     .. math::
 
@@ -151,7 +152,7 @@ class ZienkiewiczXie(_OfAcceleration):
     For Newmark's method :math:`e = (\beta - \tfrac16)\,\Delta t^2 (\ddot u_1 - \ddot u_0)`. An α-method carries the
     acceleration of the time :math:`t_1 + s\,\Delta t` with s = α_m − α_f, which adds
     :math:`\tfrac{s}{2} \Delta t^2 (\ddot u_1 - \ddot u_0)`. The estimate vanishes where the third derivative of u is
-    zero, at every turning point of a free vibration. It ignores the velocity.
+    zero, as at every turning point of a free vibration. The estimate ignores the error of the velocity.
 
     References
     ----------
@@ -179,13 +180,13 @@ class ZienkiewiczXie(_OfAcceleration):
 
 
 class ThreePoint(_OfAcceleration):
-    r"""The difference from a motion whose acceleration is the parabola through three times.
+    r"""The difference from a motion whose acceleration is the parabola through its values at three times.
 
-    With ü at the ends of this step and at the start of the one before, the parabola is integrated over the step. The
-    estimate is the larger of the errors of u and u̇, each relative to the largest value so far. For Newmark's
-    method with equal steps, the error of u is
+    The parabola passes through ü at both ends of this step and at the start of the previous step, and is integrated
+    over this step. The estimate is the larger of the errors of u and u̇, each relative to the largest value so far.
+    For Newmark's method with equal steps, the error of u is
     :math:`\Delta t^2 [(\beta - \tfrac18) \ddot u_1 + (\tfrac1{12} - \beta) \ddot u_0 + \tfrac1{24} \ddot u_{-1}]`.
-    The estimate of the error of u̇ is centred half a step too early. Both are wrong after a kink of the force.
+    The estimate of the error of u̇ is centred half a step too early. Both estimates are wrong after a kink of the force.
 
     References
     ----------
@@ -204,7 +205,7 @@ class ThreePoint(_OfAcceleration):
 
     def start(self, scheme, problem, state):
         now = super().start(scheme, problem, state)
-        # a slope of zero: without an earlier step, the first step takes a straight line for the parabola
+        # a slope of zero marks that there is no earlier step: the first step takes a straight line for the parabola
         return now, jnp.zeros_like(now), jnp.ones(())
 
     def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
@@ -223,13 +224,14 @@ class ThreePoint(_OfAcceleration):
 
 
 class StepDoubling(Estimator):
-    r"""The difference of one step from two half steps, with which the run continues; for any one-step scheme.
+    r"""The difference between one step and two half steps, for any one-step scheme.
 
     .. math::
 
         \eta = \frac{|y_{2 \times \Delta t/2} - y_{\Delta t}|}{(2^p - 1) \max |y|} \quad\text{for } y = u, \dot u
 
-    for a scheme of order p. It takes three times the forces of a step.
+    for a scheme of order p. The run continues from the two half steps. A trial step evaluates three times the forces of
+    a step.
 
     References
     ----------
@@ -264,14 +266,14 @@ class StepDoubling(Estimator):
 
 
 class EmbeddedPair(Estimator):
-    r"""The difference from a method of lower order that uses the same forces.
+    r"""The difference from an embedded method of lower order, which uses the same forces.
 
     .. math::
 
         \eta = |\hat y_1 - y_1| / \max |y| \quad\text{for } y = u, \dot u
 
-    The estimate is the error of the method of lower order; the run continues with the method of higher order. It takes
-    no additional forces.
+    with :math:`\hat y_1` of the method of lower order, whose error is the estimate. The run continues with the method
+    of higher order. The estimate takes no additional forces.
 
     References
     ----------

@@ -1,8 +1,8 @@
 r"""Closed form of the ratio of an estimate to the true error of a step, to leading order in ωΔt.
 
-The motion is :math:`u = \cos \varphi` of a linear undamped oscillator, and φ the phase in the middle of a step. A
+The motion of a linear undamped oscillator is :math:`u = \cos \varphi`, with the phase φ in the middle of a step. A
 second-order method of the generalized-α family, such as Newmark's with γ = ½, carries an acceleration
-:math:`\ddot u(t + s\,\Delta t) + c\,\Delta t^2 u^{(4)}(t)` with s = α_m − α_f. With it, the errors of a step are
+:math:`\ddot u(t + s\,\Delta t) + c\,\Delta t^2 u^{(4)}(t)` with s = α_m − α_f. The errors of a step are
 
 .. math::
 
@@ -37,14 +37,16 @@ def linear_ratio(scheme: Scheme, estimator: str, part: np.ndarray, steps: float)
 
     Parameters
     ----------
+    estimator
+        Name of the estimator.
     part
-        Phase in the middle of the step, as a part of the period from the largest displacement.
+        Phase in the middle of the step, as a fraction of the period, zero at the largest displacement.
     steps
         Steps in a period.
     """
     unknown = np.full_like(part, np.nan)
     if estimator == "step_doubling":
-        # a shifted acceleration after half a step differs from the one after a whole step
+        # a carried acceleration is shifted by another time after half a step than after a whole step
         exact = not scheme.acceleration_offset and scheme.order == scheme.order_with_damping
         return np.ones_like(part) if exact else unknown
     weights = _weights(scheme)

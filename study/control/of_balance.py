@@ -12,7 +12,7 @@ class ZienkiewiczXieOfBalance(ZienkiewiczXie):
         e = u_1 - u_0 - \Delta t\,\dot u_0 - \Delta t^2 (\tfrac13 a_0 + \tfrac16 a_1), \quad
         M a = f(t) - C \dot u - p(u)
 
-    It needs no ``acceleration_offset`` of an α-method. It takes one additional force per step.
+    The estimate does not use the ``acceleration_offset`` of an α-method. It takes one additional force per step.
 
     References
     ----------

@@ -20,9 +20,9 @@ class HalfStepResidual(Estimator):
         u_h = u_0 + \tfrac{\Delta t}{2} \dot u_0 + \tfrac{\Delta t^2}{16} (\ddot u_0 + \ddot u_h) \\
         \eta &= \max |M \ddot u_h + C \dot u_h + p(u_h) - f(t_h)| / \max |M \ddot u|
 
-    with u̇_h = u̇₀ + Δt (ü₀ + ü_h)/4. The accelerations of an α-method belong to times that are later by s Δt, with s
-    = α_m − α_f. Therefore s (ü₁ − ü₀) is first subtracted from both. The estimate takes one additional force per step.
-    It is of second order in Δt, and the error of the step is of third order.
+    with u̇_h = u̇₀ + Δt (ü₀ + ü_h)/4. An α-method carries the accelerations of times s Δt after the ends of the step,
+    with s = α_m − α_f. Therefore s (ü₁ − ü₀) is first subtracted from both accelerations. The estimate takes one
+    additional force per step. It is of second order in Δt, and the error of the step is of third order.
 
     References
     ----------
@@ -61,14 +61,14 @@ class HalfStepResidual(Estimator):
 
 
 class ApparentFrequency(Estimator):
-    r"""The step as a part of the apparent period of the motion.
+    r"""The step size as a fraction of the apparent period of the motion.
 
     .. math::
 
         \omega^2 = \frac{\Delta u^T \Delta p}{\Delta u^T M \Delta u}, \quad \eta = \frac{\omega\,\Delta t}{2 \pi}
 
-    with the changes of displacement and internal force over the step: a tolerance of 0.05 gives twenty steps per
-    period. It does not estimate an error.
+    with the changes Δu and Δp of displacement and internal force over the step. A tolerance of 0.05 gives twenty steps
+    per period. This estimator does not estimate an error, and takes one additional force per step.
 
     References
     ----------
@@ -101,9 +101,9 @@ class ApparentFrequency(Estimator):
 
 
 class Iterations(Estimator):
-    r"""Newton iterations of the step: a tolerance of 6 aims at six.
+    r"""The number of Newton iterations of the step: a tolerance of 6 aims at six iterations.
 
-    It measures the solver, not an error: a linear structure takes the largest step.
+    This estimator measures the work of the solver, not an error: a linear structure takes the largest step.
 
     References
     ----------
@@ -134,7 +134,7 @@ class Iterations(Estimator):
 class HalfIncrement(Controller):
     r"""The controller of Abaqus: a step is repeated with :math:`0.85\,\Delta t/r` if r > 1.
 
-    The step shrinks by at most a factor of five. It grows by a factor of 1.25 after three consecutive steps with
+    The step size shrinks by at most a factor of five. It grows by a factor of 1.25 after three consecutive steps with
     r ≤ 0.85.
 
     References
@@ -157,15 +157,16 @@ class HalfIncrement(Controller):
 
 
 class Nastran(Controller):
-    r"""The controller of TSTEPNL for the apparent frequency: the step grows and shrinks by powers of two.
+    r"""The controller of TSTEPNL for the apparent frequency: the step size changes by powers of two.
 
-    With 1/r, the ratio of the step that the frequency allows to this one, the step is multiplied by ¼ if 1/r < R/2, by
-    ½ if 1/r < R, by 1 if 1/r < 2, by 2 if 1/r < 3/R, and by 4 beyond. No step is repeated.
+    The ratio of the step size that the frequency allows to the present one is 1/r. The step size is multiplied by ¼ if
+    1/r < R/2, otherwise by ½ if 1/r < R, by 1 if 1/r < 2, by 2 if 1/r < 3/R, and by 4 if 1/r is larger. No step is
+    repeated.
 
     Parameters
     ----------
     bound
-        R, 0 < R ≤ 1.
+        The bound R, 0 < R ≤ 1.
     """
 
     bound: float = 0.75
@@ -187,12 +188,12 @@ class Nastran(Controller):
 class Proportional(Controller):
     r"""The controller of OpenSees, :math:`\Delta t' = \Delta t/r` within limits.
 
-    A step is repeated only if no balance was found.
+    A step is repeated only if Newton's iteration has failed.
 
     Parameters
     ----------
     smallest, largest
-        Limits of the step in s.
+        Limits of the step size in s.
 
     References
     ----------

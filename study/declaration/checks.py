@@ -11,7 +11,7 @@ LARGEST_SAMPLE = 600
 
 
 def unlisted(key: str, values: Iterable, source: str, listed: Collection) -> str | None:
-    """Refuse a value that the list ``listed`` lacks; ``source`` names the list."""
+    """Refuse a value that is not in ``listed``; ``source`` is the name of this list in the message."""
     for value in values:
         if value not in listed:
             return f"{key}: there is no {value} among {source}, {', '.join(map(str, listed))}."
@@ -19,7 +19,7 @@ def unlisted(key: str, values: Iterable, source: str, listed: Collection) -> str
 
 
 def no_multiple(key: str, values: Iterable[int], divisor: int, source: str = "") -> str | None:
-    """Refuse a value that is not a multiple of ``divisor``; ``source`` is the key of the divisor, if it has one."""
+    """Refuse a value that is not a multiple of ``divisor``; ``source`` is the key of the divisor's option, if any."""
     for value in values:
         if value % divisor:
             return f"{key}: {value} is not a multiple of {source + ', ' if source else ''}{divisor}."
@@ -32,7 +32,7 @@ def less_than_a_step(key: str, duration: float, dt: float) -> str | None:
 
 
 def step_beyond_run(dt_over_period: float, periods: float) -> str | None:
-    """Refuse a largest step size, in periods, that is longer than the whole run."""
+    """Refuse a step size, in periods, that exceeds the duration of the run, ``periods``."""
     if dt_over_period > periods:
         return f"dt_over_period: a step is longer than the {periods} periods of the run."
     return None

@@ -1,10 +1,12 @@
 """The declaration of an experiment: the datasets that it makes and reads, its options, and the work of its jobs.
 
+This function, for example, is an experiment:
+
     @experiment("accuracy", reads=lambda o: [f"reference/{name}" for name in o["problems"]])
     def accuracy(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Counts) -> xr.Dataset:
 
-is an experiment whose options are the section ``accuracy`` of the configuration and whose dataset is
-``results/accuracy.nc``. The types of the arguments bound the options (:mod:`study.declaration.options`).
+Its options are the section ``accuracy`` of the configuration, and its dataset is ``results/accuracy.nc``. The types of
+its arguments set the bounds of the options (:mod:`study.declaration.options`).
 """
 
 import importlib
@@ -25,35 +27,38 @@ class Experiment:
     Attributes
     ----------
     makes
-        Names of the datasets in the results.
+        Names of the datasets that the experiment makes.
     function
-        Function of the options that returns the datasets, one or a tuple.
+        Function of the options that returns the dataset, or a tuple of the datasets.
     section
         Dotted key of the configuration that holds the options. The section may be absent if all options have defaults.
     model
-        Type of the section; by default it has the arguments of the function. If there are ``options`` and no ``model``,
-        another experiment declares the section.
+        Type of the section. By default, its keys and their types are the arguments of the function. If ``options`` is
+        given without a ``model``, another experiment declares the section.
     options
-        Function that takes the options from the whole configuration, if they are not the section.
+        Function of the whole configuration that returns the options. By default, the options are the section.
     split
-        Function from the options to the options of each job, by the job's name. The datasets of job ``x`` are
-        ``makes/x``.
+        Function of the options that returns the options of each job, by the job's name. Job ``x`` makes the dataset
+        ``NAME/x`` for each ``NAME`` in ``makes``, or in ``parts`` if they are given. By default there is one job.
     along
-        Dimensions, separated by commas, along which the datasets of all jobs are joined to ``makes``. If it is empty,
-        they remain separate.
+        Dimensions, separated by commas, along which the datasets of all jobs are joined to the datasets ``makes``. If
+        it is empty, the datasets of the jobs remain separate.
     parts
-        Folders in which the datasets of the jobs are kept, so that an interrupted experiment can continue.
+        Folders in which the datasets of the jobs are kept after they are joined, so that an interrupted experiment can
+        continue.
     reads
         Function of a job's options that returns the names of the datasets that the job reads.
     files
-        Function of a job's options that returns other files that the job reads.
+        Function of a job's options that returns the paths of other files that the job reads.
     check
-        Function that returns a sentence if the options contradict each other or the rest of the configuration, and
-        ``None`` otherwise.
+        Function of a job's options and the configuration that returns a sentence if the options contradict each other
+        or the rest of the configuration, and ``None`` otherwise.
     steps, values
-        Functions that return the approximate number of steps of all runs of a job, and of values in its memory.
+        Functions of a job's options and the configuration. They return the approximate number of steps of all runs of
+        the job, and the approximate number of values that the job holds in memory at once.
     page
-        Module that makes a page of HTML next to each dataset. Its arguments are the files of the dataset and the page.
+        Module that makes a page of HTML next to each dataset. It is run with two arguments, the file of the dataset
+        and the file of the page.
     stops_early
         Whether a job may end as soon as its runs decide the result; ``steps`` is then an upper bound.
     timed
@@ -92,7 +97,7 @@ class Experiment:
         return self.function.__name__ if room == "study" else f"{room}_{last}"
 
     def options_of(self, configuration: Mapping) -> Options:
-        """The options in a complete configuration; without a ``model``, omitted ones have the function's defaults."""
+        """The options in a complete configuration; without ``model``, omitted options have the function's defaults."""
         if self.options is not None:
             return self.options(configuration)
         for key in self.section.split("."):
@@ -101,22 +106,22 @@ class Experiment:
 
     @property
     def defaults(self) -> Options:
-        """The default of each argument of the function that has one."""
+        """The defaults of the function's arguments, by name; arguments without a default are left out."""
         return {name: default for name, (_, default) in arguments_of(self.function).items() if default is not ...}
 
     def jobs(self, configuration: Mapping) -> dict[str, Options]:
-        """The options of every job, by the job's name, which is empty if there is only one job."""
+        """The options of every job, by the job's name; the name is empty if ``split`` is not given."""
         options = self.options_of(configuration)
         return {"": options} if self.split is None else dict(self.split(options))
 
     @property
     def named_jobs(self) -> bool:
-        """Whether the jobs are keys of the section; messages then name the key."""
+        """Whether the names of the jobs are keys of the section; messages then name these keys."""
         return self.split is not None and not self.along and self.options is None
 
     @property
     def folders(self) -> tuple[str, ...]:
-        """Folders of the datasets of the jobs, one for each dataset."""
+        """Folders of the datasets of the jobs, one folder for each dataset of the experiment."""
         return self.parts or self.makes
 
 
@@ -128,19 +133,22 @@ class Merged:
     of: tuple[str, ...]
 
 
-#: Folders of the results that hold other products.
+#: Folders of the results that hold products other than datasets.
 _RESERVED = ("benchmarks", "figures", "logs", "tables")
-#: Declarations in all imported modules, by module and first dataset.
+#: Declarations in all imported modules, by the name of the module (empty for merged datasets) and the first dataset.
 DECLARED: dict[tuple[str, str], Experiment | Merged] = {}
 
 
 def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Callable], Callable]:
-    """Declare the decorated function an experiment; the arguments are the attributes of :class:`Experiment`.
+    """Declare the decorated function an experiment; the arguments are attributes of :class:`Experiment`.
+
+    The default ``section`` is the name of the first dataset, with dots in place of slashes.
 
     Raises
     ------
     ValueError
-        If the experiment makes no dataset, the name of a dataset is invalid, or the module declares a dataset twice.
+        If the experiment makes no dataset, the name of a dataset or folder is invalid, or the module declares
+        the first dataset twice.
     """
     if not makes or not all(isinstance(name, str) for name in makes):
         raise ValueError('an experiment must name the dataset that it makes: @experiment("name").')
@@ -171,7 +179,7 @@ PACKAGES = ("reference.experiments", "study.experiments", "study.assessment")
 
 
 def discover() -> list[Experiment | Merged]:
-    """All experiments that modules declare."""
+    """All experiments and merged datasets that the modules of ``PACKAGES`` declare."""
     for name in PACKAGES:
         package = importlib.import_module(name)
         for module in pkgutil.iter_modules(package.__path__, f"{name}."):
@@ -180,7 +188,13 @@ def discover() -> list[Experiment | Merged]:
 
 
 def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
-    """Types and defaults of the arguments of a function, as pydantic's fields; ``...`` marks a missing default."""
+    """Type and default of each argument of a function, as pydantic defines fields; ``...`` marks a missing default.
+
+    Raises
+    ------
+    ValueError
+        If an argument has no type, or its type is a plain string or list of strings.
+    """
     parameters = inspect.signature(function, eval_str=True).parameters
     for name, one in parameters.items():
         if one.annotation is one.empty or one.kind is one.VAR_KEYWORD:

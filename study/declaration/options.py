@@ -1,7 +1,7 @@
 """Types of the options of experiments, with their bounds.
 
 The arguments of an experiment have these types. The check of the configuration and its schema follow from the types.
-Every job of the pipeline imports this module. It does not import pydantic, which takes a quarter of a second.
+Every job of the pipeline imports this module, so it does not import pydantic, which takes a quarter of a second.
 """
 
 import re
@@ -22,7 +22,7 @@ def section(kind: type) -> type:
 
 @dataclass(frozen=True)
 class Checked:
-    """A check beyond type and bounds, which it follows.
+    """A check of the value of an option, made after the checks of its type and bounds.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def _distinct(values: list, registries: Mapping[str, Any]) -> list:
 
 
 def _listed(kind: str) -> Checked:
-    """Check that a name is in the registry of this kind, in the spelling that datasets and files use too."""
+    """A check that a name is in the registry of this kind, in the spelling that datasets and files use."""
 
     def check(name: str, registries: Mapping[str, Any]) -> str:
         try:
@@ -90,27 +90,27 @@ def _rising(values: list, registries: Mapping[str, Any]) -> list:
 
 @dataclass(frozen=True)
 class Names:
-    """Mark of a string that names a ``problem`` or ``scheme``; the job depends on its source file."""
+    """Mark of a string that names a ``problem`` or ``scheme``, whose source file is an input of the job."""
 
     kind: str
 
 
 _FEW = Len(1, 1000)
 _DISTINCT = Checked(_distinct)
-#: ``first`` must be less than ``last``.
+#: Check that ``first`` is less than ``last``.
 IN_ORDER = Checked(_in_order)
 
 #: Relative damping of linear oscillators.
 DampingRatios = Annotated[list[Annotated[float, Ge(0), Lt(1)]], Len(1, 100), _DISTINCT]
 #: A number of steps, periods or repeats.
 Count = Annotated[int, Ge(1), Le(10_000_000)]
-#: Steps of a run whose every step is stored.
+#: Number of steps of a run that stores every step.
 RecordedSteps = Annotated[int, Ge(1), Le(1_000_000)]
 #: Number of repeats of a timing or run.
 Repeats = Annotated[int, Ge(1), Le(1000)]
-#: The length of an axis of a dataset.
+#: Number of values along an axis of a dataset.
 Length = Annotated[int, Ge(2), Le(10_000)]
-#: A time, a step size or a displacement greater than zero.
+#: A time, a step size or a displacement, from 1e-9 to 1e9.
 Size = Annotated[float, Ge(1e-9), Le(1e9)]
 #: A relative tolerance, error or perturbation.
 Tolerance = Annotated[float, Ge(1e-15), Lt(1)]
@@ -126,15 +126,15 @@ RecordDuration = Annotated[float, Ge(1), Le(100)]
 RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(_rising)]
 Sizes = Annotated[list[Size], _FEW, _DISTINCT]
 Tolerances = Annotated[list[Tolerance], _FEW, _DISTINCT]
-#: Tolerances of solvers, at most 0.1 because the motion is lost at larger ones.
+#: Tolerances of solvers in descending order, at most 0.1 because larger tolerances lose the motion.
 FallingTolerances = Annotated[list[Annotated[float, Ge(1e-15), Le(0.1)]], _FEW, _DISTINCT, Checked(_falling)]
 
 #: A name that is valid as the name of a file.
 Name = Annotated[str, Checked(_plain)]
 PlainNames = Annotated[list[Name], _FEW, _DISTINCT]
-#: A Python object in a file, FILE.py:NAME.
+#: Place of a Python object in a file, as FILE.py:NAME.
 Place = Annotated[str, Len(1, 1000)]
-#: Name of a problem, or a problem in a file, FILE.py:NAME.
+#: Name of a problem, or place of a problem in a file, as FILE.py:NAME.
 ProblemPlace = Annotated[str, Len(1, 1000), Names("problem")]
 #: Name of any problem.
 ProblemName = Annotated[str, _listed("problem"), Names("problem")]
@@ -142,24 +142,25 @@ ProblemName = Annotated[str, _listed("problem"), Names("problem")]
 Spring = Annotated[str, _listed("spring"), Names("problem")]
 #: Name of a structure with a time scale.
 Structure = Annotated[str, _listed("structure"), Names("problem")]
-#: Name of a problem with a known displacement.
+#: Name of a problem whose exact displacement is known.
 KnownProblem = Annotated[str, _listed("problem with a known displacement"), Names("problem")]
 #: Name of a scheme.
 SchemeName = Annotated[str, _listed("scheme"), Names("scheme")]
-#: Name of a scheme that adds increments to displacement and velocity; the sums can be compensated.
+#: Name of a one-step scheme, which adds increments to displacement and velocity; these sums can be compensated.
 OneStepName = Annotated[SchemeName, _listed("one-step scheme")]
 Springs = Annotated[list[Spring], _FEW, _DISTINCT]
 Problems = Annotated[list[ProblemName], _FEW, _DISTINCT]
-#: Problems whose force has kinks or memory or whose load has kinks, and a smooth one for comparison.
+#: Name of a problem with kinks of its force, a force with memory or kinks of its load, or of a smooth problem for
+#: comparison, ``hardening``.
 KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken", "pulse"], Names("problem")]
 Kinked = Annotated[list[KinkedName], _FEW, _DISTINCT]
-#: Problems with samples of the exact motion: the problems of the section ``kinks``, and structures.
+#: Names of problems with samples of the exact motion: problems of ``KinkedName``, and structures.
 Sampled = Annotated[list[KinkedName | Structure], _FEW, _DISTINCT]
 Schemes = Annotated[list[SchemeName], _FEW, _DISTINCT]
 Estimators = Annotated[list[Annotated[str, _listed("estimator")]], _FEW, _DISTINCT]
 ControllerName = Annotated[str, _listed("controller")]
 Controllers = Annotated[list[ControllerName], _FEW, _DISTINCT]
-#: Schemes of a user, FILE.py:NAME.
+#: Schemes in files of a user, each as FILE.py:NAME.
 OwnSchemes = Annotated[list[str], Len(0, 1000), _DISTINCT]
 OneStepSchemes = Annotated[list[OneStepName], _FEW, _DISTINCT]
 
@@ -185,10 +186,11 @@ class _PowersOfTen(TypedDict):
     count: Length
 
 
-#: ``count`` evenly spaced numbers, or step sizes, from ``first`` to ``last``.
+#: ``count`` evenly spaced numbers from ``first`` to ``last``.
 Numbers = Annotated[_Numbers, IN_ORDER]
+#: ``count`` evenly spaced step sizes from ``first`` to ``last``.
 StepSizes = Annotated[_StepSizes, IN_ORDER]
-#: ``count`` powers of ten; ``first`` and ``last`` are exponents, between which the exponents are evenly spaced.
+#: ``count`` powers of ten, whose exponents are evenly spaced from ``first`` to ``last``.
 PowersOfTen = Annotated[_PowersOfTen, IN_ORDER]
 
 
@@ -208,7 +210,7 @@ StructureLengths = Annotated[list[StructureLength], Len(1, 1000), Checked(_each_
 
 
 def names_in(kind: Any, value: Any) -> Iterator[tuple[str, str]]:
-    """Pairs of kind and name of the problems and schemes in the value of an option, found by the option's type."""
+    """Pairs of kind and name of the problems and schemes in an option's value, found by the marks in its type."""
     if get_origin(kind) in (Union, UnionType):
         kind = get_args(kind)[0] if value is not None else None
     if get_origin(kind) is Annotated:

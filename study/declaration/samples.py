@@ -10,7 +10,7 @@ from study.declaration.checks import unlisted
 from study.declaration.experiment import Options
 from study.declaration.options import KinkedName
 
-#: Problems whose samples are in the dataset ``reference/inelastic``.
+#: Names of the problems whose samples are in the dataset ``reference/inelastic``.
 KINKED = get_args(get_args(KinkedName)[0])
 
 
@@ -20,7 +20,7 @@ class Known(NamedTuple):
     Attributes
     ----------
     t, u
-        Times (t,), and displacements (t, unknowns).
+        Times in s, of shape (t,), and displacements, of shape (t, unknowns).
     uncertainty
         Uncertainty of the displacements, relative to the largest displacement.
     """
@@ -30,13 +30,13 @@ class Known(NamedTuple):
     uncertainty: float
 
     def error(self, u: np.ndarray) -> float:
-        """Largest distance of displacements ``u`` of a run from the samples, relative to the largest displacement."""
+        """Largest norm of the difference of displacements ``u`` from the samples, relative to their largest norm."""
         off = np.linalg.norm(u.reshape(self.u.shape) - self.u, axis=1)
         return float(off.max() / np.linalg.norm(self.u, axis=1).max())
 
 
 def reference_of(problem: str) -> str:
-    """The dataset with samples of the exact motion."""
+    """Name of the dataset with samples of the exact motion of a problem."""
     return "reference/inelastic" if problem in KINKED else f"reference/{problem}"
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-#: Outcomes of a run of a program, and the mark for steps that were not tried.
+#: Outcomes of a run of a program; the last one marks steps that were not tried.
 STATUSES = (
     "completed",
     "raised",
@@ -22,10 +22,11 @@ STATUSES = (
     "not_tried",
 )
 
-#: Names in the result of a run: its times, and, if it is measured, its wall time in s, in total or up to each time.
+#: Names in the result of a run: ``t`` of its times and, optionally, ``seconds`` of its measured computing time in s, in
+#: total or up to each time.
 TIME, SECONDS = "t", "seconds"
 
-#: Largest size of a value; a run that grows beyond it counts as unbounded.
+#: Largest absolute value of a quantity; a run that exceeds it gets the status ``not_finite``.
 LARGEST = 1e100
 
 #: Tolerance of times relative to a step, for the rounding of numbers in a file.
@@ -34,15 +35,15 @@ UNIFORM = 1e-3
 #: Times of a run, of shape (t,).
 Times = Float[np.ndarray, "t"]
 
-#: Values of a quantity along time, or a single one.
+#: Values of a quantity along time, or a single number.
 Values = Float[np.ndarray, "..."]
 
-#: A run of a program: a function of the name of a scheme and the step in s.
+#: Function that runs a program, of the name of a scheme and the step in s; it returns times and quantities by name.
 Runnable = Callable[[str, float], Mapping]
 
 
 class Unusable(Exception):
-    """A failed run, with one of the ``STATUSES`` and the reason."""
+    """Exception for a failed run, with one of the ``STATUSES`` and the reason."""
 
     def __init__(self, status: str, reason: str):
         super().__init__(reason)
@@ -57,9 +58,9 @@ class Run(NamedTuple):
     status, reason
         One of the ``STATUSES``, and the reason of a failure, which is empty for a completed run.
     seconds
-        Time of the run, by the program's own measure if there is one.
+        Computing time of the run in s, as measured by the program, or ``elapsed`` if the program measures none.
     elapsed
-        Wall time of the run, including the start of a process.
+        Wall time of the run in s, including the start of a process by the program.
     t
         Times in s, of shape (t,); empty if all quantities are single numbers, or if the run failed.
     values
@@ -95,13 +96,21 @@ def _array(name: str, given: object) -> Values:
 
 
 def _check_times(t: np.ndarray, dt: float, duration: float) -> None:
-    """Check that times end at most one gap before the end, and that all gaps but the last are equally many steps."""
+    """Check that times increase in equal gaps of whole steps, and end at most one gap before the duration.
+
+    Only the last gap may be shorter.
+
+    Raises
+    ------
+    Unusable
+        If the times fail one of these checks.
+    """
     gaps = np.diff(t)
     if t.ndim != 1 or not gaps.size:
         raise Unusable("too_short", f"'{TIME}' has {t.size} time{'s' * (t.size != 1)}, and at least two are needed")
     if not np.isfinite(t).all() or (gaps <= 0).any():
         raise Unusable("unequal_times", f"its times do not increase after t = {t[np.argmin(gaps > 0)]:g} s")
-    # the last gap may be shorter
+    # every gap but the last must equal the first; the last may be shorter
     off = np.flatnonzero(np.append(np.abs(gaps[:-1] - gaps[0]), gaps[-1] - gaps[0]) > UNIFORM * gaps[0])
     if off.size:
         raise Unusable(
@@ -119,7 +128,8 @@ def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, d
     Raises
     ------
     Unusable
-        If the result is not a mapping from names to finite numbers, or its times are not equally spaced or end early.
+        If the result is not a mapping from names to finite numbers, if it is empty, or if its times are not equally
+        spaced or end too early.
     """
     if returned is None:
         raise Unusable("nothing", "it returned nothing")
@@ -143,10 +153,10 @@ def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, d
 
 
 def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
-    """Run a program once; a failure is returned as a run with its reason."""
+    """Run a program once; a failure is returned as a :class:`Run` with its reason."""
     start = time.perf_counter()
     try:
-        # numbers of a program may overflow; the check of its values reports it
+        # values of a program may overflow, which ``checked`` reports
         with np.errstate(all="ignore"):
             returned = run(scheme, dt)
         elapsed = time.perf_counter() - start
@@ -155,7 +165,7 @@ def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
         return Run(scheme, dt, STATUSES[0], "", float(seconds), elapsed, t, values)
     except Unusable as failed:
         status, reason = failed.status, failed.reason
-    except SystemExit as end:  # it would end this process too
+    except SystemExit as end:  # SystemExit would end this process, too
         status, reason = "exit_code", f"it ended with the exit code {end.code}"
     except Exception as error:  # a user's program may raise anything
         status, reason = "raised", f"it raised {type(error).__name__}: {error}"

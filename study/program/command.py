@@ -28,16 +28,16 @@ LAST_WORDS = 200
 
 @dataclass(frozen=True)
 class Command:
-    """A run of an executable, which writes a CSV file."""
+    """Function that runs an executable, which writes a CSV file."""
 
     title: str
     template: str
     duration: float
     time_limit: float | None
-    #: A digest of files that determine the runs and that the command does not name.
+    #: Digest of files that determine the runs but are not named in the command.
     more: str = ""
 
-    #: Each run is a process by itself, so it needs no process of this package.
+    #: True makes :class:`study.Program` use threads, which suffice because each run starts a process itself.
     starts_a_process = True
 
     def __post_init__(self):
@@ -46,14 +46,14 @@ class Command:
 
     @property
     def source(self) -> str:
-        """The command and the content of every file that it names, which identify its runs."""
+        """The command, ``more``, and digests of all files that the command names; together they identify the runs."""
         words = shlex.split(self.template)
         files = [Path(shutil.which(words[0]) or words[0]), *map(Path, words[1:])]
         digests = [hashlib.sha256(file.read_bytes()).hexdigest() for file in files if file.is_file()]
         return " ".join([self.template, self.more, *digests])
 
     def __call__(self, scheme: str, dt: float) -> dict[str, np.ndarray]:
-        """Run the command in a process, and read its output."""
+        """Run the command in a process, and return the quantities in its output."""
         with tempfile.TemporaryDirectory() as folder:
             output, printed = Path(folder) / "output.csv", Path(folder) / "printed"
             given = {
@@ -63,7 +63,7 @@ class Command:
                 "duration": repr(float(self.duration)),
             }
             words = [_filled(word, given) for word in shlex.split(self.template)]
-            # a file, because a process that outlives the program would keep a pipe open
+            # output goes to a file, because a process that outlives the program would keep a pipe open
             with printed.open("wb") as file:
                 process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT)
                 try:
@@ -76,7 +76,7 @@ class Command:
 
 
 def _kill(process: subprocess.Popen) -> None:
-    """End a process and all that it has started."""
+    """End a process and all processes that it has started."""
     own = psutil.Process(process.pid)
     for one in [*own.children(recursive=True), own]:
         with suppress(psutil.NoSuchProcess):
@@ -100,7 +100,7 @@ def _check_end(code: int, printed: str) -> None:
 
 
 def _quantities(output: Path) -> dict[str, np.ndarray]:
-    """Columns of a CSV file with a header; a file of one row and no times holds single numbers."""
+    """Columns of a CSV file with a header, by name; a file of one row without times holds single numbers."""
     if not output.is_file() or not output.stat().st_size:
         raise Unusable("nothing", "it wrote nothing to {output}")
     try:
@@ -126,9 +126,9 @@ def command(
     template
         The command, such as ``./mycode --dt {dt} --scheme {scheme} --output {output}``. The step in s, a scheme and the
         file to write are put in place of ``{dt}``, ``{scheme}`` and ``{output}``, and the duration in s in place of
-        ``{duration}``. No shell interprets the command. Runs share the folder of this process, so a program that writes
-        files of fixed names needs ``workers=1``. The first line of the CSV file names its columns: ``t`` and quantities
-        along time, or single numbers in one row.
+        ``{duration}``. No shell interprets the command. Runs share the working directory of this process, so a program
+        that writes files of fixed names needs ``workers=1``. The first line of the CSV file names its columns: ``t``
+        and quantities along time, or quantities that are single numbers in one row.
     schemes, duration
         As for :class:`study.Program`.
     time_limit
@@ -147,10 +147,10 @@ def command(
     FileNotFoundError
         If there is no such executable.
     TypeError
-        If the command is not a string.
+        If the command is not a string, or an argument of :class:`study.Program` has a wrong type.
     ValueError
         If the command cannot be split into words, or lacks ``{dt}``, ``{scheme}`` or ``{output}``, or if the time limit
-        is not greater than zero.
+        or an argument of :class:`study.Program` is invalid.
     """
     if not isinstance(template, str):
         raise TypeError(f"the command must be a string, not {template!r}.")

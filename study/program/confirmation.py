@@ -3,25 +3,27 @@
 import numpy as np
 from jaxtyping import Float
 
-#: Finer steps down to this part of a recommended step count as tried.
+#: Smallest step that counts as confirming a recommended step, as a fraction of the recommended step.
 TWENTIETH = 1 / 20
 
 #: Quantile of the errors up to an octave below a step. The margin for untried steps is the worst error less this
 #: quantile.
 USUAL = 0.9
 
-#: Pairs of a step and its error.
+#: Steps, or the errors of these steps.
 Steps = Float[np.ndarray, "step"]
 
 
 def largest_with_margin(dt: Steps, error: Steps, allowed: float) -> float:
     r"""Largest step that keeps an error with a margin for scatter; zero if there is none.
 
-    All given steps must keep the error without this margin. With the errors e(h) of the steps h, the condition is
+    All given steps must keep the error without this margin. The result is the largest step Δt that meets the condition
 
     .. math::
 
         2 \max_{\Delta t/2 < h \le \Delta t} e(h) - Q_{0.9}\,e(h) \le e_\text{allowed}
+
+    with the errors e(h) of the steps h, and their quantile :math:`Q_{0.9}` over the same octave.
     """
     while dt.size:
         step = dt.max()

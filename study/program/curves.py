@@ -26,19 +26,19 @@ SAME = 1e-6
 
 @dataclass(frozen=True)
 class Curve:
-    """A quantity along its times, of shape (t, ...); or a single number, of shape (), without times."""
+    """A quantity along its times, of shape (t, ...), or a single number, of shape (), without times."""
 
     t: Times
     values: Values
 
     @property
     def size(self) -> float:
-        """The largest size."""
+        """The largest absolute value."""
         return float(np.abs(self.values).max())
 
     @cached_property
     def _spline(self) -> CubicSpline:
-        from scipy.interpolate import CubicSpline  # here, because only programs need it
+        from scipy.interpolate import CubicSpline  # imported here, because only programs need it
 
         return CubicSpline(self.t, self.values)
 
@@ -50,32 +50,32 @@ class Curve:
         """Values at some times, by a cubic spline if they are not times of this curve; a single number is constant."""
         if not self.values.ndim:
             return self.values
-        # a spline of many components takes longer than a run, and a run with half the step needs none
+        # times of a run with half the step need no spline; with many components, a spline takes longer than the run
         places = np.searchsorted(self.t, times - self._slack).clip(max=len(self.t) - 1)
         if (np.abs(self.t[places] - times) <= self._slack).all():
             return self.values[places]
         return self._spline(times)
 
     def within(self, other: Curve) -> Curve:
-        """The part of this curve at times that another curve covers."""
+        """Points of this curve at times that another curve covers."""
         if not self.values.ndim:
             return self
         shared = (self.t >= other.t[0] - self._slack) & (self.t <= other.t[-1] + self._slack)
         return Curve(self.t[shared], self.values[shared])
 
     def difference(self, finer: Curve) -> Values:
-        """Difference from a finer curve at the times of this one that the finer one covers."""
+        """Values of this curve minus values of a finer one, at the times of this curve that the finer one covers."""
         shared = self.within(finer)
         return shared.values - finer.at(shared.t)
 
     def distance(self, finer: Curve) -> float:
-        """Largest difference from a finer curve."""
+        """Largest absolute value of the ``difference`` from a finer curve."""
         return float(np.abs(self.difference(finer)).max(initial=0.0))
 
     def between(self) -> float:
-        """Error of the values between its steps: half of the error of interpolation between every second step.
+        """Estimated error of interpolation between the times: half of the error if only every second time is used.
 
-        Zero with fewer than ``FEWEST`` steps.
+        It is zero for a curve of fewer than ``FEWEST`` times.
         """
         if len(self.t) < FEWEST:
             return 0.0
@@ -83,5 +83,5 @@ class Curve:
 
 
 def curves(run: Run) -> dict[str, Curve]:
-    """The quantities of a run by name."""
+    """The quantities of a run as curves, by name."""
     return {name: Curve(run.t if one.ndim else np.empty(0), one) for name, one in run.values.items()}

@@ -15,7 +15,7 @@ import platformdirs
 
 from study.program.attempt import Runnable
 
-#: Default numbers of steps of the coarsest and of the finest run.
+#: Default number of steps of a run with the coarsest step, and of a run with the finest step.
 FEWEST_STEPS, MOST_STEPS = 16, 2**17
 
 
@@ -23,40 +23,42 @@ FEWEST_STEPS, MOST_STEPS = 16, 2**17
 class Program:
     """A model in another program, for :func:`study.assess`.
 
-    It may be anything with a fixed step: a function of NumPy, a simulation in another process, a finite element code.
+    The program may be anything that marches with a fixed step: a function of NumPy, a simulation in another process, a
+    finite element code.
     :func:`study.opensees` makes a program from a model of OpenSees, and :func:`study.command` from an executable.
 
-    Every run is kept on disk, so an assessment that is repeated or continued makes none again. The source of a program
-    identifies its runs: the file that contains ``run`` and the data that ``run`` holds. Files that this file imports do
-    not count. If the source is not enough, give a ``name``, and change it whenever the program changes.
+    Every run is kept on disk, so an assessment that is repeated or continued makes no run twice. The source of a
+    program identifies its runs: the file that contains ``run`` and the data that ``run`` holds. Files that this file
+    imports are not part of the source. If the source does not determine the runs, give a ``name``, and change it
+    whenever the program changes.
 
     Parameters
     ----------
     run
         ``run(scheme, dt)`` runs the program with a scheme and a step in s up to ``duration``. It returns a mapping from
         names to quantities: arrays along its times ``t``, of shape (t,) or (t, components), and single numbers such as
-        a peak. The times are those of all steps, or of every n-th step. A program that measures its time returns it as
-        ``seconds``. An exception is recorded and ends only that run.
+        a peak. The times are the ends of all steps, or of every n-th step. A program that measures its computing time
+        in s returns it as ``seconds``. An exception is recorded and ends only that run.
     schemes
         Names of schemes for ``run``, at least two including the witnesses. If the study has a scheme of the same name,
-        the assessment takes its title and its kind.
+        the assessment takes the title of the study's scheme, and whether it is explicit or implicit.
     duration
         Simulated time of every run in s.
     spacing
-        Time in s between the samples of a record. All steps then divide it.
+        Time in s between the samples of a record. If it is given, all steps are integer fractions of it.
     coarsest, finest
-        Largest and smallest step that may be run, in s. The default largest step is the spacing, or a sixteenth of the
-        duration without a spacing. The default smallest step is the duration divided by 131,072.
+        Largest and smallest step in s. The default largest step is the spacing, or a sixteenth of the duration if no
+        spacing is given. The default smallest step is the duration divided by 131,072.
     witnesses
         Names of further schemes, which only serve to find the reference.
     name
-        Title of the program, which identifies its runs in place of its source.
+        Title of the program. If it is given, it identifies the runs in place of the source.
     folder
-        Folder in which runs are kept; by default in the user's cache folder.
+        Folder in which runs are kept, by default in the user's cache folder.
     workers
-        Number of runs at once. By default it is the number of cores, each with a process, if ``run`` can be pickled, as
-        a function in a file can. A script then needs ``if __name__ == "__main__":``. Otherwise runs are made one after
-        the other in this process.
+        Number of runs at once, by default the number of cores. Each of them has a process if ``run`` can be pickled, as
+        a function in a file can. A script then needs ``if __name__ == "__main__":``. If ``run`` cannot be pickled, or
+        if ``workers`` is 1, runs are made one after the other in this process.
 
     Raises
     ------
@@ -121,7 +123,7 @@ class Program:
 
     @property
     def all_schemes(self) -> list[str]:
-        """The schemes, and the witnesses."""
+        """Names of the schemes and the witnesses."""
         return [*self.schemes, *self.witnesses]
 
     @property
@@ -135,27 +137,27 @@ class Program:
         return self.finest or self.duration / MOST_STEPS
 
     def fitted(self, step: float) -> float:
-        """The largest step up to ``step`` that divides the spacing of a record; ``step`` itself without a record."""
+        """The largest integer fraction of the spacing up to ``step``; ``step`` itself if there is no spacing."""
         return self.spacing / math.ceil(self.spacing / step * (1 - 1e-9)) if self.spacing else step
 
     @property
     def title(self) -> str:
-        """The name of the program, or of the function."""
+        """The name of the program, or the title or name of ``run``."""
         of_run = getattr(self.run, "title", None) or getattr(self.run, "__name__", type(self.run).__name__)
         return self.name or str(of_run)
 
     @property
     def place(self) -> Path:
-        """The folder of its runs."""
+        """The folder in which the runs are kept."""
         return Path(self.folder or platformdirs.user_cache_path("time-integration-study") / "programs")
 
     def identity(self) -> str:
-        """Identification of its runs: a digest of its name, or of its source.
+        """Digest of the program's name, or otherwise of its source, which identifies the runs.
 
         Raises
         ------
         ValueError
-            If it has no name, and its source cannot be read.
+            If the program has no name, and its source cannot be read.
         """
         if self.name is not None:
             return hashlib.sha256(self.name.encode()).hexdigest()

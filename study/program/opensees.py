@@ -14,12 +14,12 @@ from study.program.opensees_run import INTEGRATORS
 from study.registry import UnknownName, did_you_mean
 from study.scheme.named import schemes as schemes_by_name
 
-#: The first scheme of each integrator, by OpenSees' name.
+#: First key of ``INTEGRATORS`` with each integrator, by the integrator's name in OpenSees.
 _NAMES = {one.words[0]: name for name, one in reversed(INTEGRATORS.items())}
 
 
 def _name(given: str) -> str:
-    """Key of ``INTEGRATORS`` for a scheme, which has OpenSees' name or the study's name."""
+    """Key of ``INTEGRATORS`` for a scheme that is given by its name in OpenSees or in the study."""
     if not isinstance(given, str):
         raise TypeError(
             f"a scheme of OpenSees must be a name, such as 'hht_alpha', not an object of {type(given).__name__}."
@@ -35,18 +35,19 @@ def _name(given: str) -> str:
 def opensees(
     file: str | Path, schemes: Sequence[str], duration: float, *, time_limit: float | None = None, **options: Any
 ) -> Program:
-    """A program of a model of OpenSees, for :func:`study.assess`.
+    """A model of OpenSees as a program, for :func:`study.assess`.
 
     The extra ``opensees`` of this package installs OpenSees. Each run is a separate process.
 
     Parameters
     ----------
     file
-        A file of Python with two names. The function ``build(ops)`` makes the model in the interpreter ``ops``, with
-        its masses, damping and patterns. If it applies gravity, it ends with ``ops.loadConst("-time", 0.0)``. The dict
-        ``measure`` has functions of ``ops`` that return a number, by the names of the quantities, such as
-        ``{"roof": lambda ops: ops.nodeDisp(5, 1)}``. The file does not define the transient analysis. Newton's
-        iteration ends at a correction of 1e-10, or of ``tolerance`` if the file defines it.
+        A file of Python that defines a function and a dict. The function ``build(ops)`` makes the model in the
+        interpreter ``ops``, with its masses, damping and patterns. If it applies gravity, it ends with
+        ``ops.loadConst("-time", 0.0)``. The dict ``measure`` maps the name of each quantity to a function of ``ops``
+        that returns a number, such as ``{"roof": lambda ops: ops.nodeDisp(5, 1)}``. The file does not define the
+        transient analysis. Newton's iteration ends when the norm of the correction is at most 1e-10, or ``tolerance``
+        if the file defines it.
     schemes
         Names of the study, such as ``"average_acceleration"``, ``"hht_alpha"`` or ``"bathe"``, or of OpenSees'
         integrators, such as ``"Newmark"``, ``"TRBDF2"`` or ``"CentralDifference"``.
@@ -61,8 +62,8 @@ def opensees(
         If there is no such file.
     KeyError
         If OpenSees has no such scheme.
-    TypeError
-        If a scheme is not a name.
+    TypeError, ValueError
+        If a scheme is not a name, or another argument is invalid.
     ImportError
         If OpenSees is not installed.
     """

@@ -1,4 +1,4 @@
-"""A run of a model of OpenSees in a separate process: ``FILE SCHEME DT DURATION OUTPUT``.
+"""A run of a model of OpenSees in a separate process, with the arguments ``FILE SCHEME DT DURATION OUTPUT``.
 
 OpenSees has only one model per process, and a failure may end the process.
 """
@@ -22,7 +22,7 @@ class Integrator(NamedTuple):
     Attributes
     ----------
     words
-        Its name and parameters.
+        Name and parameters of the integrator.
     algorithm, system
         Solution algorithm and system of equations.
     parts
@@ -56,8 +56,8 @@ INTEGRATORS = {
 #: Algorithms that are tried one after the other if Newton's iteration does not converge.
 OTHERS = (("NewtonLineSearch",), ("KrylovNewton",), ("ModifiedNewton", "-initial"))
 
-#: Default tolerance of the norm of a correction of the displacements, in the units of the model, and maximum number of
-#: iterations.
+#: Default tolerance of the norm of the correction of the displacements, in the units of the model, and maximum number
+#: of iterations.
 TOLERANCE, ITERATIONS = 1e-10, 50
 
 
@@ -90,7 +90,7 @@ def _prepare(ops: ModuleType, one: Integrator, tolerance: float) -> None:
 
 
 def _step(ops: ModuleType, one: Integrator, dt: float) -> None:
-    """Take one step; if Newton's iteration fails, try other algorithms."""
+    """Take one step; if Newton's iteration fails, try the algorithms ``OTHERS``."""
     for _ in range(one.parts):
         failed = ops.analyze(1, dt / one.parts)
         for other in OTHERS if failed and one.algorithm == "Newton" else ():
@@ -109,7 +109,7 @@ def history(file: dict, scheme: str, dt: float, duration: float) -> dict[str, np
     Parameters
     ----------
     file
-        Names and values that the user's file defines: ``build``, ``measure`` and, optionally, ``tolerance``.
+        Values that the user's file defines, by name: ``build``, ``measure`` and, optionally, ``tolerance``.
     """
     ops, measure = interpreter(), dict[str, Callable](file["measure"])
     ops.wipe()
@@ -124,7 +124,7 @@ def history(file: dict, scheme: str, dt: float, duration: float) -> dict[str, np
 
 
 def main(file: str, scheme: str, dt: str, duration: str, output: str) -> None:
-    """Write a run as CSV."""
+    """Make a run, and write its times, seconds and quantities to a file of CSV."""
     found = history(runpy.run_path(file), scheme, float(dt), float(duration))
     np.savetxt(output, np.stack([*found.values()], axis=1), "%.17g", ",", header=",".join(found), comments="")
 

@@ -1,4 +1,4 @@
-"""The reference of a program: its steps are halved until two of its schemes agree, and its runs are repeated."""
+"""The reference of a program: steps are halved until two schemes agree, and one run of each scheme is repeated."""
 
 import math
 from collections.abc import Iterable
@@ -11,11 +11,11 @@ from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS, Estimate, Truth, agreed, estimate
 from study.words import percent
 
-#: Smallest ratio of an allowed error to the uncertainty of the reference.
+#: Smallest ratio of an allowed error to the uncertainty of the reference at which steps are recommended.
 CERTAIN = 10.0
 
-#: Number of consecutive runs with one of these statuses after which a scheme is not run at finer steps: the program
-#: returns invalid results.
+#: ``WITHOUT_USE`` has the statuses of runs that return invalid results. ``FRUITLESS`` is the number of consecutive runs
+#: with these statuses after which a scheme is not run at finer steps.
 FRUITLESS, WITHOUT_USE = 4, ("nothing", "unusable")
 
 
@@ -42,8 +42,8 @@ class Refinement:
     seconds
         Wall time of all runs that gave the reference, in s.
     noise
-        Relative difference of a repeated run of each scheme; infinite if the scheme ignores the step, or if the
-        repeated run fails or returns other quantities.
+        Relative difference between a run of each scheme and its repetition, by scheme. It is infinite if the scheme
+        ignores the step, or if the repeated run fails or returns other quantities or times.
 
     Raises
     ------
@@ -66,7 +66,10 @@ class Refinement:
         return sorted(found, key=lambda run: -run.dt)
 
     def run(self, jobs: Iterable[Job]) -> list[Run]:
-        """Make the runs for which there is time. A run with other quantities than the first run counts as failed."""
+        """Make the runs for which there is time, and return them.
+
+        A run whose quantities differ in name or shape from the quantities of the first run counts as failed.
+        """
         made = self._runs.run(jobs)
         for run in made:
             shapes = {name: one.shape[1:] for name, one in run.values.items()}
@@ -77,7 +80,11 @@ class Refinement:
         return made
 
     def _find_truth(self) -> Truth:
-        """Halve the steps until two schemes agree to a tenth of the smallest error."""
+        """Halve the steps until two schemes agree to a tenth of the smallest error, and return the reference.
+
+        Halving also ends at the program's finest step, if no scheme can be refined, if the time runs out, or if the two
+        schemes converge to different motions.
+        """
         wanted, truth, apart, done = self._smallest / CERTAIN, None, 0, set[str]()
         steps = [self._program.largest]
         while True:
@@ -114,7 +121,7 @@ class Refinement:
         return truth
 
     def _work(self, one: Estimate, wanted: float) -> float:
-        """Estimated seconds of a run that reaches the error ``wanted``, if the scheme is of second order."""
+        """Estimated time in s of a run with the error ``wanted``, as if the scheme were of second order."""
         return self.of(one.scheme)[-1].seconds * math.sqrt(max(1.0, max(one.error.values()) / wanted))
 
     def _check_sizes(self, truth: Truth) -> None:
@@ -132,7 +139,7 @@ class Refinement:
         return runs[failed[-1] + 1 :] if failed else runs
 
     def _ends(self, scheme: str) -> bool:
-        """Whether a scheme is not run at finer steps."""
+        """Whether a scheme is not run at finer steps: it ignores the step, timed out, or returned invalid results."""
         last = [run.status for run in self.of(scheme)[-FRUITLESS:]]
         fruitless = len(last) == FRUITLESS and all(status in WITHOUT_USE for status in last)
         return self.noise[scheme] > 0 or last[-1:] == ["timed_out"] or fruitless
@@ -142,7 +149,7 @@ class Refinement:
         return f"ends at Δt = {failed[-1].dt:.4g} s: {failed[-1].reason}" if failed else "has too few steps to halve"
 
     def _ignores(self, scheme: str) -> bool:
-        """Whether a scheme ignores the step, because its two finest runs agree to the last digit; adds a remark."""
+        """Whether a scheme ignores the step: its two finest runs agree to the last digit. If so, add a remark."""
         runs = self.last_completed(scheme)[-2:]
         if self.noise[scheme] or len(runs) < 2:
             return bool(self.noise[scheme])
@@ -173,7 +180,7 @@ class Refinement:
         )
 
     def _repeat(self) -> None:
-        """Repeat the coarsest completed run of every scheme, and add a remark if it returns something else."""
+        """Repeat the coarsest completed run of every scheme; add a remark if a repetition fails or differs too much."""
         first = {s: next((run for run in self.of(s) if run.completed), None) for s in self._program.all_schemes}
         known = {s: run for s, run in first.items() if run is not None and not self.noise[s]}
         again = self._runs.run([(s, run.dt) for s, run in reversed(known.items())], repeat=1)

@@ -23,16 +23,17 @@ from study.program.attempt import Run, attempt
 from study.program.definition import Program
 from study.settings import cores
 
-#: Version of the file format; a run in another format is made again.
+#: Version of the format of files; a run in a file of another version is made again.
 FORM = 2
 
-#: Names in the file of a run: for its scheme, status and reason; for its step, seconds and elapsed time; for its times.
+#: Names of arrays in the file of a run: ``words`` has its scheme, status and reason, ``numbers`` its step, seconds and
+#: elapsed time, and ``t`` its times.
 WORDS, NUMBERS, T = "words", "numbers", "t"
 
-#: Pair of a scheme and a step.
+#: Name of a scheme, and a step in s.
 Job = tuple[str, float]
 
-#: Prefix of the names of quantities in the file.
+#: Prefix of the names of quantities in the file of a run.
 QUANTITY = "quantity "
 
 
@@ -52,16 +53,16 @@ class Runs:
     program
         The program.
     seconds
-        Wall time in s. No run begins that is expected to end later.
+        Wall time in s from now. No run begins that is expected to end later.
     report
-        Function of a sentence on the current work and, if they are known, its expected seconds.
+        Function of a sentence on the current work and, if it is known, the expected time of this work in s.
 
     Attributes
     ----------
     made
         All requested runs for which there was time, by scheme and step.
     late
-        Whether there was no time for a run.
+        Whether a requested run was left out, because the time did not suffice.
     interrupted
         Whether Ctrl-C has ended the runs.
     """
@@ -77,7 +78,7 @@ class Runs:
         return self._workers if self._pool else 1
 
     def _start(self) -> Executor | None:
-        """Processes, or threads if the runs need no processes of this package; None for runs in this process."""
+        """Threads if runs start their own processes or need none, else processes; None for runs in this process."""
         if getattr(self.program.run, "starts_a_process", False):
             return ThreadPoolExecutor(self._workers)
         if self.program.workers == 1 or not _picklable(self.program):
@@ -87,8 +88,8 @@ class Runs:
             pool.submit(os.getpid).result()
         except BrokenProcessPool:
             raise RuntimeError(
-                f"the processes for the runs of '{self.program.title}' end at once: put what starts them under `if "
-                '__name__ == "__main__":`, or give the program workers=1.'
+                f"the processes for the runs of '{self.program.title}' end at once: put the code that starts them "
+                'under `if __name__ == "__main__":`, or give the program workers=1.'
             ) from None
         return pool
 
@@ -104,7 +105,10 @@ class Runs:
         return self.program.place / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npz"
 
     def run(self, wanted: Iterable[Job], repeat: int = 0) -> list[Run]:
-        """Runs of pairs of a scheme and a step; runs on disk are read. ``repeat`` is the number of a repetition."""
+        """Read the wanted runs that are on disk, make the others for which there is time, and return these runs.
+
+        ``repeat`` is the number of a repetition; zero stands for the first runs, which are added to ``made``.
+        """
         jobs = {job: self._path(*job, repeat) for job in wanted}
         missing = [job for job, path in jobs.items() if not path.exists() or self._waited_less(_read(path))]
         expected = self._expected(missing)
@@ -125,7 +129,7 @@ class Runs:
                     f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs"
                     f"{_to_go(ends)}){ended}"
                 )
-        except KeyboardInterrupt:  # the results so far are returned, and no other run begins
+        except KeyboardInterrupt:  # the runs so far are returned, and no other run begins
             self._end, self.late, self.interrupted = -math.inf, True, True
             late |= waiting
         found = [_read(path) for job, path in jobs.items() if job not in late]
@@ -134,15 +138,15 @@ class Runs:
         return found
 
     def _expected(self, jobs: list[Job]) -> dict[Job, float]:
-        """Estimated seconds of each run, from the least time per step of its scheme; zero before its first run."""
-        work = dict[str, float]()  # seconds of a run at a step of one second
+        """Estimated time in s of each run, from its scheme's least time per step; zero before a run of the scheme."""
+        work = dict[str, float]()  # time in s of a run with a step of one second, by scheme
         for run in self.made.values():
             if run.completed:
                 work[run.scheme] = min(work.get(run.scheme, math.inf), run.elapsed * run.dt)
         return {(s, dt): work.get(s, 0.0) / dt for s, dt in jobs}
 
     def _wait(self, each: list[float]) -> float:
-        """Wall time in s of runs of these durations, several at once."""
+        """Expected wall time in s of runs that take ``each`` of these times in s, several runs at once."""
         return max(max(each, default=0.0), sum(each) / self._at_once)
 
     def _in_time(self, expected: dict[Job, float]) -> list[Job]:
@@ -161,7 +165,7 @@ class Runs:
         return run.status == "timed_out" and (limit is None or run.elapsed < limit)
 
     def _made(self, jobs: list[Job]) -> Iterator[Run]:
-        """Make runs, in the order in which they end."""
+        """Make runs, and yield each run when it ends."""
         if self._pool is None:
             yield from (attempt(self.program.run, *job, self.program.duration) for job in jobs)
             return
@@ -170,7 +174,7 @@ class Runs:
         for one in as_completed(waiting):
             try:
                 yield one.result()
-            except BrokenProcessPool:  # one run has ended its process, which ends all waiting runs too
+            except BrokenProcessPool:  # one run has ended its process, which also ends all waiting runs
                 lost.append(waiting[one])
         self._pool = self._start() if lost else self._pool
         for job in lost:
@@ -190,7 +194,7 @@ class Runs:
 
 
 def _to_go(ends: float) -> str:
-    """Remaining time up to a time of the clock, in words; empty if this time has passed."""
+    """Time that remains until the monotonic clock reads ``ends``, in words; empty if none remains."""
     left = ends - time.monotonic()
     return f", about {left:.2g} s to go" if left > 0 else ""
 
@@ -212,5 +216,5 @@ def _read(path: Path) -> Run:
             values = {key.removeprefix(QUANTITY): file[key] for key in file.files if key.startswith(QUANTITY)}
             return Run(scheme, dt, status, reason, seconds, elapsed, file[T], values)
     except (OSError, ValueError, KeyError, BadZipFile) as error:
-        again = "remove it, and it is made again."
+        again = "remove it, and the run is made again."
         raise NotRead(f"'{path}' cannot be used, because it is damaged ({error}): {again}") from None

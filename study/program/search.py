@@ -19,25 +19,27 @@ from study.words import percent
 #: between is tried.
 NEAR = 1.25
 
-#: Random steps up to an octave below a recommended step: minimum and maximum number, and seconds that they may always
-#: take.
+#: Runs at random steps up to an octave below a recommended step: minimum number, maximum number, and time in s that
+#: these runs may take in any case.
 FEWEST_CONFIRMING, MOST_CONFIRMING, CHEAP = 4, 64, 0.5
 
-#: A scheme that keeps no error is tried down to this part of the finest step of the reference.
+#: Finest step at which a scheme that keeps no error is tried, as a fraction of the finest step of the reference.
 FINER = 1 / 32
 
-#: A scheme converges to another motion if its error at half a step exceeds this part of its error at the whole step.
+#: Largest ratio of a scheme's error at half a step to its error at the whole step; above it, the scheme converges to
+#: another motion.
 STUCK = 0.9
 
-#: Quantity and its allowed error.
+#: Name of a quantity, and its allowed error.
 Limit = tuple[str, float]
 
 
 class Needed(NamedTuple):
-    """The verdict on an error: the largest step that keeps it, the round step below, and the runs that confirm it.
+    """The verdict on an error: the largest step that keeps it, the round step up to it, and the confirming runs.
 
-    ``tried`` is the number of these runs, and ``worst`` their largest error relative to the allowed error. If no step
-    keeps the error, the steps and ``tried`` are zero, and ``worst`` is NaN.
+    ``tried`` is the number of runs with steps from a twentieth of the recommended step up to it, and ``worst`` their
+    largest error relative to the allowed error. If no step keeps the error, the steps and ``tried`` are zero, and
+    ``worst`` is NaN.
     """
 
     largest: float
@@ -57,11 +59,11 @@ class Search:
         Allowed errors, the largest first.
     round_step
         Function of a step and of the spacing of a record, which is None without a record. It returns the largest round
-        step up to the step.
+        step up to the given step.
     seconds
-        Wall time in s. No run begins that is expected to end later.
+        Wall time in s from now. No run begins that is expected to end later.
     report
-        Function of a sentence on the current work and, if they are known, its expected seconds.
+        Function of a sentence on the current work and, if it is known, the expected time of this work in s.
 
     Attributes
     ----------
@@ -91,14 +93,14 @@ class Search:
             self.refinement = Refinement(program, runs, allowed[-1])
             self.truth = self.refinement.truth
             self._measure()
-            # larger errors first, as coarse steps suffice; again, as a run for a smaller error may exceed a larger one
+            # larger errors first, as coarse steps suffice; repeated, as runs for a small error may exceed a larger one
             while any([self._search(error) for error in allowed]):
                 pass
             self._late = runs.late
         self._remark(runs.interrupted)
 
     def _remark(self, interrupted: bool) -> None:
-        """Add remarks on an interruption, and on schemes that keep no error and fail in more than half of the runs."""
+        """Add remarks on an interruption, and on schemes that keep no error and fail in over half of their runs."""
         if interrupted:
             self.refinement.remarks.append("interrupted: no step is recommended where more runs were needed")
         limits = [(name, error) for name in self.truth.uncertainty for error in self.allowed]
@@ -112,14 +114,14 @@ class Search:
                 )
 
     def _search(self, error: float) -> bool:
-        """Make runs until an error has its verdict; return whether any run was made."""
+        """Make runs until every scheme has a verdict on an allowed error; return whether any run was made."""
         before = len(self.errors)
         while self.refinement.run(job for scheme in self.program.schemes for job in self._wanted(scheme, error)):
             self._measure()
         return len(self.errors) > before
 
     def _measure(self) -> None:
-        """Errors of the new runs."""
+        """Add the errors of the new runs to ``errors``."""
         every = (run for scheme in self.program.all_schemes for run in self.refinement.of(scheme))
         new = [run for run in every if (run.scheme, run.dt) not in self.errors]
         self.errors |= {(run.scheme, run.dt): self.truth.errors(run) for run in new}
@@ -129,21 +131,26 @@ class Search:
         return limit[1] >= CERTAIN * max(self.truth.uncertainty[limit[0]], self.refinement.noise[scheme])
 
     def largest(self, scheme: str, limit: Limit) -> tuple[float, float]:
-        """Largest step that keeps an error, as all finer ones do, or zero; and the next larger step tried, or ∞."""
+        """Largest step that keeps an error, as all finer steps do (or zero), and the next larger step tried (or ∞)."""
         name, allowed = limit
         dt, error = np.array([(dt, one[name]) for (s, dt), one in self.errors.items() if s == scheme]).T
-        below = dt < dt[~(error <= allowed)].min(initial=math.inf)  # a failed run, NaN, counts as above
+        # NaN, the error of a failed run, counts as too large
+        below = dt < dt[~(error <= allowed)].min(initial=math.inf)
         largest = largest_with_margin(dt[below], error[below], allowed)
         return largest, dt[dt > largest].min(initial=math.inf)
 
     def _wanted(self, scheme: str, error: float) -> list[Job]:
-        """The next runs of a scheme for an error; empty if none is needed."""
+        """The next runs of a scheme for an allowed error; empty if no run is needed."""
         limits = [(name, error) for name in self.truth.uncertainty]
         steps = {step for limit in limits if self.certain(scheme, limit) for step in self._next(scheme, limit)}
         return [(scheme, step) for step in sorted(steps, reverse=True)]
 
     def _next(self, scheme: str, limit: Limit) -> list[float]:
-        """Steps to try for one error: a finer step, a closer one, the round one, or random ones below it."""
+        """Next steps to try for an allowed error; empty if no step is needed.
+
+        If no step keeps the error, this is half of the finest step tried. Otherwise it is a step between the largest
+        step that keeps the error and the next larger one, then the round step, then random steps that confirm it.
+        """
         tried = {dt for s, dt in self.errors if s == scheme}
         largest, fails = self.largest(scheme, limit)
         if not largest:
@@ -165,15 +172,15 @@ class Search:
     def _confirming(self, scheme: str, step: float) -> int:
         """Number of random steps that confirm a recommended step.
 
-        Their runs may take ``CHEAP`` seconds or, if it is more, an equal share of a quarter of the time of the
-        reference, which all schemes, quantities and errors divide among them.
+        Their runs may take a share of a quarter of the time of the reference, but at least ``CHEAP`` seconds. All
+        combinations of scheme, quantity and allowed error have equal shares.
         """
         if self._late:
             return FEWEST_CONFIRMING
         limits = len(self.program.schemes) * len(self.allowed) * len(self.truth.uncertainty)
         affordable = max(self.refinement.seconds / (4 * limits), CHEAP)
         (run,) = (run for run in self.refinement.of(scheme) if run.dt == step)
-        # mean time of a run at a random step up to an octave below
+        # mean time of a run at a random step up to an octave below ``step``
         each = run.elapsed / math.log(2)
         return int(np.clip(affordable / each, FEWEST_CONFIRMING, MOST_CONFIRMING))
 
@@ -181,13 +188,16 @@ class Search:
         return self._round_step(step, self.program.spacing)
 
     def _random(self, scheme: str, step: float, count: int) -> list[float]:
-        """Random steps up to an octave below a step, the same in every search."""
+        """At most ``count`` random steps up to an octave below a step, the same steps in every search."""
         random = np.random.default_rng(zlib.crc32(f"{scheme} {step:.12g}".encode()))
         drawn = dict.fromkeys(self.program.fitted(step * 2.0**-part) for part in random.random(count))
         return [one for one in drawn if one < step and one >= self.program.smallest]
 
     def _hopeless(self, scheme: str, name: str) -> bool:
-        """Whether a finer run timed out, or halving no longer reduces the error of a scheme, which adds a remark."""
+        """Whether finer steps are of no use, because the finest run timed out, or halving does not reduce the error.
+
+        In the second case a remark is added.
+        """
         runs = self.refinement.of(scheme)
         if runs[-1].status == "timed_out":
             return True
@@ -196,7 +206,7 @@ class Search:
             if not finest or run.dt > 1.99 * finest[-1]:
                 finest.append(run.dt)
         last = [self.errors[scheme, dt][name] for dt in finest[:FEWEST_RUNS]]
-        # only at steps as fine as the reference's, since errors of an impact may persist over octaves of coarser steps
+        # only at steps as fine as the reference, because errors of an impact may persist over octaves of coarser steps
         stuck = len(last) == FEWEST_RUNS and finest[0] <= self.truth.best.dt * (1 + 1e-9)
         stuck = stuck and all(fine > STUCK * coarse for fine, coarse in pairwise(last))
         if stuck:

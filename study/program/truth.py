@@ -10,7 +10,7 @@ import numpy as np
 from study.program.attempt import Run
 from study.program.curves import Curve, curves
 
-#: Numbers of runs with halved steps that give an error: minimum, and maximum that is used.
+#: Number of runs with halved steps from which an error is estimated: minimum and maximum.
 FEWEST_RUNS, RUNS = 3, 4
 
 #: Largest deviations of the last two observed orders (the last one first) from an integer that allow extrapolation.
@@ -19,21 +19,21 @@ OFF_ORDER = (0.15, 0.4)
 #: Bounds of the order in the estimate of the error of a run without extrapolation.
 ORDERS = (0.5, 1.0)
 
-#: Two schemes solve different problems if their difference exceeds their own errors by more than this factor.
+#: Largest ratio of the difference of two schemes to their own errors; above it, they solve different problems.
 APART = 10.0
 
 
 class Estimate(NamedTuple):
-    """The motion by one scheme.
+    """The motion that one scheme gives with halved steps.
 
     Attributes
     ----------
     dt
-        The finest step of the runs.
+        The finest step of the runs in s.
     motion
         Quantities of the finest run, or extrapolated from the finest two.
     order
-        Orders of the extrapolated quantities.
+        Orders of the extrapolated quantities, by name.
     error
         Error of each quantity, relative to its size.
     """
@@ -53,8 +53,8 @@ class Truth(NamedTuple):
     best, witness
         The scheme that gives the motion, and the one with which it is compared.
     uncertainty
-        Difference of the two schemes plus the error of interpolation between the steps, or the larger of their own
-        errors if that is more; relative to the size of each quantity.
+        Uncertainty of each quantity, relative to its size: the difference of the two schemes plus the error of
+        interpolation between the steps, or the larger of the two schemes' own errors if it exceeds this sum.
     """
 
     best: Estimate
@@ -69,7 +69,7 @@ class Truth(NamedTuple):
 
     @property
     def sizes(self) -> dict[str, float]:
-        """Largest size of each quantity."""
+        """Largest absolute value of each quantity."""
         return {name: one.size for name, one in self.best.motion.items()}
 
     def errors(self, run: Run) -> dict[str, float]:
@@ -104,7 +104,7 @@ def estimate(runs: Sequence[Run]) -> Estimate | None:
 
 
 def _limit(along: Sequence[Curve]) -> tuple[Curve, int, float]:
-    """Limit of a quantity, the order of its extrapolation (zero without extrapolation), and its uncertainty."""
+    """Limit of a quantity, the order of its extrapolation (zero without extrapolation), and the limit's uncertainty."""
     apart = [coarser.distance(finer) for coarser, finer in pairwise(along)]
     observed = [math.log2(a / b) if a > 0 and b > 0 else math.nan for a, b in pairwise(apart)]
     order = round(observed[-1]) if observed[-1] > 0.5 else 0
@@ -112,14 +112,14 @@ def _limit(along: Sequence[Curve]) -> tuple[Curve, int, float]:
     # the errors of a single number, such as a peak among steps, have no order
     if order and along[-1].values.ndim and len(near) == len(OFF_ORDER) and all(near):
         before, last = (_extrapolated(coarser, finer, order) for coarser, finer in list(pairwise(along))[-2:])
-        return last, order, before.distance(last) / 2  # half, for the first order of motions with kinks
+        return last, order, before.distance(last) / 2  # half, as for first order, the order of motions with kinks
     clipped = float(np.clip(observed[-1], *ORDERS)) if apart[-1] > 0 < apart[-2] else ORDERS[0]
-    # the last difference may be small by chance
+    # at least half of the difference before the last one, because the last one may be small by chance
     return along[-1], 0, max(apart[-1], apart[-2] / 2) / (2**clipped - 1)
 
 
 def agreed(estimates: Iterable[Estimate]) -> Truth | None:
-    """The two schemes that agree best; None if there are fewer than two."""
+    """The comparison of the two schemes that agree best; None if there are fewer than two schemes."""
     found = [_compared(*pair) for pair in combinations(estimates, 2)]
     return min(found, key=lambda truth: max(truth.uncertainty.values()), default=None)
 
