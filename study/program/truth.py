@@ -112,7 +112,8 @@ def _limit(along: Sequence[Curve]) -> tuple[Curve, int, float]:
     # the errors of a single number, such as a peak among steps, have no order
     if order and along[-1].values.ndim and len(near) == len(OFF_ORDER) and all(near):
         before, last = (_extrapolated(coarser, finer, order) for coarser, finer in list(pairwise(along))[-2:])
-        return last, order, before.distance(last) / 2  # half, as for first order, the order of motions with kinks
+        # the whole difference, as for a remainder of first order, which motions with kinks have
+        return last, order, before.distance(last)
     clipped = float(np.clip(observed[-1], *ORDERS)) if apart[-1] > 0 < apart[-2] else ORDERS[0]
     # at least half of the difference before the last one, because the last one may be small by chance
     return along[-1], 0, max(apart[-1], apart[-2] / 2) / (2**clipped - 1)
