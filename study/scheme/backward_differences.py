@@ -74,12 +74,13 @@ class BackwardDifferences(Scheme):
         def moment(power):
             return sum(d * (1 - k) ** power for k, d in enumerate(self.weights))
 
-        # the formula is exact for tᵖ if the moment at t = 1 is ẏ = p
+        # the formula is exact for y = tᵖ if the moment of power p, its value of ẏ at t = 1, is p
         return next(p for p in range(len(self.weights) + 1) if abs(moment(p + 1) - (p + 1)) > 1e-12)
 
     @property
     def stability_limit(self) -> float | None:
-        # the boundary of the region of stability; if it stays in the right half plane, no ωΔt is unstable
+        # the values are the boundary of the region of stability; if it stays in the right half plane, every ωΔt is
+        # stable
         circle = np.exp(1j * np.linspace(0, np.pi, 721))
         return math.inf if np.polyval(self.weights[::-1], circle).real.min() > -1e-9 else None
 
