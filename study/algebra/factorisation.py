@@ -3,7 +3,7 @@
 In the reverse Cuthill-McKee order of the unknowns, the matrix of a beam, a frame or a slender mesh has a narrow band,
 for which LAPACK's banded Cholesky factorisation is the fastest. CHOLMOD factorises the matrix of a wide mesh; it orders
 the unknowns once, for little fill-in. SuperLU factorises a matrix that is not symmetric, or not positive definite, as
-at a snap-through. It replaces CHOLMOD if that is not installed.
+at a snap-through. SuperLU also replaces CHOLMOD if CHOLMOD is not installed.
 
 References
 ----------

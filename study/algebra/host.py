@@ -55,8 +55,8 @@ def on_host(function: Callable, like: jax.Array, *arguments: jax.Array) -> jax.A
     Parameters
     ----------
     function
-        Takes and returns NumPy arrays, and must not keep or change its arguments. It must have no side effects, because
-        the compiler decides how often it is called.
+        Function that takes NumPy arrays and returns one. It must not keep or change its arguments, and must have no
+        side effects, because the compiler decides how often it is called.
     """
     result = ShapedArray(like.shape, like.dtype)
     return jax.custom_batching.sequential_vmap(lambda *xs: _on_host.bind(*xs, function=function, result=result))(

@@ -14,7 +14,7 @@ _OPTIONS = {"xla_cpu_prefer_vector_width": 512, "xla_cpu_use_fusion_emitters": F
 
 @functools.cache
 def _known_options() -> dict[str, Any]:
-    """The options that the installed XLA accepts; with an unknown option it would refuse to compile."""
+    """The options that the installed XLA accepts; with an unknown option XLA refuses to compile."""
 
     def are_known(options: dict[str, Any]) -> bool:
         try:

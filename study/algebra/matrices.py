@@ -46,7 +46,7 @@ class MatrixFree(NamedTuple):
 
 
 class Form(IntEnum):
-    """Forms of a matrix; each can hold the matrices of the forms before it."""
+    """Forms of a matrix; each form can hold the matrices of the forms before it."""
 
     NUMBER, DIAGONAL, BAND, SPARSE, FULL, FREE = range(6)
 

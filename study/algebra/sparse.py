@@ -188,7 +188,7 @@ def of_jax(matrix: Any) -> ScipySparse | Sparse:
 
 
 def as_sparse(matrix: Any) -> ScipySparse:
-    """A matrix of :mod:`scipy.sparse`, of any kind, as float64 and without duplicate entries."""
+    """A matrix of :mod:`scipy.sparse`, in any format, as a ``csc_array`` of float64 without duplicate entries."""
     columns = scipy.sparse.csc_array(matrix).astype(np.float64)
     columns.sum_duplicates()
     return columns

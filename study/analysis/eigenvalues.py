@@ -1,4 +1,4 @@
-"""Eigenvalues of amplification matrices, and the principal one over step sizes."""
+"""Eigenvalues of amplification matrices, and the principal eigenvalue as a function of the step size."""
 
 import numpy as np
 from jaxtyping import Complex, Float

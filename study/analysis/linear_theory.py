@@ -84,8 +84,8 @@ def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.A
     Multi-step schemes, whose state holds their history, appear in companion form.
     """
     problem, dt = oscillator(damping_ratio), 2 * jnp.pi * dt_over_period
-    # the map is linear, so its derivative is the same at any state; discrete gradients divide by the displacement of
-    # the step, so the state must move in short and in long steps
+    # the map is linear, so its derivative is the same at any state; discrete gradients divide by the change of the
+    # displacement in a step, so the state must move in a step of any size
     state, _ = started(scheme, problem, jnp.ones(()), jnp.ones(()), dt)
     flat, unflatten = ravel_pytree(state)
 
@@ -294,7 +294,7 @@ class LinearTheory:
         )
 
     def order(self) -> float:
-        r"""Order of accuracy: the order with which the principal roots approach the exact ones, less one.
+        r"""Order of accuracy: the order with which the principal roots approach the exact roots, minus one.
 
         The exact roots are :math:`\exp(\Omega\,(-\xi \pm i \sqrt{1 - \xi^2}))`. The order is fitted to the octave that
         begins with the finest step size whose error is above round-off. It is NaN if that octave has fewer than three

@@ -88,7 +88,7 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
     TypeError
         If ``runs`` is not a dataset.
     ValueError
-        If the dataset is not an ensemble or lacks these observers.
+        If the dataset is not an ensemble, or lacks the values of one of these observers.
     """
     if not isinstance(runs, xr.Dataset):
         raise TypeError(f"outcomes takes a dataset of study.run, not {runs!r}.")
@@ -106,7 +106,7 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
             happened = np.isfinite(times)
             outcome[happened], at[happened] = ended, times[happened]
     if period is not None:
-        keeps_period = np.abs(runs.mean_period.values / period - 1) <= ACCURATE  # false without a period
+        keeps_period = np.abs(runs.mean_period.values / period - 1) <= ACCURATE  # false if the period is NaN
         outcome[(outcome == Outcome.ACCURATE) & ~keeps_period] = Outcome.BOUNDED
     outcome[runs.status != COMPLETED] = Outcome.UNBOUNDED
     outcome[runs.status == NO_SOLUTION] = Outcome.NO_SOLUTION_FOUND

@@ -24,7 +24,7 @@ def recommend(
     ----------
     what
         Dataset of :func:`study.assess`, or the name of an assessment in the section ``assess`` of the configuration.
-        The study has ``hardening`` and ``softening``, each over a hundred periods.
+        The study has the assessments ``hardening`` and ``softening``, each over a hundred periods.
     error
         Allowed error, as a fraction of the largest value of the quantity: 0.01 is one percent. It must be one of the
         errors that were assessed.

@@ -31,8 +31,8 @@ OF_EACH_STEP = ("t", "step_size", "estimate", "rejected_by_estimate", "rejected_
 #: Name of the array that holds the values of each step.
 OF_STEP = "of each step"
 
-#: Relative tolerance at a stated time, on which a step must end. A step that falls short of this time by less than this
-#: fraction of the remaining interval is lengthened to end on it. Otherwise round-off would add a tiny step.
+#: Relative tolerance at a stated time, at which a step must end. A step that falls short of this time by less than this
+#: fraction of the remaining interval is lengthened to end at it. Otherwise round-off would add a tiny step.
 ROUND_OFF = 1e-9
 
 
@@ -46,11 +46,12 @@ class Trial(NamedTuple):
     t, dt
         Time, and size of the next trial step.
     target
-        Index of the next time on which a step must end.
+        Index of the next stated time, at which a step must end.
     taken, place
         Number of accepted steps, and index at which the next sample is stored.
     estimated, unsolved
-        Numbers of trial steps rejected by the estimate, and because no balance was found or a value was not finite.
+        Number of trial steps rejected by the estimate, and number of trial steps rejected because no balance was found
+        or a value was not finite.
     state, reduced, estimator, controller
         States of the scheme, the reductions, the estimator and the controller.
     scales
@@ -78,7 +79,7 @@ class AdaptiveMarch(eqx.Module):
     march: March
     estimator: Estimator
     controller: Controller
-    #: Stated times, on which a step must end, (times,); the last one ends the run.
+    #: Stated times, at which a step must end, (times,); the last one ends the run.
     times: jax.Array
     #: Largest number of steps.
     most: jax.Array
@@ -144,7 +145,7 @@ class AdaptiveMarch(eqx.Module):
         k = self.estimator.exponent(scheme)
         decision = self.controller.decide(trial.controller, estimate / tolerance, k, dt, here, state, now, tolerance)
         accepted = solved & decision.accepted
-        # a step that was shortened to end on a stated time does not reduce the size of the next step
+        # a step that was shortened to end at a stated time does not reduce the size of the next step
         next_dt = jnp.where(accepted & (dt < trial.dt), jnp.maximum(decision.dt, trial.dt), decision.dt)
         next_dt = jnp.where(solved, jnp.minimum(next_dt, end), AFTER_FAILURE * dt)
 

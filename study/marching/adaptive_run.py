@@ -131,7 +131,7 @@ def _itself(adaptive: AdaptiveMarch, arguments: Any) -> AdaptiveMarch:
 
 
 class _Family(eqx.Module):
-    """Function that replaces the problem of a march by the one that ``make`` returns for the arguments of a lane."""
+    """Function that replaces the problem of a march by the problem that ``make`` returns for a lane's arguments."""
 
     make: Callable = eqx.field(static=True)
 
@@ -273,7 +273,7 @@ class Adaptive:
                 return trial, _joined(parts, lanes), {n: np.asarray(x) for n, x in values.items()}
 
     def _report_failures(self, status, steps, t, dt, on_failure: str) -> None:
-        """Warn of runs that failed, or raise."""
+        """Warn of failed runs, or raise an error."""
         failed = np.flatnonzero(status)
         first = failed[0]
         how, step, at, size = (np.ravel(x)[first] for x in (status, steps, t, dt))

@@ -47,7 +47,7 @@ MOST_SAMPLES, FEWEST_SAMPLES, SAMPLED = 1001, 65, 10_000_000
 
 
 def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
-    """Entry of the registry if ``thing`` is a name, or ``thing`` itself if it is a ``kind``."""
+    """Entry of the registry if ``thing`` is a name, or ``thing`` itself if it is an instance of ``kind``."""
     if isinstance(thing, str):
         return registry[thing]
     if not isinstance(thing, kind):
@@ -125,7 +125,9 @@ def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tup
     names = [*RESERVED, *(name for observer in chosen for name in observer.variables)]
     for name in names:
         if names.count(name) > 1:
-            raise ValueError(f"two variables of the result would have the name '{name}'; give one of them another.")
+            raise ValueError(
+                f"two variables of the result would have the name '{name}'; give one of them another name."
+            )
     return chosen
 
 
@@ -198,5 +200,5 @@ def check_memory(records: Mapping[str, int], samples: int) -> None:
     if needed > memory:
         raise ValueError(
             f"{samples} samples of {', '.join(map(repr, records))} need {needed / 2**30:.0f} GiB, and this machine has "
-            f"{memory / 2**30:.0f} GiB of free memory: store fewer with every=, or observe single values instead."
+            f"{memory / 2**30:.0f} GiB of free memory: store fewer samples with every=, or observe single values."
         )

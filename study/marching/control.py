@@ -30,7 +30,7 @@ class Control(NamedTuple):
     tolerance, dt
         Tolerance and size of the first step, each of shape () or (lanes,).
     times
-        Times on which a step must end; the last one ends the run.
+        Times at which a step must end; the last one ends the run.
     steps
         Largest number of steps.
     """
@@ -75,7 +75,7 @@ def checked_control(
     """
     if scheme.needs_equal_steps:
         raise ValueError(
-            f"'{scheme.title}' carries earlier steps, and its coefficients hold for equal steps: give dt and steps."
+            f"'{scheme.title}' needs steps of one size, because its state depends on this size: give dt and steps."
         )
     for observer in observers:
         if observer.needs_equal_steps:

@@ -172,7 +172,7 @@ class Program:
             Largest number of steps between two pauses, at which the run can be interrupted; by default the steps of
             about a second.
         on_pause
-            Called with the step at each pause; the run ends there if it returns False.
+            Function called with the number of steps at each pause; the run ends there if the function returns False.
 
         Returns
         -------

@@ -33,9 +33,9 @@ def final_state(
 ) -> dict[str, jax.Array]:
     """The final state and reductions of a run, as a pure function of all numbers in problem, scheme, dt, u0 and v0.
 
-    ``jax.grad``, ``jax.jvp``, ``jax.vmap`` and ``jax.jit`` apply to it, also if the problem depends on their arguments.
-    Newton's iteration is differentiated by the implicit function theorem, exactly and not iteration by iteration.
-    Derivatives in reverse mode keep about 2√steps states and march twice.
+    ``jax.grad``, ``jax.jvp``, ``jax.vmap`` and ``jax.jit`` apply to this function, also if the problem depends on their
+    arguments. Newton's iteration is differentiated by the implicit function theorem, exactly and not iteration by
+    iteration. Derivatives in reverse mode keep about 2√steps states and march twice.
 
     Newton's iteration has no safeguard here unless the problem comes from ``with_safeguard()``. The displacement has no
     bound.

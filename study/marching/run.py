@@ -208,7 +208,7 @@ def run(
     if not controlled and any(given is not None for given in (duration, estimator, times)):
         raise TypeError("duration, estimator and times belong to a run with a tolerance.")
     if controlled and (every != 1 or samples is not None):
-        raise TypeError("every and samples belong to a run with equal steps; one with a tolerance stores every step.")
+        raise TypeError("every and samples belong to a run with equal steps; a run with a tolerance stores every step.")
     values: dict[str, np.ndarray] = {}
     if over is None:
         equations = [resolve(problem, problems, Problem)]  # type: ignore[arg-type, misc]

@@ -32,7 +32,7 @@ class HHTAlpha1996(OneStep):
 
     with Newmark's u₁ and u̇₁. Finite element codes commonly evaluate one force at the weighted displacement instead,
     p((1 + α) u₁ − α u₀), and weight damping and load in the same way (:meth:`study.GeneralizedAlpha.hht`). For a linear
-    spring the two internal forces agree, for a non-linear one they differ.
+    spring this force equals the weighted mean, for a non-linear spring it does not.
 
     Second order for γ = ½ − α without damping and load. With damping or load it is of first order, except for α = 0,
     which is Newmark's method. With β = (1 − α)²/4, γ = ½ − α and −⅓ ≤ α ≤ 0 it is unconditionally stable for linear

@@ -65,7 +65,7 @@ class BackwardDifferences(Scheme):
         check_numbers("BackwardDifferences", "weights", self.weights)
         if self.weights[0] <= 0 or abs(sum(self.weights)) > 1e-12 or self.order < 1:
             raise ValueError(
-                f"BackwardDifferences(weights={self.weights}): weights must be those of a derivative: the first is "
+                f"BackwardDifferences(weights={self.weights}): weights must be weights of a derivative: the first is "
                 "greater than zero, their sum is zero, and the formula is exact for a straight line."
             )
 

@@ -79,7 +79,7 @@ class Scheme(eqx.Module):
 
     @property
     def needs_equal_steps(self) -> bool:
-        """Whether all steps must have one size, because the values that the scheme carries depend on it."""
+        """Whether all steps must have one size, because the values that the scheme carries depend on this size."""
         return True
 
     @property
@@ -112,7 +112,7 @@ class Scheme(eqx.Module):
         forces = [f"{self.forces_per_step} per step"] if self.forces_per_step else []
         forces += [] if self.explicit else [f"{self.forces_per_iteration} per Newton iteration"]
         lines = [
-            # the docstring of a dataclass that states none is its signature
+            # a dataclass without a docstring gets its signature as docstring
             self.title if summary.startswith(f"{kind}(") else f"{self.title}: {summary}",
             textwrap.shorten(f"{kind}({parameters})", 120, placeholder=" ...)"),
             f"{'explicit' if self.explicit else 'implicit'}, order {self.order}{damped}{stable}",

@@ -20,7 +20,7 @@ _MINIMA = {"order": 1, "order_with_damping": 1, "forces_per_step": 0, "forces_pe
 
 
 def check_attributes(scheme: Any) -> None:
-    """Refuse a scheme whose title is not a string, or whose orders, stability limit or numbers of forces are invalid.
+    """Refuse a scheme whose title, orders, stability limit or numbers of forces are invalid.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def check_attributes(scheme: Any) -> None:
     """
     of = type(scheme).__name__
     if not isinstance(scheme.title, str) or not scheme.title.strip():
-        raise TypeError(f"title of {of} must be a string, not {scheme.title!r}.")
+        raise TypeError(f"title of {of} must be a non-blank string, not {scheme.title!r}.")
     for old, new in _RENAMED.items():
         if hasattr(scheme, old):
             raise TypeError(f"{old} of {of} is now called {new}.")

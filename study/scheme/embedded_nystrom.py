@@ -13,7 +13,7 @@ from study.scheme.base import OneStep
 
 
 class Tableau(NamedTuple):
-    """Weights of an explicit Runge-Kutta-Nyström pair whose last stage is the first one of the next step.
+    """Weights of an explicit Runge-Kutta-Nyström pair whose last stage is the first stage of the next step.
 
     ``c`` (s,) holds the times of the stages. Row i of ``a`` holds the weights of the stages before stage i. The last
     row of ``a``, ``b`` (s − 1,), holds the weights of the displacement, and ``b_velocity`` (s,) the weights of the

@@ -21,8 +21,9 @@ class ExplicitAlpha(OneStep):
         \dot u_1 &= \dot u_0 + \Delta t\,(1 - \gamma)\,\ddot u_0 + \Delta t\,\gamma\,\ddot u_1
 
     Second order for γ = 3/2 − α_m; stable without damping for
-    :math:`\omega\Delta t \le \sqrt{2(1 - 2\alpha_m)/(2\beta - \gamma)}`. The parameters follow from the spectral radius
-    ρ_b at :math:`\omega\Delta t = (1 + \rho_b)\sqrt{2 - \rho_b}`, where the principal roots meet:
+    :math:`\omega\Delta t \le \sqrt{2(1 - 2\alpha_m)/(2\beta - \gamma)}`. The parameters of ``hulbert_chung`` follow
+    from the spectral radius ρ_b at :math:`\omega\Delta t = (1 + \rho_b)\sqrt{2 - \rho_b}`, where the principal roots
+    meet:
 
     .. math::
 

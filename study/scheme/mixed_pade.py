@@ -77,10 +77,11 @@ class MixedPade(OneStep):
         \dot u_1 &= \dot u_0 + \Delta t \sum_\lambda w_\lambda a_\lambda \\
         u_1 &= u_0 + \Delta t\,\dot u_0 + \Delta t^2 \sum_\lambda w'_\lambda a_\lambda
 
-    The system is solved for one of two conjugate λ only. Order 2M − 1, and 2M for ρ∞ = 1, with damping and load too;
-    unconditionally stable, with the spectral radius ρ∞ at infinite frequency. M = 1 with ρ∞ = 1 is the midpoint rule,
-    with ρ∞ = 0 the implicit Euler method. For linear problems whose matrices are numbers, diagonals, tridiagonal or
-    full. Carries u and u̇; no iteration. Solves M/2 complex systems per step, rounded up, one of them real if M is odd.
+    In this system, M is the mass. It is solved for only one of two conjugate λ. Order 2M − 1, and 2M for ρ∞ = 1, with
+    damping and load too; unconditionally stable, with the spectral radius ρ∞ at infinite frequency. M = 1 with ρ∞ = 1
+    is the midpoint rule, with ρ∞ = 0 the implicit Euler method. For linear problems whose matrices are numbers,
+    diagonals, tridiagonal or full. Carries u and u̇; no iteration. Solves M/2 complex systems per step, rounded up, one
+    of them real if M is odd.
 
     Parameters
     ----------

@@ -57,10 +57,10 @@ class Newmark(OneStep):
         \dot u_1 &= \dot u_0 + \Delta t\,(1 - \gamma)\,\ddot u_0 + \Delta t\,\gamma\,\ddot u_1 \\
         M \ddot u_1 + C \dot u_1 + p(u_1) &= f(t_1)
 
-    Second order for γ = ½, first order otherwise. Unconditionally stable for linear systems if 2β ≥ γ ≥ ½; with γ ≥ ½
-    and 2β < γ stable without damping for ωΔt ≤ 1/√(γ/2 − β). With γ > ½ high frequencies are damped. Carries u, u̇ and
-    ü; one force per Newton iteration. The history of a force is committed at u₁, where the forces balance. Members of
-    the family:
+    Second order for γ = ½, first order otherwise. Unconditionally stable for linear systems if 2β ≥ γ ≥ ½. If γ ≥ ½ and
+    2β < γ, it is stable without damping for ωΔt ≤ 1/√(γ/2 − β). With γ > ½ high frequencies are damped. Carries u, u̇
+    and ü; one force per Newton iteration. The history of a force is committed at u₁, where the forces balance. Members
+    of the family:
 
     - β = ¼, γ = ½, average acceleration, the trapezoidal rule;
     - β = 1/6, γ = ½, linear acceleration, stable for :math:`\omega\Delta t \le 2\sqrt 3`;

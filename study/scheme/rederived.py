@@ -17,7 +17,7 @@ class Rederived(Wrapper):
 
     An α-method balances the forces within the step, and its acceleration belongs to the time of this balance. The
     acceleration of the equation of motion belongs to the end of the step, so the method drops to first order. Carries
-    the state of the other scheme; one additional force and one additional solution with M per step.
+    the state of the wrapped scheme; one additional force and one additional solution with M per step.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ class SingleSolve(OneStep):
     Second order, also with damping and load. The damping force is treated explicitly. Stable without damping for
     :math:`\omega\Delta t \le \sqrt{(2C - 1)/(C^2/2 + CU - 1/4)}`. For a linear system of one unknown, the roots are
     those of Hulbert and Chung's method if ρ_s = ρ_b, and those of Chung and Lee's method if C = 1. With C = 1, for
-    which :math:`\rho_s = (1/\rho_b - 1)/2`, it is called ICL. Without damping, ρ_s = 0 and ρ_b = 1 give central
+    which :math:`\rho_s = (1/\rho_b - 1)/2`, the method is called ICL. Without damping, ρ_s = 0 and ρ_b = 1 give central
     difference. Carries u, u̇ and the algorithmic ü; one force per step, and one solution with M. The history of a force
     is committed at u₁, not at t₀ + CΔt where the forces balance.
 

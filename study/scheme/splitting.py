@@ -62,9 +62,9 @@ class Splitting(Alternating):
 
     at the time t_i = t₀ + (d₀ + ... + d_{i−1}) Δt. Symplectic without damping. d = (0, 1), k = (1) is the symplectic
     Euler method, of first order and stable for ωΔt ≤ 2. McLachlan's method of order four has five kicks and is stable
-    for ωΔt ≤ 2.922. McLachlan's method is derived for ü that does not depend on u̇, and is of second order with damping.
-    Carries u and u̇; s forces per step. The history of a force is committed at u₁; the forces of all kicks in a step
-    start from the history at u₀.
+    for ωΔt ≤ 2.922. It is derived for ü that does not depend on u̇, and is of second order with damping. Carries u and
+    u̇; s forces per step. The history of a force is committed at u₁; the forces of all kicks in a step start from the
+    history at u₀.
 
     Parameters
     ----------
@@ -78,7 +78,8 @@ class Splitting(Alternating):
     Raises
     ------
     ValueError
-        If the weights do not add up to one, there is not one drift more than kicks, or the order is invalid.
+        If the drifts or the kicks do not add up to one, if there is not one drift more than kicks, or if the order is
+        invalid.
 
     References
     ----------

@@ -38,8 +38,8 @@ class Linearised(Wrapper):
 
     If y₁ = Φ(y₀) is the step of the scheme in its whole state, δ₁ = DΦ(y₀) δ₀ by automatic differentiation. The first δ
     is the derivative of the first state along a unit vector of initial displacements. After every step δ is divided by
-    a power of two, without round-off, so that the largest component of its displacement and velocity lies between 1 and
-    2. Order and stability are those of the wrapped scheme. Carries its state, δ and the exponent; one additional
+    a power of two, without round-off, so that the largest component of the displacement and velocity of δ lies between
+    1 and 2. Order and stability are those of the wrapped scheme. Carries its state, δ and the exponent; one additional
     Jacobian-vector product per step.
 
     Parameters
