@@ -13,7 +13,7 @@ from jaxtyping import Array, Float
 #: A number, shape ().
 Scalar = Float[Array, ""]
 
-#: A number of Python, or one of JAX.
+#: A Python number or a JAX scalar.
 ScalarLike = float | Scalar
 
 #: A number for each unknown, shape () or (n,).
@@ -35,22 +35,22 @@ RightSides = Float[Array, "n *m"]
 #: ``MatrixFree``.
 Matrix: TypeAlias = Any
 
-#: A matrix of :mod:`scipy.sparse`, of any kind.
+#: A matrix of :mod:`scipy.sparse`, in any of its formats.
 ScipySparse: TypeAlias = Any
 
 
 def as_float64(value: Any) -> Any:
-    """A number or an array as float64; a traced value unchanged."""
+    """A number or an array, converted to float64; a value that JAX traces is returned unchanged."""
     return value if isinstance(value, jax.core.Tracer) else np.asarray(value, np.float64)[()]
 
 
 def real_numbers(name: str, value: Any) -> np.ndarray:
-    """A real number, or a list or an array of real numbers, as an array of float64.
+    """Convert a real number, or a list or array of real numbers, to an array of float64.
 
     Raises
     ------
     ValueError
-        If the value is something else, or its rows differ in length.
+        If the value is anything else, or a list whose rows differ in length.
     """
     try:
         numbers = np.asarray(value)

@@ -12,7 +12,8 @@ def compensated_sum(total: Vector, increment: Vector, lost: Vector) -> tuple[Vec
 
         y = \Delta - \text{lost}, \quad s_1 = s_0 + y, \quad \text{lost} = (s_1 - s_0) - y
 
-    ``lost`` is the round-off of the previous addition, zero at first.
+    The argument ``lost`` is the round-off of the previous addition, zero at first. The second value returned is the new
+    ``lost``.
 
     References
     ----------
@@ -24,10 +25,11 @@ def compensated_sum(total: Vector, increment: Vector, lost: Vector) -> tuple[Vec
 
 
 def quintic(start: tuple, end: tuple, dt: Any, of_v: bool = False) -> tuple:
-    """Coefficients, lowest first, of the quintic through u, u̇ and ü at both ends of a step.
+    """Coefficients of the quintic polynomial with given u, u̇ and ü at both ends of a step, lowest first.
 
-    Its variable s = (t − t₀)/Δt rises from 0 to 1. With ``of_v``, the coefficients are those of its derivative with
-    respect to s. Numbers and arrays of NumPy or JAX broadcast.
+    The variable of the polynomial is s = (t − t₀)/Δt, which rises from 0 to 1. With ``of_v``, the function returns the
+    coefficients of the derivative with respect to s. ``start`` and ``end`` hold u, u̇ and ü at the two ends of the step:
+    numbers, or arrays of NumPy or JAX that broadcast.
     """
     (u0, v0, a0), (u1, v1, a1) = start, end
     v0, v1, a0, a1 = dt * v0, dt * v1, dt**2 * a0, dt**2 * a1
@@ -45,7 +47,7 @@ def quintic(start: tuple, end: tuple, dt: Any, of_v: bool = False) -> tuple:
 
 
 def value(coefficients: tuple, s: Any) -> Any:
-    """Value of a polynomial, by Horner's rule."""
+    """Value of a polynomial at ``s`` by Horner's rule; the coefficients begin with the lowest power."""
     *lower, result = coefficients
     for coefficient in reversed(lower):
         result = result * s + coefficient

@@ -1,4 +1,4 @@
-"""Solution of linear systems: elimination suited to the form of the matrix, iteration for a matrix-free one."""
+"""Solution of linear systems: by elimination that suits the form of the matrix, by iteration if it is matrix-free."""
 
 import jax
 import jax.numpy as jnp
@@ -14,7 +14,7 @@ from study.algebra.sparse import Sparse
 #: Number of rows of a tridiagonal system that one pass of the loop eliminates.
 UNROLL = 4
 
-#: Relative residual at which the iteration for a matrix-free system ends, and its largest number of steps.
+#: Relative residual at which the iterative solution of a matrix-free system ends, and largest number of iterations.
 ITERATIVE_TOLERANCE, ITERATIVE_STEPS = 1e-10, 10_000
 
 
@@ -24,7 +24,7 @@ def eliminate(matrix: Full, rhs: RightSides) -> RightSides:
     Parameters
     ----------
     matrix
-        (n, n).
+        Matrix of the system, (n, n).
     rhs
         One or several right sides, (n,) or (n, m).
     """
@@ -45,7 +45,10 @@ def eliminate(matrix: Full, rhs: RightSides) -> RightSides:
 
 
 def _solve_tridiagonal(bands, rhs):
-    """Thomas' algorithm in place, ``UNROLL`` rows a pass; it does not pivot, because M + c K needs no pivoting."""
+    """Solve a tridiagonal system in place by Thomas' algorithm, ``UNROLL`` rows per pass of the loop.
+
+    The algorithm does not pivot, because the matrices M + c K of a step need no pivoting.
+    """
     lower, middle, upper = bands
     n = len(rhs)
     rest = n % UNROLL
@@ -88,11 +91,11 @@ def _solve_tridiagonal(bands, rhs):
 
 
 def _solve_banded(bands, rhs):
-    """Thomas' algorithm for blocks of k by k, with pivoting within a block."""
+    """Solve a system of half bandwidth k by Thomas' algorithm for blocks of k by k, with pivoting within each block."""
     k, n = len(bands) // 2, len(rhs)
     blocks = -(-n // k)
     spare = blocks * k - n
-    # a row has three blocks; rows beyond the last unknown are those of the identity
+    # each row of blocks has three blocks; rows beyond the last unknown are rows of the identity matrix
     padded = jnp.pad(bands, ((0, 0), (0, spare))).at[k, n:].set(1.0).T.reshape(blocks, k, 2 * k + 1)
     row, place = np.arange(k)[:, None], np.arange(2 * k + 1)
     wide = jnp.zeros((blocks, k, 3 * k)).at[:, row, row + place].set(padded)
@@ -117,14 +120,14 @@ def _solve_banded(bands, rhs):
 
 
 def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
-    """Conjugate gradients, or GMRES for a matrix that is not symmetric, with the diagonal as preconditioner."""
-    import lineax  # here, because importing it takes a quarter of a second
+    """Solve by conjugate gradients, or by GMRES if the matrix is not symmetric, with the diagonal as preconditioner."""
+    import lineax  # imported here, because the import takes a quarter of a second
 
     diagonal = jnp.broadcast_to(matrix.diagonal, rhs.shape)
     size = jnp.sqrt(jnp.where(diagonal == 0, 1.0, jnp.abs(diagonal)))
     scaled = rhs / size
     # lineax applies a relative tolerance to each entry, and stops at once if the right side has zeros. The right side
-    # is scaled to a largest entry of one, so that an absolute tolerance measures the whole vector
+    # is scaled so that its largest entry is one; an absolute tolerance then measures the whole vector.
     largest = jnp.abs(scaled).max()
     largest = jnp.where(largest == 0, 1.0, largest)
     tags = lineax.positive_semidefinite_tag if symmetric else ()
@@ -163,7 +166,7 @@ def solve(matrix: Matrix, rhs: Vector, symmetric: bool = True) -> Vector:
     rhs
         Right side, () or (n,).
     symmetric
-        Whether the matrix is symmetric; this matters only for a matrix-free one.
+        Whether the matrix is symmetric; used only for a matrix-free matrix.
     """
     match form_of(matrix):
         case Form.BAND if matrix.half_bandwidth == 1:

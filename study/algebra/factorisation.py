@@ -1,8 +1,9 @@
 """Factorisations of sparse matrices by LAPACK, CHOLMOD and SuperLU, kept while the matrix stays the same.
 
-In the order of reverse Cuthill-McKee, the unknowns of a beam, a frame or a slender mesh have a narrow band, for which
-LAPACK's banded Cholesky factorisation is the fastest. CHOLMOD factorises a wide mesh; it orders the unknowns once, for
-little fill-in. SuperLU factorises a matrix that is not symmetric, or not positive definite, as at a snap-through.
+In the reverse Cuthill-McKee order of the unknowns, the matrix of a beam, a frame or a slender mesh has a narrow band,
+for which LAPACK's banded Cholesky factorisation is the fastest. CHOLMOD factorises the matrix of a wide mesh; it orders
+the unknowns once, for little fill-in. SuperLU factorises a matrix that is not symmetric, or not positive definite, as
+at a snap-through. SuperLU also replaces CHOLMOD if CHOLMOD is not installed.
 
 References
 ----------
@@ -26,7 +27,7 @@ from study.algebra.sparse import Pattern
 #: Largest half bandwidth at which LAPACK is faster than CHOLMOD, whatever the number of unknowns.
 WIDEST_BAND = 100
 
-#: Number of factorisations that are kept: two for a step with two sub-steps, and one for the mass.
+#: Number of factorisations that are kept: two for a step with two sub-steps, and one for the mass matrix.
 KEPT = 3
 
 
@@ -50,7 +51,7 @@ class Method(abc.ABC):
 
     @abc.abstractmethod
     def factor(self, values: np.ndarray, spare: Any) -> Any:
-        """The factor of the matrix with these values (entries,), in the memory of a spare factor if there is one."""
+        """Factor of the matrix with these values (entries,), which may reuse ``spare``, an old factor or None."""
 
     @abc.abstractmethod
     def solution(self, factor: Any, rhs: np.ndarray) -> np.ndarray:
@@ -58,14 +59,14 @@ class Method(abc.ABC):
 
 
 class BandCholesky(Method):
-    """LAPACK's Cholesky factorisation of a band, with the unknowns in another order."""
+    """LAPACK's Cholesky factorisation of a band matrix, with the unknowns in the order ``order``."""
 
     def __init__(self, pattern: Pattern, order: np.ndarray, half_bandwidth: int):
         self.order, self.place = order, np.argsort(order)
         one, other = self.place[pattern.rows], self.place[pattern.columns]
         low, high = np.minimum(one, other), np.maximum(one, other)
         self.shape = pattern.size, half_bandwidth + 1
-        # place of the entry (high, low) in LAPACK's storage of the lower triangle
+        # flat index of the entry (high, low) in LAPACK's band storage of the lower triangle
         self.entry = low * (half_bandwidth + 1) + (high - low)
 
     def factor(self, values, spare):
@@ -82,10 +83,10 @@ class BandCholesky(Method):
 
 
 class Cholmod(Method):
-    """CHOLMOD's sparse Cholesky factorisation; a spare factor saves the ordering and the symbolic analysis."""
+    """CHOLMOD's sparse Cholesky factorisation; with a spare factor, the symbolic analysis is not repeated."""
 
     def __init__(self, pattern: Pattern):
-        from cvxopt import cholmod, matrix, spmatrix  # installed with an extra of the package
+        from cvxopt import cholmod, matrix, spmatrix  # cvxopt is installed with an extra of the package
 
         self.cholmod, self.matrix = cholmod, matrix
         self.entries = spmatrix(1.0, pattern.rows.tolist(), pattern.columns.tolist(), (pattern.size,) * 2)
@@ -108,7 +109,10 @@ class Cholmod(Method):
 
 
 class SuperLU(Method):
-    """SciPy's sparse LU factorisation with pivoting; a matrix that is singular or not finite has no factor."""
+    """SciPy's sparse LU factorisation with pivoting.
+
+    For a matrix that is singular or not finite, the factor is None and the solution NaN.
+    """
 
     def __init__(self, pattern: Pattern):
         self.pattern = pattern
@@ -130,7 +134,7 @@ class SuperLU(Method):
 
 
 def _best(pattern: Pattern) -> Method:
-    """The fastest method for matrices of a pattern; symmetric ones are assumed positive definite."""
+    """The fastest method for matrices of a pattern; symmetric matrices are assumed positive definite."""
     if not pattern.symmetric:
         return SuperLU(pattern)
     graph = scipy.sparse.csr_array((np.ones(len(pattern.rows)), (pattern.rows, pattern.columns)), (pattern.size,) * 2)
@@ -143,7 +147,7 @@ def _best(pattern: Pattern) -> Method:
 
 
 class Kept(NamedTuple):
-    """A factor, with its matrix and its method."""
+    """A factorisation that is kept: sum and values of the entries of the matrix, the method, and the factor."""
 
     total: float
     values: np.ndarray
@@ -152,7 +156,7 @@ class Kept(NamedTuple):
 
 
 class Factorisations:
-    """Solver of systems of one pattern, which keeps the factors that were used last for repeated matrices."""
+    """Solver of systems with matrices of one pattern; it keeps the factors used last, for matrices that occur again."""
 
     def __init__(self, pattern: Pattern):
         self._methods = _best(pattern), SuperLU(pattern)
@@ -162,8 +166,8 @@ class Factorisations:
         self.count = 0
 
     def solved(self, values: np.ndarray, rhs: np.ndarray) -> np.ndarray:
-        """The solution (n,) with the matrix of these values (entries,); NaN if it is singular."""
-        with self._alone:  # runs in other threads share the factors
+        """The solution (n,) with the matrix of these values (entries,); NaN if the matrix is singular or not finite."""
+        with self._alone:  # runs in other threads use the same factors
             kept = self._of(values.astype(np.float64, copy=False))
             x = kept.method.solution(kept.factor, rhs.astype(np.float64))
         return x.astype(rhs.dtype, copy=False)
@@ -192,5 +196,5 @@ class Factorisations:
 
 @lru_cache(maxsize=8)
 def factorisations(pattern: Pattern) -> Factorisations:
-    """The factorisations of a pattern."""
+    """The solver for matrices of a pattern; the solvers of the eight patterns used last are kept."""
     return Factorisations(pattern)

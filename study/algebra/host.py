@@ -18,7 +18,7 @@ _on_host = Primitive("on_host")
 
 
 def _silent(function, arrays):
-    """Call a function without warnings of NumPy, because the status of a run reports an overflow."""
+    """Call a function with NumPy's warnings suppressed, because the status of a run reports an overflow."""
     with np.errstate(all="ignore"):
         return function(*arrays)
 
@@ -50,13 +50,13 @@ mlir.register_lowering(_on_host, _lowered)
 
 
 def on_host(function: Callable, like: jax.Array, *arguments: jax.Array) -> jax.Array:
-    """``function(*arguments)``, of the shape and type of ``like``; the lanes of a batch are called one by one.
+    """Result of ``function(*arguments)``, with the shape and type of ``like``; a batch takes one call per lane.
 
     Parameters
     ----------
     function
-        Takes and returns NumPy arrays, and must not keep or change its arguments. It must have no side effects, because
-        the compiler decides how often it is called.
+        Function that takes NumPy arrays and returns one. It must not keep or change its arguments, and must have no
+        side effects, because the compiler decides how often it is called.
     """
     result = ShapedArray(like.shape, like.dtype)
     return jax.custom_batching.sequential_vmap(lambda *xs: _on_host.bind(*xs, function=function, result=result))(

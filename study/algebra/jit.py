@@ -7,14 +7,14 @@ from typing import Any
 import jax
 
 #: Options of XLA for CPUs. The first uses the full width of vector registers, which speeds up ensembles. The second
-#: selects the older generator of loops: the newer one takes one and a half to two times as long to compile a march. The
-#: marches of both generators give the same numbers, and their speeds differ by less than a sixth.
+#: selects the older generator of loops: the newer generator takes one and a half to two times as long to compile a
+#: march. The marches of both generators give the same numbers, and their speeds differ by less than a sixth.
 _OPTIONS = {"xla_cpu_prefer_vector_width": 512, "xla_cpu_use_fusion_emitters": False}
 
 
 @functools.cache
 def _known_options() -> dict[str, Any]:
-    """The options that the installed XLA has; it refuses to compile with any other."""
+    """The options that the installed XLA accepts; with an unknown option XLA refuses to compile."""
 
     def are_known(options: dict[str, Any]) -> bool:
         try:
@@ -31,13 +31,13 @@ def jit(function: Callable, compiler: Callable = jax.jit, **arguments: Any) -> C
     """``compiler(function, **arguments)`` with the options for marches.
 
     JAX accepts options of XLA only for the outermost compiled function, so the result must not be called within another
-    one.
+    compiled function.
 
     Parameters
     ----------
     compiler
         ``jax.jit`` or ``equinox.filter_jit``.
     """
-    # compiled at the first call, because trying the options takes a computation
+    # compiled at the first call, because the trial of the options compiles a function
     compiled = functools.cache(lambda: compiler(function, compiler_options=_known_options(), **arguments))
     return functools.wraps(function)(lambda *args, **kwargs: compiled()(*args, **kwargs))

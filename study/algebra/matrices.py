@@ -2,7 +2,7 @@
 
 The forms in ascending order: a number (times the identity), a diagonal (n,), a :class:`Banded`, a
 :class:`study.algebra.sparse.Sparse`, a full matrix (n, n) and a :class:`MatrixFree`, which is defined by its products.
-Sparse matrices of one problem have one pattern.
+All sparse matrices of a problem share one pattern.
 """
 
 from collections.abc import Callable
@@ -18,15 +18,16 @@ from jax import lax
 from study.algebra.arrays import Full, Matrix, ScipySparse, Vector
 from study.algebra.sparse import Sparse, SparseEntries
 
-#: Largest number of unknowns of a system that is eliminated without a loop: a call of LAPACK takes ten times longer.
+#: Largest number of unknowns for which elimination is written out without a loop. For such a system a call of LAPACK
+#: takes ten times longer.
 SMALL = 4
 
 
 class Banded(NamedTuple):
-    """A matrix of half bandwidth k: bands[k + d, i] is entry (i, i + d), or zero where this is outside the matrix.
+    """A matrix of half bandwidth k: bands[k + d, i] is the entry (i, i + d), and zero outside the matrix.
 
-    ``bands`` has the shape (2k + 1, n). A tridiagonal matrix should be a tuple of three (n,), which the compiler need
-    not write to memory before the solution.
+    ``bands`` has the shape (2k + 1, n). The bands of a tridiagonal matrix should be a tuple of three vectors (n,),
+    which the compiler need not write to memory before the solution.
     """
 
     bands: jax.Array | np.ndarray | tuple[jax.Array, ...]
@@ -38,14 +39,14 @@ class Banded(NamedTuple):
 
 
 class MatrixFree(NamedTuple):
-    """A matrix known by its product with a vector (n,) and an approximate diagonal, a number or (n,)."""
+    """A matrix given by a function for its product with a vector (n,), and by an approximate diagonal, () or (n,)."""
 
     product: Callable
     diagonal: jax.Array | float
 
 
 class Form(IntEnum):
-    """Forms of a matrix; each can hold the matrices of the forms before it."""
+    """Forms of a matrix; each form can hold the matrices of the forms before it."""
 
     NUMBER, DIAGONAL, BAND, SPARSE, FULL, FREE = range(6)
 
@@ -64,7 +65,7 @@ def form_of(matrix: Matrix) -> Form:
 
 
 def shifted(x: Vector, by: int) -> Vector:
-    """x[..., i + by], zero beyond the ends; unlike a concatenation, it needs no pass through memory."""
+    """The array of x[..., i + by], zero beyond the ends; unlike a concatenation, it needs no pass through memory."""
     return lax.pad(x, jnp.zeros((), x.dtype), [(0, 0, 0)] * (x.ndim - 1) + [(-by, by, 0)])
 
 
@@ -77,7 +78,10 @@ def _banded_times(matrix: Banded, x):
 
 
 def _written_out(matrix, other):
-    """Product of a small matrix (n, n) with (n,) or (n, n), as a sum: XLA would take a batched product lane by lane."""
+    """Product of a small matrix (n, n) with a vector (n,) or a matrix (n, n), as a sum of outer products.
+
+    XLA would compute a batched matrix product lane by lane.
+    """
     return sum(jnp.multiply.outer(matrix[:, j], other[j]) for j in range(len(other)))
 
 
@@ -101,7 +105,7 @@ def _as_band(matrix, n: int) -> Banded:
 
 
 def _widened(matrix, form: Form, n: int):
-    """The same matrix in another form: a band, full or matrix-free."""
+    """The same matrix in a wider form: a band, full or matrix-free."""
     if form_of(matrix) == form:
         return matrix
     if form == Form.BAND:
@@ -127,7 +131,7 @@ def diagonal(matrix: Matrix) -> jax.Array | float:
 
 
 def banded(matrix: np.ndarray, half_bandwidth: int) -> Banded | np.ndarray:
-    """A matrix (n, n) as a band of at least this half bandwidth; unchanged if the band is wider than a quarter of n."""
+    """A matrix (n, n) as a band of at least this half bandwidth; unchanged if the half bandwidth exceeds n/4."""
     n = len(matrix)
     width = max(half_bandwidth, int(np.abs(np.subtract(*np.nonzero(matrix))).max(initial=0)))
     if 4 * width > n:
@@ -137,7 +141,7 @@ def banded(matrix: np.ndarray, half_bandwidth: int) -> Banded | np.ndarray:
 
 
 def banded_sparse(matrix: ScipySparse, half_bandwidth: int) -> Banded:
-    """A matrix of :mod:`scipy.sparse`, without entries outside the band, as a band."""
+    """A matrix of :mod:`scipy.sparse` as a band; it must have no entries outside the band."""
     n, offsets = matrix.shape[0], range(-half_bandwidth, half_bandwidth + 1)
     return Banded(np.stack([np.pad(matrix.diagonal(d), (max(-d, 0), max(d, 0))) for d in offsets]).reshape(-1, n))
 
@@ -195,7 +199,7 @@ def add(*terms: Matrix, n: int) -> Matrix:
 
 
 def product(one: Matrix, other: Matrix, n: int) -> Matrix:
-    """Product of two matrices, for n unknowns; the other factor of a sparse one is a number, full or matrix-free."""
+    """Product of two matrices, for n unknowns; the factor of a sparse matrix must be a number, full or matrix-free."""
     forms = form_of(one), form_of(other)
     if max(forms) < Form.BAND:
         return one * other

@@ -21,17 +21,17 @@ SYMMETRY = 1e-12
 
 
 class Pattern:
-    """The places of the entries of a sparse matrix (n, n), column by column.
+    """The positions of the entries of a sparse matrix (n, n), column by column.
 
-    Every pattern contains the diagonal. A symmetric pattern holds only the lower triangle; any other contains the
-    transpose of each place. Patterns are equal if size, symmetry and places are equal.
+    Every pattern contains the diagonal. A symmetric pattern holds only the lower triangle. Any other pattern that
+    contains (i, j) also contains (j, i). Patterns are equal if size, symmetry and positions are equal.
 
     Attributes
     ----------
     rows, columns
         Row and column of each entry, (entries,).
     diagonal
-        Number of each diagonal entry, (n,).
+        Index of each diagonal entry among the entries, (n,).
     """
 
     def __init__(self, places: ScipySparse, symmetric: bool):
@@ -59,12 +59,12 @@ class Pattern:
         return f"Pattern({self.size} unknowns, {len(self.rows)} entries{' of one triangle' * self.symmetric})"
 
     def numbers(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Number of the entry at each place; the places must be in the pattern."""
+        """Index, among the entries of the pattern, of each position; the positions must be in the pattern."""
         order = self.columns.astype(np.int64) * self.size + self.rows
         return np.searchsorted(order, np.asarray(columns, np.int64) * self.size + rows).astype(np.int32)
 
     def values(self, matrix: ScipySparse) -> np.ndarray:
-        """The values of a matrix at the places of the pattern."""
+        """The values (entries,) of a matrix at the positions of the pattern."""
         places = scipy.sparse.coo_array(scipy.sparse.tril(matrix) if self.symmetric else matrix)
         values = np.zeros(len(self.rows))
         np.add.at(values, self.numbers(*places.coords), places.data)
@@ -72,14 +72,14 @@ class Pattern:
 
     def product(self, values: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Product of the matrix with these values and a vector (n,)."""
-        with self._alone:  # the matrices are shared, because making them takes longer than the product
+        with self._alone:  # all threads share the two matrices, because making them takes longer than the product
             self._matrix.data = self._mirrored.data = values
             product = self._matrix @ x
             return product + self._mirrored @ x - values[self.diagonal] * x if self.symmetric else product
 
 
 class Sparse(eqx.Module):
-    """A sparse matrix (n, n): the values (entries,) at the places of its pattern."""
+    """A sparse matrix (n, n): the values (entries,) at the positions of its pattern."""
 
     values: jax.Array
     pattern: Pattern = eqx.field(static=True)
@@ -105,11 +105,11 @@ class Sparse(eqx.Module):
         return Sparse(self.values[pattern.numbers(pattern.columns, pattern.rows)], pattern)
 
     def plus(self, values: Vector, entries: np.ndarray) -> "Sparse":
-        """The sum with values at some of the entries, given by their numbers."""
+        """The matrix plus ``values`` at the entries with the indices ``entries``."""
         return Sparse(jnp.asarray(self.values).at[entries].add(values), self.pattern)
 
     def within(self, pattern: Pattern) -> "Sparse":
-        """The same matrix in a wider pattern; in a symmetric pattern, its lower triangle."""
+        """The same matrix in a wider pattern; a symmetric pattern takes its lower triangle."""
         rows, columns, values = self.pattern.rows, self.pattern.columns, jnp.asarray(self.values)
         if pattern.symmetric:
             lower = np.flatnonzero(rows >= columns)
@@ -118,7 +118,7 @@ class Sparse(eqx.Module):
         return Sparse(wide.at[pattern.numbers(rows, columns)].add(values), pattern)
 
     def band(self, offset: int) -> jax.Array:
-        """The entries (i, i + offset), as a vector (n,) with zeros where there are none."""
+        """The entries (i, i + offset), as a vector (n,) with zeros where the pattern has no such entry."""
         rows, columns = self.pattern.rows, self.pattern.columns
         there = np.flatnonzero(columns - rows == offset)
         values = jnp.asarray(self.values)
@@ -132,24 +132,27 @@ class Sparse(eqx.Module):
 
 
 class SparseEntries(eqx.Module):
-    """A sparse matrix (n, n) with few entries: their values, and their numbers in the pattern."""
+    """A sparse matrix (n, n) with few entries: their values, and ``form``.
+
+    ``form`` holds the pattern, and the indices of these entries among the entries of the pattern.
+    """
 
     values: jax.Array
     form: Any = eqx.field(static=True)
 
     def added_to(self, matrix: Sparse) -> Sparse:
-        """The sum with a matrix of the same pattern."""
+        """The sum of both matrices; ``matrix`` has the same pattern."""
         return matrix.plus(self.values, self.form.entries)
 
     def alone(self) -> Sparse:
-        """The same matrix with all entries of the pattern."""
+        """The same matrix as a :class:`Sparse`, with all entries of the pattern."""
         pattern = self.form.pattern
         return self.added_to(Sparse(jnp.zeros(len(pattern.rows), self.values.dtype), pattern))
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
 def _times(pattern: Pattern, values: jax.Array, x: Vector) -> Vector:
-    """The product by SciPy, which takes a fifth of the time of a program with scattered sums."""
+    """Product with a vector by SciPy, in a fifth of the time of a compiled program with scattered sums."""
     return on_host(pattern.product, x, values, x)
 
 
@@ -161,14 +164,14 @@ def _derivative_of_times(pattern, primals, tangents):
 
 
 def is_sparse(matrix: Any) -> bool:
-    """Whether it is a matrix of :mod:`scipy.sparse`."""
+    """Whether ``matrix`` is a matrix of :mod:`scipy.sparse`."""
     # scipy.sparse takes a tenth of a second to import, and a caller with such a matrix has already imported it
     module = sys.modules.get("scipy.sparse")
     return module is not None and module.issparse(matrix)
 
 
 def is_sparse_of_jax(matrix: Any) -> bool:
-    """Whether it is a ``BCOO`` of :mod:`jax.experimental.sparse`, whose entries JAX may trace."""
+    """Whether ``matrix`` is a ``BCOO`` of :mod:`jax.experimental.sparse`, whose entries JAX may trace."""
     module = sys.modules.get("jax.experimental.sparse")
     return module is not None and isinstance(matrix, module.BCOO)
 
@@ -185,14 +188,14 @@ def of_jax(matrix: Any) -> ScipySparse | Sparse:
 
 
 def as_sparse(matrix: Any) -> ScipySparse:
-    """A matrix of :mod:`scipy.sparse`, of any kind, as float64 and without duplicate entries."""
+    """A matrix of :mod:`scipy.sparse`, in any format, as a ``csc_array`` of float64 without duplicate entries."""
     columns = scipy.sparse.csc_array(matrix).astype(np.float64)
     columns.sum_duplicates()
     return columns
 
 
 def union(matrices: Iterable[ScipySparse]) -> ScipySparse:
-    """A matrix with an entry, greater than zero, wherever one of the matrices has one."""
+    """A matrix with a positive entry wherever at least one of the matrices has an entry."""
     first, *rest = (
         scipy.sparse.csc_array((np.ones(m.nnz), m.indices, m.indptr), m.shape) for m in map(as_sparse, matrices)
     )

@@ -22,7 +22,7 @@ MEASURES = (
     "energy_drift",
 )
 
-#: Multiple of the reference's uncertainty up to which an error is flagged, as it may be an error of the reference.
+#: Largest error that is flagged as possibly an error of the reference, as a multiple of the reference's uncertainty.
 FLAGGED_WITHIN = 10
 
 
@@ -41,7 +41,7 @@ def _at_phases(reference: xr.Dataset, steps: int) -> xr.Dataset:
 def against(
     reference: xr.Dataset, steps: int, longest: int
 ) -> tuple[float, tuple[TrajectoryError, PeriodError, AmplitudeDecay]]:
-    """Step size and observers that compare a run of ``steps`` steps per exact period with the reference.
+    """Step size of a run with ``steps`` steps per exact period, and the observers that compare it with the reference.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def against(
     Raises
     ------
     ValueError
-        If the reference does not hold the phases, or its motion never crosses the mean of its extremes upwards.
+        If the reference does not hold these phases, or its motion never crosses the mean of its extremes upwards.
     """
     once = _at_phases(reference, steps)
     dt = reference.period.item() / steps
@@ -88,11 +88,11 @@ def against(
 def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
     """Uncertainty of the reference for every measure of error, in the units of that measure.
 
-    - trajectory: uncertainty of the displacement, relative to its maximum;
-    - elongation: relative uncertainty of the period;
-    - phase: uncertainty of the sum of all periods, and of the time of a crossing, in periods;
-    - amplitude: uncertainty of the displacement, relative to the amplitude, per period;
-    - energy: variation of the energy of the reference, rounded to doubles.
+    - both errors of the trajectory: uncertainty of the displacement, relative to its maximum;
+    - elongation of the period: relative uncertainty of the period;
+    - phase: uncertainty of the sum of all periods plus the uncertainty of the time of a crossing, in periods;
+    - decay of the amplitude: uncertainty of the displacement, relative to the amplitude, per period;
+    - both errors of the energy: variation of the energy of the reference after it is rounded to doubles.
     """
     displacement = (reference.u_uncertainty / abs(reference.u).max()).item()
     period = (reference.period_uncertainty / reference.period).item()
@@ -104,7 +104,7 @@ def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
 
 
 def flagged(error: np.ndarray, uncertainty, dims: tuple[str, ...]) -> tuple:
-    """Variable of flags: whether an error is above or within ten times the uncertainty, or was not measured (NaN)."""
+    """Variable that flags each error as above ten times the uncertainty, within it, or not measured (NaN)."""
     within = np.where(np.isnan(error), 2, np.abs(error) <= FLAGGED_WITHIN * uncertainty)
     question = f"whether the error is within {FLAGGED_WITHIN} times the uncertainty of the reference"
     return dims, within.astype(np.int32), flags(question, ("above", "within", "not_measured"), np.int32)

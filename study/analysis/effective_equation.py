@@ -10,10 +10,10 @@ from study.scheme.houbolt import Houbolt
 from study.scheme.newmark import Newmark
 from study.scheme.wilson import WilsonTheta
 
-#: Number of displacements between which changes of sign are counted.
+#: Number of equally spaced displacements at which the sign of the residual is evaluated to count the roots.
 SEARCHED = 4001
 
-#: Displacement beyond which the range of these displacements is no longer doubled.
+#: Limit of the search: a range that extends to this displacement is not doubled again.
 FARTHEST = 1e6
 
 
@@ -23,7 +23,7 @@ def effective_coefficient(scheme: Scheme) -> float:
     Raises
     ------
     ValueError
-        If a step of the scheme is not one such equation.
+        If a step of the scheme does not solve one such equation.
     """
     match scheme:
         case Newmark(beta=beta) if beta > 0:
@@ -38,7 +38,7 @@ def effective_coefficient(scheme: Scheme) -> float:
 
 
 def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.ndarray) -> np.ndarray:
-    """Number of roots u of u + c p(u) = ũ, from changes of sign.
+    """Number of roots u of u + c p(u) = ũ, counted as changes of sign of the residual.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.nda
     """
     force = jax.jit(jax.vmap(problem.static_force))
     far = 2 * np.abs(predictor).max()
-    # double the range until its ends lie beyond all roots, where the left side exceeds every predictor and grows
+    # double the range until its ends lie beyond all roots: there the left side exceeds every ũ in size, and grows
     while far < FARTHEST:
         ends = far * np.array([[-1.0, 1.0], [-2.0, 2.0]])
         left = ends + coefficient[:, None, None] * np.asarray(jax.vmap(force)(ends))
@@ -71,6 +71,9 @@ def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.nda
 
 
 def unique_up_to(problem: Problem, scheme: Scheme, u: np.ndarray) -> float:
-    """Largest Δt at which every ũ has one root: 1/√(κ max(−p′)), infinite if p′ ≥ 0 at all displacements ``u``."""
+    """Largest Δt at which the effective equation has one root for every ũ, by the slope p′ at the displacements ``u``.
+
+    It is 1/√(κ max(−p′)), and infinite if p′ ≥ 0 at all these displacements.
+    """
     softest = -np.asarray(jax.vmap(jax.grad(problem.static_force))(u)).min()
     return float(1 / np.sqrt(effective_coefficient(scheme) * softest)) if softest > 0 else np.inf

@@ -1,4 +1,4 @@
-"""Eigenvalues of amplification matrices, and the principal one over step sizes."""
+"""Eigenvalues of amplification matrices, and the principal eigenvalue as a function of the step size."""
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -25,9 +25,10 @@ def eigenvalues(matrices: Matrices) -> Roots:
 
 
 def followed(roots: Roots, exponent: complex, omega: Points) -> ComplexPoints:
-    """Logarithm of the principal root, which tends to exp(exponent · Ω) for Ω → 0, over step sizes.
+    """Logarithm of the principal root at each step size Ω, followed by continuity from Ω = 0.
 
-    It is NaN from the first step size at which the root is real.
+    The principal root tends to exp(exponent · Ω) for Ω → 0. The logarithm is NaN from the first step size at which
+    this root is real.
     """
     result = np.full(len(omega), complex(np.nan, np.nan))
     last, slope = (0.0, 0j), exponent

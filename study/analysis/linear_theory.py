@@ -35,14 +35,14 @@ PointsLike = Float[Any, "points"]
 #: Values of displacement and velocity for each step size, shape (2, points).
 Pairs = Float[np.ndarray, "2 points"]
 
-#: Exponents of growth by start (u₀ or u̇₀) and by displacement and velocity, shape (2, 2).
+#: Exponents of growth, shape (2, 2): a row for each start (u₀ or u̇₀), a column for displacement and velocity.
 Growth = Float[np.ndarray, "2 2"]
 
 #: Largest excess of a spectral radius over one that counts as round-off.
 GROWTH = 1e-8
 
-#: Largest excess of the spectral radius over one at half a stability limit. Above it, a scheme counts as unstable at
-#: every step size.
+#: Largest excess of the spectral radius over one at half of the stability limit found. A scheme with a larger excess
+#: counts as unstable at every step size.
 WEAK_GROWTH = 1e-11
 
 #: Smallest error of the roots that enters the fit of the order.
@@ -61,10 +61,10 @@ INFINITE = 1e12
 #: symmetric compositions have narrow windows of instability near multiples of π; coarse up to 10⁴.
 SEARCHED = np.concatenate([np.linspace(3e-4, 12, 40_000), np.geomspace(12.01, 1e4, 2_000)])
 
-#: Number of step sizes that one call computes.
+#: Number of step sizes in one call of a compiled function.
 TILE = 1024
 
-#: Number of refinements of a stability limit, and number of values of Ω in each of them.
+#: Number of refinements of a stability limit, and number of values of Ω in each refinement.
 REFINEMENTS, PARTS = 2, 1_000
 
 
@@ -74,7 +74,7 @@ def _oscillator() -> Problem:
 
 
 def oscillator(damping_ratio=0.0) -> Problem:
-    """The linear oscillator ü + 2ξ u̇ + u = 0, with ω = 1, whose functions are checked once."""
+    """The linear oscillator ü + 2ξ u̇ + u = 0, with ω = 1; its functions are checked once for all damping ratios."""
     return eqx.tree_at(lambda problem: problem.damping, _oscillator(), 2 * damping_ratio)
 
 
@@ -84,8 +84,8 @@ def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.A
     Multi-step schemes, whose state holds their history, appear in companion form.
     """
     problem, dt = oscillator(damping_ratio), 2 * jnp.pi * dt_over_period
-    # the map is linear, so its derivative is the same at any state; discrete gradients divide by the displacement of
-    # the step, so the state must move in short and in long steps
+    # the map is linear, so its derivative is the same at any state; discrete gradients divide by the change of the
+    # displacement in a step, so the state must move in a step of any size
     state, _ = started(scheme, problem, jnp.ones(()), jnp.ones(()), dt)
     flat, unflatten = ravel_pytree(state)
 
@@ -118,7 +118,7 @@ class NumericalMotion(NamedTuple):
 
         \lambda = \exp(\bar\omega\Delta t\,(-\bar\xi \pm i \sqrt{1 - \bar\xi^2}))
 
-    All are NaN from the first step size at which the principal roots are real, because the motion then does not
+    All three are NaN from the first step size at which the principal roots are real, because the motion then does not
     oscillate.
 
     Attributes
@@ -144,7 +144,8 @@ class LinearTheory:
     scheme
         A name in ``study.schemes``, or your own scheme.
     dt_over_period
-        Step sizes over the undamped period, Δt/T, in ascending order from a small one, of shape (points,).
+        Step sizes over the undamped period, Δt/T, ascending, of shape (points,). The first must be small, because the
+        principal roots are followed from Ω = 0.
     damping_ratio
         ξ of the oscillator, 0 ≤ ξ < 1.
 
@@ -198,7 +199,7 @@ class LinearTheory:
         self.spectral_radius = np.abs(self.roots).max(axis=-1)
 
     def _of_each(self, function, dt_over_period) -> np.ndarray:
-        """The function at every step size, in tiles of one length, so that one program serves grids of every length.
+        """Values of a function at every step size, in tiles of one length, so that one program serves every length.
 
         The program serves all damping ratios too, because zero damping adds exact zeros, which change no bit.
         """
@@ -293,7 +294,7 @@ class LinearTheory:
         )
 
     def order(self) -> float:
-        r"""Order of accuracy: the order with which the principal roots approach the exact ones, less one.
+        r"""Order of accuracy: the order with which the principal roots approach the exact roots, minus one.
 
         The exact roots are :math:`\exp(\Omega\,(-\xi \pm i \sqrt{1 - \xi^2}))`. The order is fitted to the octave that
         begins with the finest step size whose error is above round-off. It is NaN if that octave has fewer than three

@@ -31,7 +31,7 @@ class Outcome(enum.IntEnum):
 
 OUTCOME_ATTRIBUTES = flags("how the run ended", [one.name.lower() for one in Outcome], np.int8)
 
-#: Attributes for runs that are judged only by their balance of energies, not by their displacement.
+#: Attributes of the outcomes of runs that are judged only by their balance of energies, not by their displacement.
 BALANCE_ATTRIBUTES = flags(
     "how the run ended", ["energy_kept", *(one.name.lower() for one in Outcome if one != Outcome.ACCURATE)], np.int8
 )
@@ -54,7 +54,7 @@ Outcomes = Int8[np.ndarray, "lanes"]
 #: A time for each lane, shape (lanes,).
 Times = Float[np.ndarray, "lanes"]
 
-#: Outcome decided by each event; later ones override.
+#: Outcomes, each with the variable that holds the time of its event; later outcomes override earlier ones.
 _EVENTS = {
     Outcome.BOUNDED: "inaccurate_from",
     Outcome.DAMPED_TO_REST: "at_rest_from",
@@ -88,7 +88,7 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
     TypeError
         If ``runs`` is not a dataset.
     ValueError
-        If the dataset is not an ensemble or lacks these observers.
+        If the dataset is not an ensemble, or lacks the values of one of these observers.
     """
     if not isinstance(runs, xr.Dataset):
         raise TypeError(f"outcomes takes a dataset of study.run, not {runs!r}.")
@@ -106,7 +106,7 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
             happened = np.isfinite(times)
             outcome[happened], at[happened] = ended, times[happened]
     if period is not None:
-        keeps_period = np.abs(runs.mean_period.values / period - 1) <= ACCURATE  # false without a period
+        keeps_period = np.abs(runs.mean_period.values / period - 1) <= ACCURATE  # false if the period is NaN
         outcome[(outcome == Outcome.ACCURATE) & ~keeps_period] = Outcome.BOUNDED
     outcome[runs.status != COMPLETED] = Outcome.UNBOUNDED
     outcome[runs.status == NO_SOLUTION] = Outcome.NO_SOLUTION_FOUND
@@ -116,9 +116,9 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
 def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndarray:
     """Classify the outcomes of runs by their balance of energies; the problem may have damping and a load.
 
-    A run keeps its energy if the imbalance is at most 1 % of the energy put in. It is growing if the imbalance is more
-    than a hundred times that energy. It is chaotic if a perturbation grows from round-off to the size of the motion.
-    The outcomes ``DAMPED_TO_REST`` and ``IN_THE_WRONG_WELL`` do not occur.
+    A run keeps its energy if the imbalance is at most 1 % of the energy put in. A run is growing if the imbalance is
+    more than a hundred times the energy put in. A run is chaotic if a perturbation grows from round-off to the size of
+    the motion. The values ``DAMPED_TO_REST`` and ``IN_THE_WRONG_WELL`` do not occur.
 
     Parameters
     ----------

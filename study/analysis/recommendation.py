@@ -13,18 +13,18 @@ from study.registry import UnknownName, did_you_mean
 def recommend(
     what: str | xr.Dataset, *, error: float, quantity: str | None = None, folder: str | Path = io.RESULTS
 ) -> pd.DataFrame:
-    """List the schemes of an assessment, the fastest first, with the step at which each keeps an error.
+    """List the schemes of an assessment, the fastest first, with the step size at which each keeps an allowed error.
 
-    No number is interpolated: steps, errors and numbers of forces are taken from runs. A step has two digits, or is an
-    integer fraction or multiple of the time between the samples of a record. All random
-    finer steps that :func:`study.assess` tried keep the error too, and so does the step if initial values and load are
+    No number is interpolated: step sizes, errors and numbers of forces are taken from runs. A recommended step size has
+    two digits; under a record it is an integer fraction or multiple of the time between samples. All smaller step sizes
+    that :func:`study.assess` tried keep the error too. So does the recommended step size if initial values and load are
     one percent smaller or larger.
 
     Parameters
     ----------
     what
         Dataset of :func:`study.assess`, or the name of an assessment in the section ``assess`` of the configuration.
-        The study has ``hardening`` and ``softening``, each over a hundred periods.
+        The study has the assessments ``hardening`` and ``softening``, each over a hundred periods.
     error
         Allowed error, as a fraction of the largest value of the quantity: 0.01 is one percent. It must be one of the
         errors that were assessed.
@@ -37,40 +37,42 @@ def recommend(
     Returns
     -------
     pandas.DataFrame
-        One row for each ``scheme``, the fastest first; schemes without a step are last.
+        One row for each ``scheme``, the fastest first; schemes without a recommended step size are last.
 
         ``kind``
             ``implicit`` or ``explicit``.
         ``step_size``
-            The step, in s.
+            The recommended step size, in s.
         ``largest_step``
-            The largest step tried that keeps the error, in s, before it is rounded.
+            The largest step size tried that keeps the error together with all smaller ones, in s. ``step_size`` is
+            this value, rounded down.
         ``omega_step``
             Δt·ω, with the highest circular frequency ω of small motions about any point of the reference's motion.
         ``number_of_steps``
-            Steps of the run.
+            Number of steps of the run with this step size.
         ``error``
-            Error at that step.
+            Error of this run.
         ``most_wrong``, ``most_wrong_error``
-            The quantity with the largest error at that step, and that error. A step may keep the energy although the
+            The quantity with the largest error in this run, and its error. A run may keep the energy although its
             displacement is wrong.
         ``time``, ``time_spread``
-            Time of all steps in s and its interquartile range. A call of :func:`study.run` adds less than a
-            millisecond.
+            Computing time of all steps of this run, and its interquartile range, in s. A call of
+            :func:`study.run` adds less than a millisecond.
         ``ties_with_fastest``
-            Whether the interquartile ranges of this time and the least one overlap.
+            Whether the interquartile ranges of this time and of the shortest time overlap.
         ``force_evaluations``
-            Number of internal forces evaluated in the run.
+            Number of internal forces evaluated in this run.
         ``forces_per_time``
-            This number per second of the motion, in 1/s.
+            Number of internal forces per second of simulated time, in 1/s.
         ``steps_tried``, ``worst_error``
-            Number of step sizes tried from a twentieth of the step up to it, all of which kept the error, and the
-            largest error among them as a fraction of the allowed one.
+            Number of step sizes tried between a twentieth of ``step_size`` and ``step_size``, which all keep the error.
+            ``worst_error`` is the largest error among these runs, as a fraction of the allowed error.
         ``verdict``
-            How the search for the step ended.
+            How the search for the step size ended.
         ``tolerance``, ``controlled_force_evaluations``, ``control_over_equal``
-            If the assessment had a controller: the tolerance that keeps the error, the number of internal forces of
-            that run, and its ratio to the number with equal steps. Below one, controlled steps are cheaper.
+            Only if the assessment had a controller: the tolerance that keeps the error, the number of internal forces
+            in the run with this tolerance, and the ratio of this number to ``force_evaluations``. If the ratio is below
+            one, controlled steps are cheaper.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Time marching with a controlled step as one compiled loop, of a single run or of lanes side by side."""
+"""Time marching with a controlled step size as one compiled loop, for a single run or for lanes side by side."""
 
 from collections.abc import Callable
 from functools import partial
@@ -21,17 +21,18 @@ RUNNING, STEP_TOO_SMALL, TOO_MANY_STEPS = -1, 4, 5
 #: Factor of the step size after a step without convergence or with a state that is not finite, as in Abaqus.
 AFTER_FAILURE = 0.25
 
-#: Smallest step, as a part of the duration.
+#: Smallest step size, as a fraction of the duration.
 SMALLEST_STEP = 1e-13
 
-#: Names of the values stored for each step: the time at its end, its size, its estimate, and the numbers of trial steps
-#: rejected so far, by the estimate and for lack of a finite solution. ``OF_STEP`` is the name of the array that holds
-#: these values.
+#: Names of the values stored for each step: the time at its end, its size, the estimate of its error, and the numbers
+#: of trial steps rejected so far by the estimate and for lack of a finite solution.
 OF_EACH_STEP = ("t", "step_size", "estimate", "rejected_by_estimate", "rejected_by_solver")
+
+#: Name of the array that holds the values of each step.
 OF_STEP = "of each step"
 
-#: A step that falls short of a stated time, one on which a step must end, by less than this part of the interval is
-#: lengthened to it. Otherwise round-off would add a tiny step.
+#: Relative tolerance at a stated time, at which a step must end. A step that falls short of this time by less than this
+#: fraction of the remaining interval is lengthened to end at it. Otherwise round-off would add a tiny step.
 ROUND_OFF = 1e-9
 
 
@@ -45,15 +46,16 @@ class Trial(NamedTuple):
     t, dt
         Time, and size of the next trial step.
     target
-        Index of the next time on which a step must end.
+        Index of the next stated time, at which a step must end.
     taken, place
-        Number of steps taken, and index at which the next sample is stored.
+        Number of accepted steps, and index at which the next sample is stored.
     estimated, unsolved
-        Numbers of trial steps rejected by the estimate, and because no balance was found or a value was not finite.
+        Number of trial steps rejected by the estimate, and number of trial steps rejected because no balance was found
+        or a value was not finite.
     state, reduced, estimator, controller
         States of the scheme, the reductions, the estimator and the controller.
     scales
-        Largest value so far of each of the estimator's sizes.
+        Largest value so far of each size of the motion that the estimator measures.
     """
 
     status: jax.Array
@@ -77,20 +79,20 @@ class AdaptiveMarch(eqx.Module):
     march: March
     estimator: Estimator
     controller: Controller
-    #: Times on which a step must end, (times,); the last one ends the run.
+    #: Stated times, at which a step must end, (times,); the last one ends the run.
     times: jax.Array
     #: Largest number of steps.
     most: jax.Array
 
     def begin(self, u0, v0, dt, tolerance, room: int) -> tuple[Trial, Any, dict[str, jax.Array]]:
-        """Progress at t = 0, the initial state, and room for samples, with the first one stored.
+        """Progress at t = 0, the initial state, and the arrays for samples, with the first sample stored.
 
         Parameters
         ----------
         u0, v0, dt
-            Initial displacement and velocity, and the first step.
+            Initial displacement and velocity, and size of the first step.
         room
-            Number of samples to store, zero for none.
+            Number of samples for which the arrays have room; with zero no sample is stored.
         """
         march, problem = self.march, self.march.problem
         state, effort = started(march.scheme, problem, u0, v0, dt)
@@ -120,7 +122,7 @@ class AdaptiveMarch(eqx.Module):
         return trial, state, {n: jnp.zeros((room + 1, *x.shape)).at[0].set(x) for n, x in sample.items()}
 
     def _sample(self, trial: Trial, initial, state, t, dt, estimate) -> dict[str, jax.Array]:
-        # in one array, because each array that is stored takes as long as a step of one unknown
+        # in one array, because storing an array takes as long as a step of one unknown
         of_step = jnp.stack([t, dt, estimate, trial.estimated.astype(float), trial.unsolved.astype(float)])
         return {**self.march._sample(initial, state, t), OF_STEP: of_step}
 
@@ -143,7 +145,7 @@ class AdaptiveMarch(eqx.Module):
         k = self.estimator.exponent(scheme)
         decision = self.controller.decide(trial.controller, estimate / tolerance, k, dt, here, state, now, tolerance)
         accepted = solved & decision.accepted
-        # a step that was shortened to end on a stated time does not reduce the size of the next step
+        # a step that was shortened to end at a stated time does not reduce the size of the next step
         next_dt = jnp.where(accepted & (dt < trial.dt), jnp.maximum(decision.dt, trial.dt), decision.dt)
         next_dt = jnp.where(solved, jnp.minimum(next_dt, end), AFTER_FAILURE * dt)
 
@@ -181,7 +183,7 @@ class AdaptiveMarch(eqx.Module):
         ), self._sample(trial, initial, state, now, dt, estimate)
 
     def result(self, trial: Trial) -> dict[str, jax.Array]:
-        """The variables of the reductions."""
+        """Results of the reductions, by the name of the variable."""
         problem = self.march.problem.at(trial.state)
         return {
             name: value
@@ -190,16 +192,17 @@ class AdaptiveMarch(eqx.Module):
         }
 
 
-#: Function that makes the march of a lane from its arguments.
+#: Function that makes the march of a lane from the lane's arguments.
 Of = Callable[[Any], AdaptiveMarch]
 
 
 def proceed(
     of: Of, lanes: bool, arguments, trial: Trial, stored, initial, tolerance, room: int, turns
 ) -> tuple[Trial, dict[str, jax.Array]]:
-    """March until every run has ended or filled its room, or ``turns`` trial steps were made.
+    """March until every run has ended or filled its room for samples, or until ``turns`` trial steps were made.
 
-    With ``lanes`` all arrays have an axis of lanes in front. A lane that has ended or has no room waits for the others.
+    With ``lanes`` all arrays have an axis of lanes in front. A lane that has ended or has no room waits for the
+    other lanes.
     """
 
     def goes_on(trial):
@@ -218,7 +221,7 @@ def proceed(
         attempt, store = jax.vmap(attempt), jax.vmap(store)
 
     def step(carry):
-        """Make trial steps until a step is accepted in any lane, and store it."""
+        """Make trial steps until a step of at least one lane is accepted, and store its sample."""
         trial, stored, count = carry
         before = trial.place
 

@@ -1,4 +1,4 @@
-"""A run with a controlled step, as a labelled dataset."""
+"""A run with a controlled step size, as a labelled dataset."""
 
 import warnings
 from collections.abc import Callable, Sequence
@@ -40,10 +40,10 @@ from study.scheme.wrapper.unequal_steps import UnequalSteps
 #: Maximum number of samples of one run that are stored by one call of the compiled program.
 MOST_ROOM = 2**15
 
-#: Number of equal steps of the trial run that finds the size of a motion from rest.
+#: Number of equal steps of the trial run. It measures the sizes of a motion if one of them is zero at the start.
 OF_TRIAL = 200
 
-#: Meanings of the status of a run with a controlled step.
+#: Meanings of the status of a run with a controlled step size.
 ENDS = (*STATUSES, "step_too_small", "too_many_steps")
 
 _STATUS = flags("how the run ended", ENDS, np.int32)
@@ -70,7 +70,7 @@ _OF_RUN = {
 
 
 class Scales(Reduction):
-    """Largest value along a run of each of the estimator's sizes of the motion."""
+    """Largest value along a run of each size of the motion that the estimator measures."""
 
     estimator: Estimator
 
@@ -101,7 +101,7 @@ def _begin(of, lanes: bool, adaptive, arguments, starts, dt, tolerance, room: in
 
 @partial(jit, compiler=eqx.filter_jit)
 def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts):
-    """Largest value of each of the estimator's sizes in a run with equal steps."""
+    """Largest value of each size of the motion in a run with equal steps; zero if it is not finite."""
 
     def one(arguments, starts):
         march = of(adaptive, arguments)
@@ -131,7 +131,7 @@ def _itself(adaptive: AdaptiveMarch, arguments: Any) -> AdaptiveMarch:
 
 
 class _Family(eqx.Module):
-    """Function that replaces the problem of a march by the one that ``make`` returns for the arguments of a lane."""
+    """Function that replaces the problem of a march by the problem that ``make`` returns for a lane's arguments."""
 
     make: Callable = eqx.field(static=True)
 
@@ -140,9 +140,9 @@ class _Family(eqx.Module):
 
 
 def _joined(parts: Sequence[tuple[np.ndarray, dict]], lanes: bool) -> dict[str, np.ndarray]:
-    """The samples of all calls, one after the other, of each lane; NaN after the end of the shorter lanes.
+    """The samples of all calls, joined along time in each lane; shorter lanes are padded with NaN.
 
-    A part holds the samples of one call: a pair of their number, one per lane if there are lanes, and the samples.
+    Each part is a pair for one call: the number of its samples, in each lane if there are lanes, and the samples.
     """
     if not parts:
         return {}
@@ -161,20 +161,21 @@ def _joined(parts: Sequence[tuple[np.ndarray, dict]], lanes: bool) -> dict[str, 
 
 
 class Adaptive:
-    """A run with a controlled step: the march, and the labels of its result.
+    """A run with a controlled step size: the march, and the labels of its result.
 
     Parameters
     ----------
     problem
-        The problem, or the first lane's problem of a family.
+        The problem; for a family of problems, the problem of the first lane.
     starts
         Initial displacement and velocity, of one run or of all lanes.
     make, over
-        Function that makes the problem of a lane of a family, and its arguments.
+        For a family of problems: the function that makes the problem of a lane, and its arguments; otherwise None and
+        empty.
     lanes
         Number of lanes, 0 for a single run.
     bound
-        Largest displacement.
+        Displacement beyond which a run ends as unbounded.
     """
 
     def __init__(
@@ -245,7 +246,7 @@ class Adaptive:
     def _marched(
         self, control: Control, tolerance: PerRun, dt: PerRun
     ) -> tuple[Trial, dict[str, np.ndarray], dict[str, np.ndarray]]:
-        """The last trial, the samples, and the values of the reductions."""
+        """March to the end: the last :class:`Trial`, the samples, and the results of the reductions."""
         lanes = bool(self._lanes)
         times, most = jnp.asarray(control.times), jnp.asarray(control.steps)
         adaptive = AdaptiveMarch(self._march, control.estimator, control.controller, times, most)
@@ -272,7 +273,7 @@ class Adaptive:
                 return trial, _joined(parts, lanes), {n: np.asarray(x) for n, x in values.items()}
 
     def _report_failures(self, status, steps, t, dt, on_failure: str) -> None:
-        """Warn of runs that failed, or raise."""
+        """Warn of failed runs, or raise an error."""
         failed = np.flatnonzero(status)
         first = failed[0]
         how, step, at, size = (np.ravel(x)[first] for x in (status, steps, t, dt))

@@ -23,7 +23,7 @@ from study.registry import Registry, did_you_mean
 
 T = TypeVar("T")
 
-#: Names of the variables and coordinates of a result, which no observer may take.
+#: Names of variables and coordinates of a result, which no variable of an observer may have.
 RESERVED = (
     "status",
     "failed_at_step",
@@ -38,16 +38,16 @@ RESERVED = (
     "v0",
 )
 
-#: Default bound of the displacement, as multiples of u₀ + T u̇₀ and of T² f/m. A physically unstable motion may grow
-#: from a tiny displacement to an ordinary size.
+#: Default bound of the displacement, as multiples of u₀ + T u̇₀ and of T² f/m, with the duration T, the largest load f
+#: and the smallest mass m. It is large, because a physically unstable motion may grow from a tiny displacement.
 OF_START, OF_LOAD = 1e9, 1e5
 
-#: Sampling of the load before a run: maximum, minimum, cap on samples × unknowns.
+#: Sampling of the load before a run: maximum and minimum number of samples, and cap on samples × unknowns.
 MOST_SAMPLES, FEWEST_SAMPLES, SAMPLED = 1001, 65, 10_000_000
 
 
 def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
-    """Entry of the registry with that name, or the object itself if it is a ``kind``."""
+    """Entry of the registry if ``thing`` is a name, or ``thing`` itself if it is an instance of ``kind``."""
     if isinstance(thing, str):
         return registry[thing]
     if not isinstance(thing, kind):
@@ -56,12 +56,12 @@ def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
 
 
 def _most_steps() -> int:
-    """Maximum number of steps, a quarter of the largest integer: a march counts up to three times the steps."""
+    """Maximum number of steps, a quarter of the largest integer: a march stores up to three times a number of steps."""
     return jnp.iinfo(jnp.result_type(int)).max // 4
 
 
 def positive_integer(name: str, value: Any) -> int:
-    """A whole number of at least 1."""
+    """A whole number between 1 and the maximum number of steps."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
         raise ValueError(f"{name} must be a whole number of at least 1, not {value!r}.")
     if value > _most_steps():
@@ -101,7 +101,7 @@ def checked_step_size(dt: PerRunLike) -> PerRun:
 
 
 def checked_start(problem: Problem, name: str, start: DisplacementsLike | None) -> Displacements:
-    """``u0`` or ``v0``, of the problem's shape or with an axis of lanes in front; the problem's own for None."""
+    """``u0`` or ``v0``, of the problem's shape or with an axis of lanes in front; None stands for the problem's own."""
     shape = np.shape(problem.u0)
     if start is None:
         return np.asarray(getattr(problem, name))
@@ -117,7 +117,7 @@ def checked_start(problem: Problem, name: str, start: DisplacementsLike | None) 
 
 
 def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tuple[Observer, ...]:
-    """Observers, by name or as objects; a single one counts as a list."""
+    """Observers, given by name or as objects; a single observer need not be in a list."""
     if observe is None:
         raise TypeError(f"observe must be a list of observers; {did_you_mean('', observers)}")
     listed = [observe] if isinstance(observe, str | Observer) else observe
@@ -125,7 +125,9 @@ def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tup
     names = [*RESERVED, *(name for observer in chosen for name in observer.variables)]
     for name in names:
         if names.count(name) > 1:
-            raise ValueError(f"two variables of the result would have the name '{name}'; give one of them another.")
+            raise ValueError(
+                f"two variables of the result would have the name '{name}'; give one of them another name."
+            )
     return chosen
 
 
@@ -134,12 +136,12 @@ def checked_bound(
 ) -> float:
     """Bound of the displacement of a run: as given, or a large multiple of the motion that start and load cause.
 
-    It is infinite if neither causes a motion.
+    The default bound is infinite if neither start nor load causes a motion.
 
     Raises
     ------
     ValueError
-        If it is not a positive number, or the load is not finite at some time of the run.
+        If ``bound`` is not a positive number, or if it is None and a sample of the load is not finite.
     """
     if bound is not None:
         if isinstance(bound, bool) or not isinstance(bound, int | float | np.number) or not bound > 0:
@@ -174,7 +176,7 @@ def _sizes(load, times):
 def number_of_lanes(
     problem: Problem, u0: Displacements, v0: Displacements, own: Mapping[str, np.ndarray], over: Mapping
 ) -> int:
-    """Number of lanes of an ensemble, 0 for a single run; ``own`` holds one value per run or per lane."""
+    """Number of lanes of an ensemble, 0 for a single run; an argument in ``own`` has one value, or one per lane."""
     lengths = {name: len(value) for name, value in own.items() if value.ndim}
     lengths |= {name: len(value) for name, value in (("u0", u0), ("v0", v0)) if value.ndim > np.ndim(problem.u0)}
     lengths |= {f"over['{name}']": len(value) for name, value in over.items()}
@@ -185,12 +187,12 @@ def number_of_lanes(
 
 
 def check_memory(records: Mapping[str, int], samples: int) -> None:
-    """Refuse records whose double size exceeds the free memory of this machine.
+    """Refuse records if twice their size exceeds the free memory of this machine.
 
     Parameters
     ----------
     records
-        Bytes of one sample of all lanes, by variable.
+        Number of bytes of one sample of all lanes, by variable.
     samples
         Number of samples.
     """
@@ -198,5 +200,5 @@ def check_memory(records: Mapping[str, int], samples: int) -> None:
     if needed > memory:
         raise ValueError(
             f"{samples} samples of {', '.join(map(repr, records))} need {needed / 2**30:.0f} GiB, and this machine has "
-            f"{memory / 2**30:.0f} GiB of free memory: store fewer with every=, or observe single values instead."
+            f"{memory / 2**30:.0f} GiB of free memory: store fewer samples with every=, or observe single values."
         )

@@ -15,10 +15,10 @@ from study.mechanics.definition import Problem
 from study.observer.base import Observer
 from study.scheme.base import Scheme
 
-#: Default first step, as a part of the duration.
+#: Default size of the first step, as a fraction of the duration.
 FIRST_STEP = 1e-3
 
-#: Default value of the largest number of steps.
+#: Default of the largest number of steps.
 MOST_STEPS = 1_000_000
 
 
@@ -28,9 +28,9 @@ class Control(NamedTuple):
     Attributes
     ----------
     tolerance, dt
-        Tolerance and first step, of shape () or (lanes,).
+        Tolerance and size of the first step, each of shape () or (lanes,).
     times
-        Times on which a step must end; the last one ends the run.
+        Times at which a step must end; the last one ends the run.
     steps
         Largest number of steps.
     """
@@ -44,7 +44,10 @@ class Control(NamedTuple):
 
 
 def usual_estimator(scheme: Scheme, problem: Problem) -> str:
-    """Default estimator: embedded pair, else Zienkiewicz-Xie if the acceleration is carried, else step doubling."""
+    """Name of the default estimator: the first one in a list that accepts the scheme and the problem.
+
+    The list holds the embedded pair, Zienkiewicz-Xie if the scheme has an ``acceleration_offset``, and step doubling.
+    """
     carries = scheme.acceleration_offset is not None
     fits = ["embedded_pair", *(["zienkiewicz_xie"] if carries else []), "step_doubling"]
     return next(name for name in fits if not estimators[name].refusal(scheme, problem))
@@ -67,12 +70,12 @@ def checked_control(
     Raises
     ------
     KeyError, TypeError, ValueError
-        If there is no such estimator or controller, it does not fit the scheme or the problem, or a number is out of
-        its range.
+        If there is no such estimator or controller, if the estimator does not fit the scheme or the problem, if the
+        scheme or an observer needs equal steps, or if a number is missing or out of its range.
     """
     if scheme.needs_equal_steps:
         raise ValueError(
-            f"'{scheme.title}' carries earlier steps, and its coefficients hold for equal steps: give dt and steps."
+            f"'{scheme.title}' needs steps of one size, because its state depends on this size: give dt and steps."
         )
     for observer in observers:
         if observer.needs_equal_steps:

@@ -1,4 +1,4 @@
-"""Many runs side by side: in tiles that fit the cache next to a core, over all cores."""
+"""Many runs side by side: in tiles that fit the cache of a core, on all cores."""
 
 import math
 import threading
@@ -14,25 +14,25 @@ from study.marching.result import Result
 from study.marching.shapes import CountPerRun, DisplacementsOfLanes, OfLanes
 from study.settings import cores
 
-#: Lanes of a tile; their state stays in the cache next to the core, whatever the size of the ensemble. Small ensembles
-#: are padded to a tile; otherwise XLA compiles another loop and the last bits differ.
+#: Number of lanes of a tile. Their state stays in the cache of a core, whatever the size of the ensemble. Small
+#: ensembles are padded to a tile; otherwise XLA compiles another loop and the last bits differ.
 TILE = 64
 
-#: Largest number of lanes that are marched as single runs if they have several unknowns. They share the program of a
-#: single run, and only a full tile is faster.
+#: Largest number of lanes of a problem with several unknowns that are marched one by one, with the compiled program of
+#: a single run. Tiles are faster only for more lanes.
 FEW = 64
 
-#: Initial displacements and velocities, and step sizes.
+#: Initial displacements, initial velocities and step sizes of all lanes.
 Begin = tuple[DisplacementsOfLanes, DisplacementsOfLanes, OfLanes]
 
-#: Possible numbers of tiles of one call.
+#: Possible numbers of tiles in one call of the compiled program.
 GROUPS = (1, 8, 64)
 
 
 def _in_tiles(values: np.ndarray, shape: tuple[int, int, int], size: int, filler: float) -> np.ndarray:
     """Values of the lanes, reshaped to (groups, ``size``, lanes of a tile, ...).
 
-    Only the first ``shape[1]`` tiles of a group hold lanes; empty places hold ``filler``.
+    ``shape`` is (groups, tiles of a group that hold lanes, lanes of a tile). Empty places hold ``filler``.
     """
     room = np.full((math.prod(shape), *values.shape[1:]), filler, values.dtype)
     room[: len(values)] = values
@@ -42,15 +42,15 @@ def _in_tiles(values: np.ndarray, shape: tuple[int, int, int], size: int, filler
 
 
 def _on_cores(run: Callable[..., Result], arguments: Sequence[tuple]) -> list[Result]:
-    """``run(*one)`` for each of the arguments, on as many threads as there are cores; Ctrl-C ends all of them."""
+    """Results of ``run`` for each tuple of arguments, on as many threads as there are cores. Ctrl-C ends all runs."""
     stopped = threading.Event()
     workers = cores() if jax.default_backend() == "cpu" else 1
 
-    @jax.enable_x64(jax.enable_x64.value)  # a new thread does not inherit the precision of this one
+    @jax.enable_x64(jax.enable_x64.value)  # a new thread does not inherit the precision of this thread
     def one(arguments):
         return run(*arguments, on_pause=lambda step: not stopped.is_set())
 
-    silent = None if len(arguments) > workers else True  # None shows the bar in a terminal only
+    silent = None if len(arguments) > workers else True  # None shows the bar only in a terminal
     with ThreadPoolExecutor(min(workers, len(arguments))) as pool:
         try:
             return list(tqdm(pool.map(one, arguments), total=len(arguments), disable=silent, leave=False))
@@ -78,16 +78,16 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     """March every lane, side by side in tiles.
 
     The result of a lane depends neither on its neighbours nor on the number of cores, to the last bit. Lanes with
-    different numbers of steps are sorted by length, so that long lanes share tiles; then the independence holds to
-    round-off. A tile
-    takes as many Newton iterations as its slowest lane, and ends with its last lane.
+    different numbers of steps are sorted by this number, so that long lanes share tiles; then their results are
+    independent only to round-off. A tile takes as many Newton iterations as its slowest lane, and ends with its last
+    lane.
 
     Parameters
     ----------
     begin
         Initial displacements and velocities (lanes, ...), and step sizes (lanes,).
     steps
-        One number, or one per lane.
+        Number of steps: one number, or one per lane.
     every, samples
         As in :meth:`study.marching.program.Program.run`.
 
@@ -102,12 +102,12 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     tile = TILE if on_cpu else lanes
     tiles = -(-lanes // tile)
     share = min(GROUPS[-1], -(-tiles // cores())) if on_cpu else 1
-    # few sizes keep the number of compiled programs small; empty tiles cost nothing
+    # few possible sizes keep the number of compiled programs small; empty tiles cost nothing
     size = next(size for size in GROUPS if size >= share)
     shape = (-(-tiles // share), share, tile)
     order = np.argsort(steps, kind="stable") if steps.ndim else np.arange(lanes)
     last = int(steps.max())
-    # lanes that fill up a tile start from NaN: they fail before their first step and cost nothing
+    # lanes that pad a tile start from NaN: they fail before their first step and cost nothing
     groups = (
         _in_tiles(u0[order], shape, size, np.nan),
         _in_tiles(v0[order], shape, size, 0.0),

@@ -27,8 +27,8 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
     Raises
     ------
     TypeError, ValueError
-        If ``make`` is not a function of the names in ``over``, a name is taken, or the arrays are not numbers of one
-        length.
+        If ``make`` is not a function of the names in ``over``, if the result already has one of these names, or if the
+        arrays are not numbers of one length.
     """
     if not callable(make) or isinstance(make, Problem):
         what = f"the problem '{make.title}'" if isinstance(make, Problem) else repr(make)
@@ -58,12 +58,12 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
 def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) -> list[Problem]:
     """The problems of the first lane and of the lanes where an argument is least or largest.
 
-    Only for these lanes is the problem made with numbers, which its checks can examine.
+    Only the problems of these lanes are made with numbers, which the checks of a problem can examine.
 
     Raises
     ------
     TypeError, ValueError
-        If ``make`` does not return a problem, or the checks of the problem refuse it, or an unknown has no mass.
+        If ``make`` does not return a problem, if the checks of a problem refuse it, or if an unknown has no mass.
     """
     ends = {0}
     for value in over.values():
@@ -97,7 +97,7 @@ def march_family(
     make, over
         Function that makes the problem, and its arguments, each (lanes, ...).
     march_of
-        The march on a problem that it makes.
+        Function that returns the march on a problem.
     dt, steps
         Step sizes and numbers of steps (lanes,).
     every, samples

@@ -71,7 +71,11 @@ class March(eqx.Module):
         lanes: bool = False,
         bound: float = np.inf,
     ) -> "March":
-        """The march of a scheme on a problem, with the history of the problem and the neighbour that observers need."""
+        """The march of a scheme on a problem.
+
+        The scheme is wrapped in :class:`WithHistory` if the problem has a history, and in :class:`Linearised` if an
+        observer needs a neighbouring run.
+        """
         if problem.history is not None:
             scheme = WithHistory(scheme)
         if any(observer.needs_neighbour for observer in observers):
@@ -100,9 +104,9 @@ class March(eqx.Module):
         return {name: jnp.asarray(value, float) for name, value in values.items()}
 
     def start(self, u0, v0, dt, room: int) -> tuple[Progress, Any, dict[str, jax.Array]]:
-        """Progress at t = 0, the initial state, and room for samples, with the first one stored.
+        """Progress at t = 0, the initial state, and the arrays for samples, with the first sample stored.
 
-        The place after the last one takes all samples for which there is no room.
+        The arrays have an additional last place, which takes all samples for which there is no room.
         """
 
         def one(u0, v0, dt):
@@ -120,7 +124,7 @@ class March(eqx.Module):
         return Progress(jnp.zeros((), int), failure, state, carried), state, stored
 
     def stepped(self, progress: Progress, dt, steps=None) -> Progress:
-        """One step of every run, or with ``steps`` of the lanes that have not yet taken that many."""
+        """Progress after one more step; with ``steps``, only of the lanes that have not yet taken this many steps."""
 
         def one(step, state, carried, dt):
             # the round-off of a running sum would grow with the number of steps; the round-off of a product does not
@@ -170,7 +174,7 @@ class March(eqx.Module):
         until
             Step at which to pause or end.
         every, each_step
-            Steps between two samples, and whether a sample is stored after every step, without an inner loop.
+            Number of steps between two samples, and whether to do without an inner loop, if this number is one.
         first
             Number of the sample in the first place of ``stored``; samples beyond the end of ``stored`` share the last
             place.
@@ -195,7 +199,7 @@ class March(eqx.Module):
             return p, stored_at(number - first, p, stored)
 
         def next_step(carry):
-            # the same without an inner loop
+            # like ``next_sample``, but without an inner loop
             p, stored, place, due = carry
             p = step(p)
             stored = stored_at(place, p, stored)

@@ -22,7 +22,7 @@ from study.scheme.base import Scheme
 #: different numbers keep the number of compiled programs small. The overhead of a call is a tenth of a millisecond.
 AT_ONCE, IN_STRETCHES = 2**13, 2**17
 
-#: Largest number of values of one variable in these samples.
+#: Largest number of values of one variable for which a program has room.
 ROOM = 2**19
 
 #: Number of steps of one unknown between two chances to interrupt a run: about a second.
@@ -35,7 +35,7 @@ LABELS = ("title", "source", "doi")
 def unlabelled(part: Any) -> Any:
     """A copy of a march, problem or scheme, and of its parts, without labels; other objects unchanged.
 
-    A program with labels would be compiled again if a label changes.
+    Otherwise a program would be compiled again if only a label changes.
     """
     if not isinstance(part, March | Problem | Scheme):
         return part
@@ -47,7 +47,7 @@ def unlabelled(part: Any) -> Any:
 
 
 class _Form:
-    """All of a march except its numbers; the compiled program depends on it."""
+    """All of a march except its arrays of numbers; the compiled program depends on it."""
 
     def __init__(self, structure, constants: tuple):
         self.structure, self.constants = structure, constants
@@ -72,7 +72,7 @@ _forms: dict[_Form, _Form] = {}
 
 
 def _each_tile(march: March, function: Callable, lanes: tuple) -> Any:
-    """``function(*lanes)``; for an ensemble its results for all tiles, which lie along the first axis of ``lanes``."""
+    """Result of ``function(*lanes)``; for an ensemble, its results for each tile along the first axis of ``lanes``."""
     return lax.map(lambda tile: function(*tile), lanes) if march.lanes else function(*lanes)
 
 
@@ -85,7 +85,7 @@ def _proceed(march: March, counts, each_step: bool, stored, progress, initial, d
 
 @partial(jit, static_argnums=(0, 4, 5))
 def _whole(form: _Form, numbers: list, counts, begin: tuple, room: int, each_step: bool, own):
-    """Samples and result of a run in one stretch, which saves the time to pass its progress in and out."""
+    """Samples and result of a run in one call, which saves the time to pass its progress between calls."""
     march = form.march(numbers)
 
     def one(u0, v0, dt, own):
@@ -103,15 +103,15 @@ def _start(form: _Form, numbers: list, begin: tuple, room: int):
 
 @partial(jit, static_argnums=(0, 3), donate_argnums=4)
 def _stretch(form: _Form, numbers: list, counts, each_step: bool, stored, lanes: tuple):
-    """One stretch of a run: the progress, the samples and the result so far."""
+    """Progress, samples and result of a run after one more stretch."""
     march = form.march(numbers)
     return _each_tile(march, partial(_proceed, march, counts, each_step), (stored, *lanes))
 
 
 def _stretches(steps: int, every: int, samples: int, room: int, pause: int) -> Iterator[tuple[int, int]]:
-    """Stretches of a run that one call marches: the sample in the first place of the room, and the step at the end.
+    """Stretches of a run, each marched by one call: number of the first sample in the room, and step at the end.
 
-    A stretch ends where the room is full or a pause is due.
+    A stretch ends where the room for samples is full or a pause is due.
     """
     begin = 0
     for first in range(0, samples + 1, room):
@@ -123,7 +123,7 @@ def _stretches(steps: int, every: int, samples: int, room: int, pause: int) -> I
 
 
 def as_result(result: tuple, samples: dict[str, np.ndarray]) -> Result:
-    """``Progress.failure`` and the values and samples of a march as its result."""
+    """Result of a march, from ``Progress.failure``, the values of the reductions, and the samples."""
     failure, values = jax.tree.map(np.asarray, result)
     restarts = values.pop("newton_restarts", np.zeros(failure.shape, int))
     status = np.where(failure == 0, COMPLETED, NO_SOLUTION + failure % 3)
@@ -165,13 +165,14 @@ class Program:
         steps
             Number of steps.
         every, samples
-            Steps between two samples, and how many samples follow the first.
+            Number of steps between two samples, and number of samples after the first one.
         own
             Number of steps of each lane, if they differ.
         pause
-            Largest number of steps without a pause, in which the run can be interrupted; by default about a second.
+            Largest number of steps between two pauses, at which the run can be interrupted; by default the steps of
+            about a second.
         on_pause
-            Called with the step at each pause; the run ends there if it returns False.
+            Function called with the number of steps at each pause; the run ends there if the function returns False.
 
         Returns
         -------
@@ -193,7 +194,7 @@ class Program:
         return self._in_stretches((u0, v0, dt), steps, every, samples, own, room, each_step, pause, on_pause)
 
     def _room(self, u0: Displacements, most: int) -> int:
-        """Number of samples for which a march has room, a power of two."""
+        """Number of samples for which a program has room, a power of two; one without records."""
         return min(most, 2 ** max(0, int(math.log2(ROOM / u0.size)))) if self._has_records else 1
 
     def _in_stretches(self, begin, steps, every, samples, own, room, each_step, pause, on_pause) -> Result:
@@ -208,7 +209,7 @@ class Program:
             new = min(room, samples + 1 - first)
             for name, values in stored.items():
                 whole[name][(*before, slice(first, first + new))] = np.asarray(values)[(*before, slice(new))]
-            # reading the result waits for it, so that Ctrl-C acts between two stretches
+            # reading the result waits for the end of the stretch, so that Ctrl-C acts between two stretches
             if np.all(np.asarray(result[0])) or not on_pause(until):
                 break
         for values in whole.values():

@@ -31,18 +31,19 @@ def final_state(
     u0: VectorLike | None = None,
     v0: VectorLike | None = None,
 ) -> dict[str, jax.Array]:
-    """The final state of a run and its reductions, as a pure function of every number in problem, scheme, dt and start.
+    """The final state and reductions of a run, as a pure function of all numbers in problem, scheme, dt, u0 and v0.
 
-    ``jax.grad``, ``jax.jvp``, ``jax.vmap`` and ``jax.jit`` apply to it, also if the problem depends on their arguments.
-    Newton's iteration is differentiated by the implicit function theorem, exactly and not iteration by iteration.
-    Backward derivatives keep about 2√steps states and march twice.
+    ``jax.grad``, ``jax.jvp``, ``jax.vmap`` and ``jax.jit`` apply to this function, also if the problem depends on their
+    arguments. Newton's iteration is differentiated by the implicit function theorem, exactly and not iteration by
+    iteration. Derivatives in reverse mode keep about 2√steps states and march twice.
 
-    Newton's iteration has no safeguard here unless the problem comes from ``with_safeguard()``. A run has no bound.
+    Newton's iteration has no safeguard here unless the problem comes from ``with_safeguard()``. The displacement has no
+    bound.
 
-    Second derivatives of implicit schemes are right if the first is taken forward: ``jax.jacfwd(jax.jacfwd(f))`` or
-    ``jax.grad(jax.jacfwd(f))``. They are wrong if the first is taken backward: JAX 0.10 ignores the rule for
-    derivatives of an implicit root, even of its own ``lax.custom_root``, when it differentiates a scan backward and
-    then once more.
+    Second derivatives of implicit schemes are right if the first derivative is taken in forward mode, as in
+    ``jax.jacfwd(jax.jacfwd(f))`` and ``jax.grad(jax.jacfwd(f))``. They are wrong if the first derivative is taken in
+    reverse mode. JAX 0.10 then ignores the rule for derivatives of an implicit root in a scan, even of its own
+    ``lax.custom_root``.
 
     Parameters
     ----------
@@ -61,7 +62,8 @@ def final_state(
     Raises
     ------
     ValueError
-        If an observer records along time, or scheme or observers do not fit the problem.
+        If an observer records along time, if scheme or observers do not fit the problem, or if ``dt``, ``steps`` or
+        the shape of ``u0`` or ``v0`` is invalid.
 
     Examples
     --------

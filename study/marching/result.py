@@ -48,7 +48,7 @@ class Result(NamedTuple):
     failed_at_step
         Step at which the run failed, −1 if it completed.
     restarts
-        How often Newton's iteration failed and was started again with a safeguard.
+        Number of Newton iterations that failed and were started again with a safeguard.
     values
         Variables of the reductions; meaningless if the run failed.
     samples
@@ -64,14 +64,14 @@ class Result(NamedTuple):
 
 
 def _without_meaning(result: Result, steps: CountPerRun, every: int, samples: int) -> Flags:
-    """Which samples belong to the failing step or a later one, or to a step after the end; (..., samples + 1)."""
+    """Whether each sample is of the failing step, a later one, or one after the end; of shape (..., samples + 1)."""
     step = np.arange(samples + 1) * every
     failed_at = np.where(result.status == COMPLETED, steps + 1, result.failed_at_step)
     return step >= failed_at[..., None]
 
 
 def _parameters(scheme: Scheme) -> str:
-    """Class and parameters of a scheme."""
+    """Class and parameters of a scheme, as a string."""
     shown = {
         f.name: getattr(scheme, f.name) for f in fields(scheme) if not f.metadata.get("static")
     }  # labels are static
@@ -80,7 +80,7 @@ def _parameters(scheme: Scheme) -> str:
 
 
 class Work:
-    """Work of this process.
+    """Count of the work of this process.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ class Labels:
         u0, v0, dt, steps
             Initial displacement and velocity, step size and number of steps: one of each, or one per lane.
         every, samples
-            Steps between two samples, and how many samples follow the first.
+            Number of steps between two samples, and number of samples after the first one.
         ensemble
             Whether the arrays have an axis of lanes in front.
         """
@@ -146,7 +146,7 @@ class Labels:
         }
         for name, value in result.values.items():
             along_lanes = failed.reshape(failed.shape + (1,) * (value.ndim - failed.ndim))
-            # NaN needs doubles, which represent all of these integers exactly
+            # integers become doubles, which can be NaN and represent integers of this size exactly
             values[name] = np.where(along_lanes, np.nan, value)
         ends_early = failed.any() or samples * every > steps.min()
         for name, value in result.samples.items():

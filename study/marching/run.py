@@ -41,10 +41,10 @@ from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
 
-#: Largest samples × lanes × unknowns whose records fit into the memory of any machine.
+#: Largest number of samples × lanes × unknowns whose records fit into the memory of any machine.
 ANY_MEMORY = 10_000_000
 
-#: Minimum steps × unknowns of a run that shows a progress bar.
+#: Minimum of steps × unknowns of a run that shows a progress bar.
 LONG = 2**24
 
 
@@ -71,7 +71,7 @@ def _march_alone(
 
 
 def _samples(records: Sequence[Record], steps: CountPerRun, every: int, samples: int | None) -> int:
-    """Number of samples to store after the first."""
+    """Number of samples to store after the first one; zero without records."""
     if records and steps.ndim:
         raise ValueError(
             f"'{next(iter(records[0].variables))}' is recorded along time, which needs one number of steps for all "
@@ -118,7 +118,7 @@ def run(
 
     A run with equal steps whose Newton iteration fails is marched once more with a safeguard: with one unknown a
     bracket, which finds a root wherever the residual changes its sign, and with several unknowns shorter corrections
-    (:mod:`study.mechanics.balance`). ``newton_restarts`` counts the iterations that needed it.
+    (:mod:`study.mechanics.balance`). ``newton_restarts`` counts the iterations that needed the safeguard.
 
     Parameters
     ----------
@@ -126,39 +126,40 @@ def run(
         Names in ``study.problems`` and ``study.schemes``, or your own :class:`study.Problem` and
         :class:`study.Scheme`.
     dt
-        Step size Δt; an array (lanes,) makes an ensemble. With a tolerance the first step, by default a thousandth of
-        the duration.
+        Step size Δt; an array (lanes,) makes an ensemble. With a tolerance, ``dt`` is the size of the first step, by
+        default a thousandth of the duration.
     steps
-        Number of steps; an array (lanes,) makes an ensemble, which cannot record along time. With a tolerance the
-        largest number of steps, by default a million.
+        Number of steps; an array (lanes,) makes an ensemble, which cannot record along time. With a tolerance,
+        ``steps`` is the largest number of steps, by default a million.
     tolerance
         Allowed estimate of the error of a step, in the units of the estimator; an array (lanes,) makes an ensemble.
         The steps are then chosen by estimator and controller.
     duration
         Time at which a run with a tolerance ends.
     estimator, controller
-        Names in ``study.estimators`` and ``study.controllers``, or your own. The default estimator is
-        ``embedded_pair`` or ``zienkiewicz_xie`` if the scheme supports it, otherwise
-        ``step_doubling``; the default controller is ``pi``.
+        Names in ``study.estimators`` and ``study.controllers``, or your own. The default estimator is the first of
+        ``embedded_pair``, ``zienkiewicz_xie`` and ``step_doubling`` that fits the scheme and the problem; the default
+        controller is ``pi``.
     times
-        Times on which a step of a run with a tolerance must end; by default the kinks of the load, such as the samples
+        Times at which a step of a run with a tolerance must end; by default the kinks of the load, such as the samples
         of a ground motion.
     observe
         Names in ``study.observers``, or your own :class:`study.Reduction` and :class:`study.Record`.
     u0, v0
         Initial displacement and velocity, in place of the problem's; an array (lanes, ...) makes an ensemble.
     over
-        Makes an ensemble of problems. ``problem`` is then a function that makes one, and
-        ``over`` a mapping from its arguments to arrays (lanes, ...). The function is part of the compiled program: it
-        must use ``jax.numpy``, and all lanes have the same shapes.
+        Mapping that makes an ensemble of problems. ``problem`` is then a function that makes a problem, and ``over``
+        maps its arguments to arrays (lanes, ...). The function is part of the compiled program: it must use
+        ``jax.numpy``, and all lanes have the same shapes.
     every
         Steps between two samples of a record; it must divide ``steps`` unless ``samples`` is given.
     samples
-        Number of samples to store after the first; those after the end of the run are NaN. By default all that fit.
+        Number of samples to store after the first; samples after the end of the run are NaN. By default the last sample
+        is at the end of the run.
     bound
-        Largest displacement of any unknown: a run beyond it ends as unbounded. By default
-        the larger of :math:`10^9 (|u_0| + T |\dot u_0|)` and :math:`10^5\,T^2 f/m` with the duration T, the largest
-        load f and the smallest mass m; ``np.inf`` for none.
+        Largest displacement of any unknown; a run with a larger displacement ends as unbounded. The default is the
+        larger of :math:`10^9 (|u_0| + T |\dot u_0|)` and :math:`10^5\,T^2 f/m` with the duration T, the largest load f
+        and the smallest mass m. With ``np.inf`` there is no bound.
     on_failure
         Reaction to a failed run: ``"warn"``, with scheme, step, time and likely cause, ``"raise"`` or ``"ignore"``.
 
@@ -166,14 +167,17 @@ def run(
     -------
     xarray.Dataset
         The observed variables, ``status`` (completed, no solution found, not finite, unbounded), ``failed_at_step`` and
-        ``newton_restarts``. Records lie along ``t``, the elapsed time; the runs of an ensemble along ``lane``, with the
-        ``dt``, ``steps``, ``u0`` and ``v0`` of each as coordinates where they differ. If lanes have their own step
-        sizes, records lie along ``sample`` and ``t`` is a coordinate over (lane, sample). Values of a failed run are
-        NaN, and its samples from the failure on. A run with a tolerance has, in place of ``newton_restarts``,
-        ``steps``, ``failed_at_time`` and the numbers of trial steps that were rejected by the estimate or without a
-        balance. Along time it has ``step_size``, ``estimate`` and the rejections before each step. It keeps the samples
-        before a failure, and its ``status`` may also be step too small or too many steps. The attributes name problem,
-        scheme, its parameters, version, and the ``dt``, ``steps``, ``u0`` and ``v0`` that all runs share.
+        ``newton_restarts``. Records lie along ``t``, the elapsed time, and the runs of an ensemble along ``lane``.
+        ``dt``, ``steps``, ``u0`` and ``v0`` are coordinates if they are given per lane, otherwise attributes. If lanes
+        have their own step sizes, records lie along ``sample``, and ``t`` is a coordinate over (lane, sample). Values
+        of a failed run are NaN, and so are its samples from the failure on. Further attributes name the problem, the
+        scheme, its parameters and the version.
+
+        A run with a tolerance has no ``newton_restarts``. It has ``steps``, ``failed_at_time``,
+        ``steps_rejected_by_estimate`` and ``steps_rejected_by_solver``, which counts trial steps without balance or
+        finite state. Along time it has ``step_size``, ``estimate`` and the numbers of trial steps rejected before each
+        step. The samples before a failure are kept. The ``status`` may also be step too small or too many steps.
+        Attributes name estimator, controller, duration and tolerance.
 
     Raises
     ------
@@ -181,8 +185,8 @@ def run(
         If there is no such problem, scheme, observer, estimator or controller.
     TypeError, ValueError
         If an argument has the wrong type or shape or is out of range, if scheme or observer do not fit the problem, if
-        two observers have a variable of one name, if the records exceed the memory, or if a scheme needs equal steps
-        and a tolerance is given.
+        two observers have a variable of the same name, if the records exceed the memory, or if a scheme needs equal
+        steps and a tolerance is given.
     RuntimeError
         If a run fails and ``on_failure`` is ``"raise"``.
 
@@ -204,7 +208,7 @@ def run(
     if not controlled and any(given is not None for given in (duration, estimator, times)):
         raise TypeError("duration, estimator and times belong to a run with a tolerance.")
     if controlled and (every != 1 or samples is not None):
-        raise TypeError("every and samples belong to a run with equal steps; one with a tolerance stores every step.")
+        raise TypeError("every and samples belong to a run with equal steps; a run with a tolerance stores every step.")
     values: dict[str, np.ndarray] = {}
     if over is None:
         equations = [resolve(problem, problems, Problem)]  # type: ignore[arg-type, misc]
@@ -259,10 +263,10 @@ def run(
 
     try:
         result = marched(lambda one: one)
-    except TypeError as error:  # a scheme or observer raised it: the traceback through the march is useless
+    except TypeError as error:  # a scheme or an observer raised it: the traceback through the march does not help
         raise error.with_traceback(None) from error.__cause__
     unsolved = result.status == NO_SOLUTION
-    if not (method.explicit or equation.linear):  # a correction may lead to where the force is not finite
+    if not (method.explicit or equation.linear):  # a Newton correction may end where the force is not finite
         unsolved |= result.status == NOT_FINITE
     if unsolved.any():
         again = marched(Problem.with_safeguard, unsolved)
@@ -300,7 +304,7 @@ def _check_on_failure(on_failure: str) -> None:
 
 
 def _report_failures(result: Result, problem: Problem, scheme: Scheme, dt: PerRun, on_failure: str) -> None:
-    """Warn of failed runs, raise, or ignore them."""
+    """Warn of failed runs, raise an error, or do nothing."""
     if on_failure != "ignore" and np.any(result.status):
         what = failure.sentence(result, problem, scheme, dt)
         if on_failure == "raise":

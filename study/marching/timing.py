@@ -1,4 +1,4 @@
-"""The time of a run, without its compilation."""
+"""The computing time of a run, without compilation."""
 
 import time
 
@@ -11,7 +11,7 @@ from study.mechanics.definition import Problem
 from study.observer.base import Reduction
 from study.scheme.base import Scheme
 
-#: Maximum time in s of ten steps of a run that is fast. A fast run is warmed up by a thousand more steps.
+#: Computing time of ten steps, in s, below which a run is fast. A fast run is warmed up by a thousand more steps.
 SLOW = 0.01
 
 
@@ -33,7 +33,7 @@ class Timed:
             self.run(1e-9, 1000)
 
     def run(self, dt: float, steps: int) -> tuple[float, bool]:
-        """Seconds that one run takes, and whether it completed."""
+        """Computing time of one run in s, and whether the run completed."""
         start = time.perf_counter()
         result = self._program.run(*self._begin, np.asarray(dt), steps, every=1, samples=0, pause=steps)
         return time.perf_counter() - start, bool(result.status == COMPLETED)

@@ -12,7 +12,10 @@ from study.scheme.newmark import ROUND_OFF, bounded_at_infinite_frequency, predi
 
 
 def _stability_limit(alpha_m: float, alpha_f: float, beta: float, gamma: float) -> float | None:
-    """Stability limit: infinite under Chung and Hulbert's conditions for second order; Newmark's if both α are zero."""
+    """Stability limit: Newmark's if both α are zero, otherwise infinite under Chung and Hulbert's conditions, or None.
+
+    These conditions hold for methods of second order.
+    """
     if alpha_m == alpha_f == 0:
         return stability_limit(beta, gamma)
     shift = alpha_f - alpha_m
@@ -29,12 +32,12 @@ class HHTAlpha1996(OneStep):
 
     with Newmark's u₁ and u̇₁. Finite element codes commonly evaluate one force at the weighted displacement instead,
     p((1 + α) u₁ − α u₀), and weight damping and load in the same way (:meth:`study.GeneralizedAlpha.hht`). For a linear
-    spring the two internal forces agree, for a non-linear one they differ.
+    spring this force equals the weighted mean, for a non-linear spring it does not.
 
-    Second order for γ = ½ − α without damping and load; first order with either, except for α = 0, which is Newmark's
-    method. With β = (1 − α)²/4, γ = ½ − α and −⅓ ≤ α ≤ 0 it is unconditionally stable for linear systems. Carries u, u̇
-    and ü; one force per Newton iteration and one force per step. The history of a force is committed at u₁; p(u₀)
-    follows from the history committed there.
+    Second order for γ = ½ − α without damping and load. With damping or load it is of first order, except for α = 0,
+    which is Newmark's method. With β = (1 − α)²/4, γ = ½ − α and −⅓ ≤ α ≤ 0 it is unconditionally stable for linear
+    systems. Carries u, u̇ and ü; one force per Newton iteration and one force per step. The history of a force is
+    committed at u₁, and p(u₀) is evaluated from the history that the previous step committed.
 
     Parameters
     ----------
@@ -116,9 +119,9 @@ class GeneralizedAlpha(OneStep):
 
     with u₁ and u̇₁ by Newmark's formulas. The internal force is evaluated once, at the weighted displacement, as finite
     element codes do. Second order for γ = ½ − α_m + α_f. With :math:`\beta = (1 - \alpha_m + \alpha_f)^2/4` and α_m ≤
-    α_f ≤ ½ it is unconditionally stable for linear systems, and its spectral radius falls to ρ∞ as ωΔt grows. Carries
-    u, u̇ and the algorithmic ü; one force per Newton iteration. The history of a force is committed at u₁, not where
-    the forces balance.
+    α_f ≤ ½ it is unconditionally stable for linear systems, and its spectral radius falls to ρ∞ as ωΔt grows to
+    infinity. Carries u, u̇ and the algorithmic ü; one force per Newton iteration. The history of a force is committed at
+    u₁, not where the forces balance.
 
     Parameters
     ----------
@@ -158,7 +161,7 @@ class GeneralizedAlpha(OneStep):
 
     @classmethod
     def optimal(cls, alpha_m: float, alpha_f: float, **labels: str) -> "GeneralizedAlpha":
-        """The second-order method with the least damping of low frequencies for these weights."""
+        """The second-order method with the least damping of low frequencies for given α_m and α_f."""
         shift = 0.5 - alpha_m + alpha_f
         return cls(alpha_m, alpha_f, beta=(0.5 + shift) ** 2 / 4, gamma=shift, **labels)
 

@@ -17,7 +17,7 @@ from study.scheme.newmark import average_acceleration
 
 
 class Auxiliary(NamedTuple):
-    """Displacement, velocity and r at tₙ and at tₙ₋₁: vectors of shape () or (n,) and numbers."""
+    """Displacement and velocity, each of shape () or (n,), and the number r, at tₙ and at tₙ₋₁."""
 
     u: Vector
     v: Vector
@@ -28,7 +28,7 @@ class Auxiliary(NamedTuple):
 
 
 class AuxiliaryVariable(Scheme):
-    r"""BDF2 with a scalar auxiliary variable r for :math:`\sqrt{V(u) + c}`: no iteration, and no stability limit.
+    r"""BDF2 with an auxiliary variable r in place of :math:`\sqrt{V(u) + c}`: no iteration, and no stability limit.
 
     With the extrapolated :math:`\bar u = 2u_0 - u_{-1}` and :math:`q = \sqrt{V(\bar u) + c}`,
 
@@ -38,12 +38,12 @@ class AuxiliaryVariable(Scheme):
         M \ddot u_1 + C \dot u_1 + K u_1 + \frac{r_1}{q}\,p(\bar u) &= f(t_1) \\
         3 r_1 - 4 r_0 + r_{-1} &= \frac{p(\bar u)}{2q} \cdot (3 u_1 - 4 u_0 + u_{-1})
 
-    where K is the stiffness next to the force p, and V the potential of p. The equations are linear, and solved with
-    one matrix for two right sides. Second order. Without load the quadratic form of BDF2 in u̇, u and r, which
-    represents the energy :math:`\tfrac12 \dot u^T M \dot u + \tfrac12 u^T K u + r^2`, does not grow at any step size; r
-    itself may drift from :math:`\sqrt{V + c}`. Without p it is BDF2. The average acceleration method, run backwards,
-    finds the motion before the start. Needs the potential. Carries u, u̇ and r at two times; one force and one
-    potential per step.
+    where K is a constant stiffness in addition to the force p, and V the potential of p. The equations are linear, and
+    are solved with one matrix for two right sides. Second order. Without load the quadratic form of BDF2 in u̇, u and r,
+    which represents the energy :math:`\tfrac12 \dot u^T M \dot u + \tfrac12 u^T K u + r^2`, does not grow at any step
+    size; r itself may drift from :math:`\sqrt{V + c}`. Without p it is BDF2. The average acceleration method, run
+    backwards, finds the motion before the start. Needs the potential V. Carries u, u̇ and r at two times; one force and
+    one potential per step, which count as two forces.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class AuxiliaryVariable(Scheme):
         return super().refusal(problem)
 
     def _root(self, problem: Problem, u: Vector) -> Scalar:
-        """The root of V + c, where V is the potential of p."""
+        """The square root of V + c, where V is the potential of p."""
         return jnp.sqrt(problem.potential(u) + self.shift)  # type: ignore[misc]
 
     def start(self, problem, u0, v0, dt):
@@ -111,7 +111,7 @@ class AuxiliaryVariable(Scheme):
 
 
 def _effective(problem: Problem, u: Vector, h) -> Matrix:
-    """M + h C + h² K."""
+    """The matrix M + h C + h² K."""
     terms = [1.0 if problem.mass is None else problem.mass]
     terms += [product(h, problem.damping, u.size)] if problem.damping is not None else []
     terms += [product(h**2, problem.stiffness, u.size)] if problem.stiffness is not None else []

@@ -65,7 +65,7 @@ class BackwardDifferences(Scheme):
         check_numbers("BackwardDifferences", "weights", self.weights)
         if self.weights[0] <= 0 or abs(sum(self.weights)) > 1e-12 or self.order < 1:
             raise ValueError(
-                f"BackwardDifferences(weights={self.weights}): weights must be those of a derivative: the first is "
+                f"BackwardDifferences(weights={self.weights}): weights must be weights of a derivative: the first is "
                 "greater than zero, their sum is zero, and the formula is exact for a straight line."
             )
 
@@ -74,12 +74,13 @@ class BackwardDifferences(Scheme):
         def moment(power):
             return sum(d * (1 - k) ** power for k, d in enumerate(self.weights))
 
-        # the formula is exact for tᵖ if the moment at t = 1 is ẏ = p
+        # the formula is exact for y = tᵖ if the moment of power p, its value of ẏ at t = 1, is p
         return next(p for p in range(len(self.weights) + 1) if abs(moment(p + 1) - (p + 1)) > 1e-12)
 
     @property
     def stability_limit(self) -> float | None:
-        # the boundary of the region of stability; if it stays in the right half plane, no ωΔt is unstable
+        # the values are the boundary of the region of stability; if it stays in the right half plane, every ωΔt is
+        # stable
         circle = np.exp(1j * np.linspace(0, np.pi, 721))
         return math.inf if np.polyval(self.weights[::-1], circle).real.min() > -1e-9 else None
 

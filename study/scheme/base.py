@@ -19,9 +19,10 @@ from study.scheme.contract import incremented
 class Scheme(eqx.Module):
     """A time integration scheme for M ü + C u̇ + p(u) = f(t).
 
-    A scheme carries its own state from step to step: a tuple with the fields ``u`` and ``v`` at least
-    (:class:`study.mechanics.state.Motion` adds the acceleration, a multi-step scheme its history). :meth:`start` and
-    :meth:`step` are pure functions, so that JAX can compile, vectorise and differentiate them.
+    A scheme carries its own state from step to step, with at least the fields ``u`` and ``v``.
+    :class:`study.mechanics.state.Motion` also has the acceleration; the state of a multi-step scheme also has values of
+    earlier steps. :meth:`start` and :meth:`step` are pure functions, so that JAX can compile, vectorise and
+    differentiate them.
     """
 
     #: Name of the scheme in figures and tables.
@@ -46,14 +47,14 @@ class Scheme(eqx.Module):
 
     @property
     def order_with_damping(self) -> int:
-        """Lowest order of accuracy with damping, with a force that depends on the velocity, and with a load."""
+        """Order of accuracy with damping, a velocity-dependent force or a load; the lowest of the three orders."""
         return self.order
 
     @property
     def stability_limit(self) -> float | None:
-        """Largest ωΔt at which the scheme is stable without damping: infinite if it always is, zero if it never is.
+        """Largest ωΔt at which the scheme is stable without damping; infinite if always stable, zero if never stable.
 
-        None if it is not known for these parameters; :meth:`study.LinearTheory.stability_limit` computes it.
+        None if the limit is not known for these parameters; :meth:`study.LinearTheory.stability_limit` computes it.
         """
         return None
 
@@ -62,37 +63,41 @@ class Scheme(eqx.Module):
     def explicit(self) -> bool:
         """Whether a step needs no iteration, even if the internal force is non-linear.
 
-        An explicit scheme that uses the velocity at the end of a kick still iterates if the internal force depends on
-        it.
+        If the internal force depends on the velocity, an explicit scheme that takes the new velocity in its balance of
+        forces still iterates.
         """
 
     @property
     def forces_per_step(self) -> int:
-        """Internal forces that a step evaluates in addition to those of its Newton iterations."""
+        """Number of internal forces that a step evaluates in addition to the forces of its Newton iterations."""
         return 0
 
     @property
     def forces_per_iteration(self) -> int:
-        """Internal forces that one Newton iteration evaluates."""
+        """Number of internal forces that one Newton iteration evaluates."""
         return 1
 
     @property
     def needs_equal_steps(self) -> bool:
-        """Whether all steps must have one size, because the scheme carries values of earlier steps."""
+        """Whether all steps must have one size, because the values that the scheme carries depend on this size."""
         return True
 
     @property
     def acceleration_offset(self) -> float | None:
-        """Offset of the carried acceleration ``a`` from the end of the step, in steps; None if none is carried."""
+        """Time of the carried acceleration ``a`` minus the end of the step, in units of the step size.
+
+        None if the scheme carries no acceleration, or does not state its time.
+        """
         return None
 
     @property
     def needs_mass(self) -> bool:
         """Whether every unknown must have mass.
 
-        An unknown without mass is a mode of infinite frequency. A scheme can step it if it never solves with M alone
-        and no eigenvalue of its amplification matrix at infinite frequency exceeds one in size. By default explicit
-        schemes need mass and implicit ones do not; an implicit scheme without these properties overrides this.
+        An unknown without mass is a mode of infinite frequency. A scheme can step it if the scheme never solves with M
+        alone, and if no eigenvalue of its amplification matrix at infinite frequency exceeds one in size. By default
+        explicit schemes need mass and implicit schemes do not. An implicit scheme that cannot step a mode of infinite
+        frequency overrides this property.
         """
         return self.explicit
 
@@ -107,7 +112,7 @@ class Scheme(eqx.Module):
         forces = [f"{self.forces_per_step} per step"] if self.forces_per_step else []
         forces += [] if self.explicit else [f"{self.forces_per_iteration} per Newton iteration"]
         lines = [
-            # a dataclass without a docstring has its signature in place of one
+            # a dataclass without a docstring gets its signature as docstring
             self.title if summary.startswith(f"{kind}(") else f"{self.title}: {summary}",
             textwrap.shorten(f"{kind}({parameters})", 120, placeholder=" ...)"),
             f"{'explicit' if self.explicit else 'implicit'}, order {self.order}{damped}{stable}",
@@ -139,7 +144,7 @@ class OneStep(Scheme):
     needs_equal_steps = False
 
     def start(self, problem: Problem, u0: Vector, v0: Vector, dt: ScalarLike) -> tuple[Any, Effort]:
-        """State at t = 0 with the acceleration of the equation of motion, and no effort."""
+        """State at t = 0 with the acceleration from the equation of motion, and an effort of zero."""
         return Motion(u0, v0, initial_acceleration(problem, u0, v0)), Effort()
 
     @abc.abstractmethod
@@ -152,7 +157,7 @@ class OneStep(Scheme):
 
 
 class WrapperState(eqx.Module):
-    """State of a wrapper: the state of the other scheme, ``inner``, and additional fields."""
+    """State of a wrapper: the state of the wrapped scheme, ``inner``, and additional fields."""
 
     inner: eqx.AbstractVar[Any]
 
@@ -168,7 +173,7 @@ class WrapperState(eqx.Module):
 
 
 class Wrapper(Scheme):
-    """A scheme that steps another one, ``scheme``, and extends or changes its state."""
+    """A scheme that steps another scheme, ``scheme``, and extends or changes the state of this scheme."""
 
     scheme: eqx.AbstractVar[Scheme]
 
@@ -213,7 +218,7 @@ class Wrapper(Scheme):
 
 
 def _short(value: Any) -> str:
-    """A parameter in a few digits."""
+    """Text of a parameter, with numbers to six digits."""
     if isinstance(value, Scheme):
         return value.title
     if isinstance(value, tuple):
@@ -227,7 +232,7 @@ def as_tuple(values):
 
 
 def check_numbers(scheme: str, name: str, values) -> None:
-    """Refuse values that are not a tuple of finite numbers."""
+    """Refuse values that are not a tuple of one or more finite numbers."""
     if (
         not isinstance(values, tuple)
         or not values
@@ -247,6 +252,6 @@ def check_range(scheme: str, name: str, value, low: float, high: float) -> None:
 
 
 def check_ranges(module: eqx.Module, **ranges: tuple[float, float]) -> None:
-    """Refuse a scheme, or a controller, with a field outside its range (low, high)."""
+    """Refuse a scheme or a controller that has a field outside the range (low, high) of the field."""
     for name, (low, high) in ranges.items():
         check_range(type(module).__name__, name, getattr(module, name), low, high)

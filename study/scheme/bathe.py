@@ -1,4 +1,4 @@
-"""Bathe's composite methods: a sub-step by the trapezoidal rule, then one by a formula through three points."""
+"""Bathe's composite methods: a sub-step by the trapezoidal rule, then a sub-step by a formula through three points."""
 
 import abc
 import math
@@ -13,7 +13,7 @@ from study.scheme.newmark import ROUND_OFF
 
 
 class Composite(OneStep):
-    """A sub-step to t₀ + γΔt by the trapezoidal rule, then one to t₁ with weights of all three points."""
+    """A sub-step to t₀ + γΔt by the trapezoidal rule, then a sub-step to t₁ with weights for all three points."""
 
     family: ClassVar[str] = "Multi-step and composite"
     explicit = False
@@ -40,7 +40,7 @@ class Composite(OneStep):
 
 
 class Bathe(Composite):
-    r"""The ρ∞-Bathe method: a sub-step to t₀ + γΔt by the trapezoidal rule, then one to t₁ through all three points.
+    r"""The ρ∞-Bathe method: the trapezoidal rule to t₀ + γΔt, then a sub-step to t₁ with weights for all three points.
 
     .. math::
 
@@ -103,7 +103,7 @@ class Bathe(Composite):
 
 
 class BetaBathe(Composite):
-    r"""The β₁/β₂-Bathe method: a sub-step to t₀ + γΔt by the trapezoidal rule, then one with two weighted means.
+    r"""The β₁/β₂-Bathe method: the trapezoidal rule to t₀ + γΔt, then a sub-step to t₁ with two weighted means.
 
     .. math::
 
@@ -113,10 +113,10 @@ class BetaBathe(Composite):
             \quad\text{for } y = u, \dot u \\
         M \ddot u + C \dot u + p(u) &= f \quad\text{at } t_0 + \gamma\Delta t \text{ and at } t_1
 
-    With γ = ½ it is unconditionally stable for linear systems if β₁ + β₂ ≥ 1 and β₁ ≤ β₂. It is of second order if
-    β₁ + β₂ = 1, where it is the ρ∞-Bathe method with :math:`\rho_\infty = (3\beta_1 - 1)/(1 - \beta_1)` for β₁ ≥ ⅓, and
-    of first order otherwise. β₂ = 2β₁ makes ρ∞ zero. Carries u, u̇ and ü; solves two balances per step, each with one
-    force per Newton iteration. The history of a force is committed at t₀ + γΔt and at t₁.
+    With γ = ½ it is unconditionally stable for linear systems if β₁ + β₂ ≥ 1 and β₁ ≤ β₂. It is then of second order if
+    β₁ + β₂ = 1, and of first order otherwise. With β₁ + β₂ = 1 and β₁ ≥ ⅓ it is the ρ∞-Bathe method with
+    :math:`\rho_\infty = (3\beta_1 - 1)/(1 - \beta_1)`. β₂ = 2β₁ makes ρ∞ zero. Carries u, u̇ and ü; solves two balances
+    per step, each with one force per Newton iteration. The history of a force is committed at t₀ + γΔt and at t₁.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ class BetaBathe(Composite):
 
     @property
     def stability_limit(self) -> float | None:
-        # |λ| ≤ 1 on the imaginary axis, by the coefficients of (ωΔt)² and (ωΔt)⁴
+        # the condition |λ| ≤ 1 on the imaginary axis, by the coefficients of (ωΔt)² and (ωΔt)⁴
         _, q0, q1, q2 = self.weights
         return math.inf if self._excess > -ROUND_OFF and q2 >= abs(q1 - q0) - ROUND_OFF else None
 
@@ -180,5 +180,5 @@ _bank = {"source": "Bank et al. (1985)", "doi": "10.1109/T-ED.1985.22232"}
 bathe = Bathe()
 rho_bathe = Bathe.of_one_stiffness(0.5, title="ρ∞-Bathe", **_noh)
 tr_bdf2 = Bathe.of_one_stiffness(0.0, title="TR-BDF2", **_bank)
-#: β₂ = 2β₁ as its authors advise for waves; β₁ is chosen here.
+#: Parameters with β₂ = 2β₁, as the authors of the method advise for waves; the value of β₁ is chosen here.
 beta_bathe = BetaBathe(0.39, 0.78)

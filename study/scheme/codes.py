@@ -1,4 +1,4 @@
-"""Names of the schemes in other codes."""
+"""Names of the schemes in other programs."""
 
 import csv
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class NameInCode(NamedTuple):
-    """The name of a scheme in a code, as written in an input file, and its documentation."""
+    """Name of a scheme in another program, as written in an input file, and the source that documents it."""
 
     scheme: str
     code: str
@@ -16,6 +16,6 @@ class NameInCode(NamedTuple):
 
 
 def names_in_codes() -> list[NameInCode]:
-    """All names that were confirmed, by scheme."""
+    """All confirmed names of schemes in other programs, from ``codes.csv``."""
     with Path(__file__).with_suffix(".csv").open(encoding="utf-8", newline="") as file:
         return [NameInCode(**row) for row in csv.DictReader(file)]

@@ -54,18 +54,18 @@ class ImplicitMidpoint(OneStep):
         return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort
 
 
-#: Relative change of a strain (or displacement) below which the force at the midpoint replaces the quotient of energy
-#: and strain. The round-off of the quotient would exceed the third-order error of the midpoint. The value is about the
-#: cube root of round-off.
+#: Relative change of a strain (or displacement) in a step, below which the force at the midpoint replaces the quotient
+#: of the changes of energy and strain. The round-off of the quotient would exceed the third-order error of the
+#: midpoint. The value is about the cube root of round-off.
 STANDSTILL = {np.dtype("float64"): 1e-5, np.dtype("float32"): 8e-3}
 
-#: Absolute change of a strain below which the force at the midpoint is used too, because the square of the change
-#: underflows, as ahead of a wave.
+#: Absolute change of a strain below which the force at the midpoint is also used, because the square of the change
+#: underflows. Such changes occur ahead of a wave.
 SMALLEST = {np.dtype("float64"): 1e-150, np.dtype("float32"): 1e-18}
 
 
 def _of_strains(potential: StrainEnergy, u0: Vector) -> Callable:
-    """p̄ of a strain energy, strain by strain."""
+    """The mean force p̄ of a strain energy, computed strain by strain, as a function of u₁."""
     strains, density = potential.strains, potential.density
     slope = jax.grad(lambda strain: jnp.sum(density(strain)))
     before = strains(u0)
@@ -98,7 +98,7 @@ def discrete_gradient(problem: Problem, u0: Vector) -> Callable:
         moves = length > STANDSTILL[u0.dtype] ** 2 * (jnp.vdot(u0, u0) + jnp.vdot(u1, u1))
         gain = potential(u1) - energy
         if jnp.ndim(u0) == 0:
-            # with one unknown p(u_m) cancels
+            # with one unknown, p(u_m) cancels from the formula
             return lax.cond(moves, lambda: gain / change, lambda: problem.force(middle))
         force = problem.force(middle)
         missing = (gain - jnp.vdot(force, change)) / jnp.where(moves, length, 1.0)
@@ -115,8 +115,8 @@ class EnergyMomentum(OneStep):
         M (\dot u_1 - \dot u_0)/\Delta t + C \dot u_m + \bar p(u_0, u_1) &= f(t_0 + \tfrac12 \Delta t) \\
         \dot u_m = (u_1 - u_0)/\Delta t &= (\dot u_0 + \dot u_1)/2
 
-    With u_m = (u₀ + u₁)/2, ε₀ = ε(u₀) and ε₁ = ε(u₁), the mean force of a strain energy, for each strain, and the mean
-    force of any other potential are
+    Here u_m = (u₀ + u₁)/2, ε₀ = ε(u₀) and ε₁ = ε(u₁). The first formula is the mean force of a strain energy, with a
+    mean stress σ̄ for each strain. The second formula is the mean force of any other potential:
 
     .. math::
 
@@ -125,10 +125,11 @@ class EnergyMomentum(OneStep):
         \bar p &= p(u_m) + \frac{V(u_1) - V(u_0) - p(u_m)^T (u_1 - u_0)}{|u_1 - u_0|^2}\,(u_1 - u_0)
 
     Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off. With a strain energy
-    linear and angular momentum are constant too; the second form conserves them to third order in the step only, and
-    its tangent is full. For one unknown both forms are p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo and Tarnow
-    for a spring. For linear systems it is the trapezoidal rule, unconditionally stable. Needs the problem's potential.
-    Carries u, u̇ and a guess of ü; one force and one potential per Newton iteration, one potential per step.
+    linear and angular momentum are constant too. The second formula conserves them only to third order in the step
+    size, and its tangent is full. For one unknown both formulas are p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo
+    and Tarnow for a spring. For linear systems it is the trapezoidal rule, unconditionally stable. Needs the problem's
+    potential. Carries u, u̇ and a guess of ü; one force and one potential per Newton iteration, and one potential per
+    step. A potential counts as a force.
 
     References
     ----------
@@ -190,10 +191,10 @@ class AverageVectorField(OneStep):
             &= f(t_0 + \tfrac12 \Delta t) \\
         \dot u_m = (u_1 - u_0)/\Delta t &= (\dot u_0 + \dot u_1)/2
 
-    Gauss quadrature with m = ``points`` points evaluates the integral. It conserves the energy exactly if p is a
-    polynomial of degree 2m − 1 or less, and nearly otherwise. Second order. For linear systems it is the trapezoidal
+    Gauss quadrature with m = ``points`` points evaluates the integral. The method conserves the energy exactly if p is
+    a polynomial of degree 2m − 1 or less, and nearly otherwise. Second order. For linear systems it is the trapezoidal
     rule, unconditionally stable. Needs no potential. Carries u, u̇ and a guess of ü; m forces per Newton iteration. The
-    history of a force is committed at u₁; the points of the mean all start from the history at u₀.
+    history of a force is committed at u₁; the forces at all points of the mean start from the history at u₀.
 
     Parameters
     ----------

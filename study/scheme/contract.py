@@ -9,7 +9,7 @@ import numpy as np
 from study.mechanics.function_checks import NOT_TRACEABLE
 from study.mechanics.state import Effort
 
-#: Attributes of the previous version, which would have no effect, each with its present name.
+#: Names of attributes in the previous version, which no longer have an effect, each with its present name.
 _RENAMED = {
     "damped_order": "order_with_damping",
     "evaluations": "forces_per_step",
@@ -20,7 +20,7 @@ _MINIMA = {"order": 1, "order_with_damping": 1, "forces_per_step": 0, "forces_pe
 
 
 def check_attributes(scheme: Any) -> None:
-    """Refuse a scheme whose title is not a string, or whose orders, stability limit or numbers of forces are invalid.
+    """Refuse a scheme whose title, orders, stability limit or numbers of forces are invalid.
 
     Raises
     ------
@@ -29,14 +29,14 @@ def check_attributes(scheme: Any) -> None:
     """
     of = type(scheme).__name__
     if not isinstance(scheme.title, str) or not scheme.title.strip():
-        raise TypeError(f"title of {of} must be a string, not {scheme.title!r}.")
+        raise TypeError(f"title of {of} must be a non-blank string, not {scheme.title!r}.")
     for old, new in _RENAMED.items():
         if hasattr(scheme, old):
             raise TypeError(f"{old} of {of} is now called {new}.")
     for name, least in _MINIMA.items():
         try:
             value = getattr(scheme, name)
-        except Exception as error:  # any exception of a property of a user's scheme
+        except Exception as error:  # a property of a user's scheme may raise any exception
             raise TypeError(f"{name} of {of} raises {type(error).__name__}: {error}") from error
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
             raise TypeError(f"{name} of {of} must be a whole number of at least {least}, not {value!r}.")
@@ -46,7 +46,7 @@ def check_attributes(scheme: Any) -> None:
 
 
 def _returned(scheme: Any, method: str, *arguments: Any) -> tuple[Any, Effort]:
-    """The result of a method of a scheme, a pair of a state and an effort."""
+    """Result of a method of a scheme, checked to be a pair of a state and an effort."""
     of = f"{method} of {type(scheme).__name__}"
     try:
         returned = getattr(scheme, method)(*arguments)
@@ -73,7 +73,7 @@ def _check_motion(of: str, state: Any, u: Any) -> None:
 
 
 def started(scheme: Any, problem: Any, u0: Any, v0: Any, dt: Any) -> tuple[Any, Effort]:
-    """The first state of a scheme.
+    """The first state of a scheme, and the effort to find it.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def started(scheme: Any, problem: Any, u0: Any, v0: Any, dt: Any) -> tuple[Any, 
 
 
 def stepped(scheme: Any, problem: Any, state: Any, t: Any, dt: Any) -> tuple[Any, Effort]:
-    """The state of a scheme after a step.
+    """The state of a scheme after a step, and the effort of the step.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def stepped(scheme: Any, problem: Any, state: Any, t: Any, dt: Any) -> tuple[Any
 
 
 def incremented(scheme: Any, problem: Any, state: Any, t: Any, dt: Any) -> tuple[Any, Effort]:
-    """The state of a one-step scheme after a step, with increments in place of u and v.
+    """The state of a one-step scheme after a step, with increments in place of u and v, and the effort of the step.
 
     Raises
     ------

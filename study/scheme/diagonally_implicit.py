@@ -15,7 +15,7 @@ from study.scheme.base import OneStep, check_ranges
 def _diagonal(s: int, rho_inf: float) -> float:
     """Diagonal coefficient γ of the unconditionally stable method of s sub-steps and order s, for ρ∞.
 
-    Of several roots of the polynomial it is the one nearest to the γ for ρ∞ = 0.
+    γ is a root of a polynomial. Of its several roots, the function returns the root nearest to the γ for ρ∞ = 0.
     """
     polynomial = [(-1) ** j * math.comb(s, j) / math.factorial(s - j) for j in range(s, -1, -1)]
     polynomial[0] -= rho_inf * (-1) ** s
@@ -24,7 +24,7 @@ def _diagonal(s: int, rho_inf: float) -> float:
 
 
 def _explicit_part(c: np.ndarray, row: int, gamma: float, moments: list[float]) -> np.ndarray:
-    """A row of weights: γ on the diagonal, and as many first weights a as moments: Σ a cᵏ + γ c_rowᵏ = moments[k]."""
+    """A row of A: γ on the diagonal, and as many first weights a as moments, with Σ a cᵏ + γ c_rowᵏ = moments[k]."""
     number = len(moments)
     weights = np.zeros(len(c))
     rest = np.array(moments) - gamma * c[row] ** np.arange(number)
@@ -37,14 +37,14 @@ def _explicit_part(c: np.ndarray, row: int, gamma: float, moments: list[float]) 
 def _tableau(s: int, rho_inf: float) -> np.ndarray:
     """The weights A (s + 1, s + 1); the last row belongs to the end of the step."""
     g = _diagonal(s, rho_inf)
-    # no weight exceeds three with these inner times, for any ρ∞; other times are too close to 2γ
+    # no weight exceeds three with these inner times, for any ρ∞; other times may be too close to 2γ
     c = np.array([0, 2 * g, 0.6, 1] if s == 3 else [0, 2 * g, 0.7, 0.6, 1])
     weights = np.zeros((s + 1, s + 1))
     for row in range(1, s):
         weights[row] = _explicit_part(c, row, g, [c[row], c[row] ** 2 / 2])
     b = weights[s] = _explicit_part(c, s, g, [1 / (k + 1) for k in range(s)])
     if s == 4:
-        third = 1 / 12 - b @ weights @ c**2  # Σ b A c² = 1/12 by the last free weight
+        third = 1 / 12 - b @ weights @ c**2  # the last free weight satisfies Σ b A c² = 1/12
         weights[3] = _explicit_part(c, 3, g, [c[3], c[3] ** 2 / 2, weights[3] @ c**2 + third / b[3]])
     return weights
 
@@ -62,15 +62,15 @@ class DiagonallyImplicit(OneStep):
         \sum_j b_j c_j^k &= \tfrac{1}{k + 1} \text{ for } k < s, \quad b_j = A_{sj} \\
         \sum_{j=0}^s \binom{s}{j} \frac{(-\gamma)^j}{(s - j)!} &= \rho_\infty (-\gamma)^s
 
-    The first sub-step is one of the trapezoidal rule. For s = 4 the weights also satisfy
-    :math:`\sum_j b_j (A c^2)_j = 1/12`. The order conditions leave the times between the first and the last free; here
-    c₂ = 0.6 for s = 3, and c₂ = 0.7 and c₃ = 0.6 for s = 4.
+    The first sub-step is a step of the trapezoidal rule. For s = 4 the weights also satisfy
+    :math:`\sum_j b_j (A c^2)_j = 1/12`. The order conditions do not determine the times between c₁ and c_s; here c₂ =
+    0.6 for s = 3, and c₂ = 0.7 and c₃ = 0.6 for s = 4.
 
     Order s with damping and load too; unconditionally stable for linear systems, with the spectral radius ρ∞ at
-    infinite frequency, and the same effective stiffness in all sub-steps. γ rises from 1/3 (ρ∞ = 1) to 0.436 (ρ∞ = 0)
-    for s = 3, and from 0.394 to 0.573 for s = 4: the first sub-step may end beyond t₁. Carries u, u̇ and ü; solves s
-    balances per step, each with one force per Newton iteration. The history of a force is committed at u₁; the
-    sub-steps all start from the history at u₀.
+    infinite frequency, and the same effective stiffness in all sub-steps. From ρ∞ = 1 to ρ∞ = 0, γ rises from 1/3 to
+    0.436 for s = 3, and from 0.394 to 0.573 for s = 4. With γ > ½ the first sub-step, of length 2γΔt, ends beyond t₁.
+    Carries u, u̇ and ü; solves s balances per step, each with one force per Newton iteration. The history of a force is
+    committed at u₁; all sub-steps start from the history at u₀.
 
     Parameters
     ----------

@@ -13,11 +13,11 @@ from study.scheme.base import OneStep
 
 
 class Tableau(NamedTuple):
-    """Weights of an explicit Runge-Kutta-Nyström pair whose last stage is the first one of the next step.
+    """Weights of an explicit Runge-Kutta-Nyström pair whose last stage is the first stage of the next step.
 
-    ``c`` (s,) are the times of the stages. Row i of ``a`` has the weights of the stages before stage i, and its last
-    row ``b`` (s − 1,) the weights of the displacement. ``b_velocity`` (s,) are the weights of the velocity. ``b_hat``
-    and ``b_hat_velocity`` (s,) are the weights of the embedded method.
+    ``c`` (s,) holds the times of the stages. Row i of ``a`` holds the weights of the stages before stage i. The last
+    row of ``a``, ``b`` (s − 1,), holds the weights of the displacement, and ``b_velocity`` (s,) the weights of the
+    velocity. ``b_hat`` (s,) and ``b_hat_velocity`` (s,) are the weights of the embedded method.
     """
 
     c: tuple[float, ...]
@@ -33,7 +33,7 @@ class Tableau(NamedTuple):
 
     @property
     def a_velocity(self) -> np.ndarray:
-        """Weights (s, s) of the velocity of the stages, which integrate the polynomial through all earlier stages."""
+        """Weights (s, s) of the velocities of the stages; they integrate the polynomial through all earlier stages."""
         weights = np.zeros((len(self.c), len(self.c)))
         for i, end in enumerate(self.c):
             powers = np.arange(i)
@@ -43,9 +43,9 @@ class Tableau(NamedTuple):
 
 
 class EmbeddedNystrom(OneStep):
-    r"""An explicit Runge-Kutta-Nyström method with an embedded one of lower order from the same forces.
+    r"""An explicit Runge-Kutta-Nyström method with an embedded method of lower order from the same forces.
 
-    For i = 1, ..., s, with the first k from the step before,
+    For the stages i = 1, ..., s, where k of the first stage is known from the step before,
 
     .. math::
 
@@ -58,10 +58,10 @@ class EmbeddedNystrom(OneStep):
     The weights :math:`\hat b` and :math:`\hat b'` of ``tableau`` in place of b and b′ give the embedded method. The
     difference between the two methods estimates the error of a step. The pair of Dormand and Prince has the orders six
     and four. Without damping it is unstable at every step size, but the motion grows by only
-    :math:`4 \cdot 10^{-6} (\omega\Delta t)^8` per step. The pair is derived for ü that does not depend on u̇, and has
-    no v_i. Here ā integrates the polynomial through the previous k, and the order is three with damping. Carries u, u̇
-    and ü; s − 1 forces per step, five for this pair. The history of a force is committed at u₁; the stages all start
-    from the history at u₀.
+    :math:`4 \cdot 10^{-6} (\omega\Delta t)^8` per step. The published pair is for ü that does not depend on u̇, and has
+    no v_i. Here the weights ā integrate the polynomial through the previous k, and the order is three with damping.
+    Carries u, u̇ and ü; s − 1 forces per step, five for this pair. The history of a force is committed at u₁; all stages
+    start from the history at u₀.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class EmbeddedNystrom(OneStep):
     embedded_order
         Order of accuracy of the embedded method, without damping.
     stability_limit
-        Largest ωΔt at which it is stable without damping, if known.
+        Largest ωΔt at which the method is stable without damping, if known.
 
     References
     ----------
@@ -110,7 +110,7 @@ class EmbeddedNystrom(OneStep):
         return self.pair(problem, state, t, dt)[0], Effort()
 
     def pair(self, problem: Problem, state: Motion, t: ScalarLike, dt: ScalarLike) -> tuple[Motion, Phase]:
-        """The state at t + Δt with increments in place of u and u̇, and their differences from the embedded method."""
+        """The state at t + Δt with increments in place of u and u̇, and their differences from the embedded method's."""
         u, v, a = state
         stages = [a]
         tableau = self.tableau

@@ -21,15 +21,16 @@ class ExplicitAlpha(OneStep):
         \dot u_1 &= \dot u_0 + \Delta t\,(1 - \gamma)\,\ddot u_0 + \Delta t\,\gamma\,\ddot u_1
 
     Second order for γ = 3/2 − α_m; stable without damping for
-    :math:`\omega\Delta t \le \sqrt{2(1 - 2\alpha_m)/(2\beta - \gamma)}`. The parameter is the spectral radius ρ_b at
-    :math:`\omega\Delta t = (1 + \rho_b)\sqrt{2 - \rho_b}`, where the principal roots meet:
+    :math:`\omega\Delta t \le \sqrt{2(1 - 2\alpha_m)/(2\beta - \gamma)}`. The parameters of ``hulbert_chung`` follow
+    from the spectral radius ρ_b at :math:`\omega\Delta t = (1 + \rho_b)\sqrt{2 - \rho_b}`, where the principal roots
+    meet:
 
     .. math::
 
         \alpha_m = \frac{2\rho_b - 1}{1 + \rho_b}, \quad \beta = \frac{5 - 3\rho_b}{(1 + \rho_b)^2 (2 - \rho_b)}
 
-    α_m = 0 with 1 ≤ β ≤ 28/27 is the method of Chung and Lee: β = 1 does not damp, β = 28/27 is ρ_b = ½. Carries u, u̇
-    and the algorithmic ü; one force per step, and one solution with M. The history of a force is committed at u₁.
+    α_m = 0 with 1 ≤ β ≤ 28/27 is the method of Chung and Lee: β = 1 does not damp, β = 28/27 gives ρ_b = ½. Carries u,
+    u̇ and the algorithmic ü; one force per step, and one solution with M. The history of a force is committed at u₁.
 
     Parameters
     ----------

@@ -22,21 +22,21 @@ class Extrapolation(OneStep):
 
     Verlet's method is symmetric: its error is a series in (Δt/n)², and the extrapolation removes its first k − 1 terms.
     The order is 2k, with damping and load too. The k integrations of a step do not depend on each other, so a processor
-    runs them side by side. Not symplectic. With the numbers 1, 2, ..., 6 it is stable without damping for ωΔt ≤ 3.141,
-    and, beyond a narrow window of instability, again from π to 3.705. Carries u, u̇ and ü; n₁ + ... + n_k + 1 forces per
-    step. The history of a force is committed at u₁; all sub-steps start from the history at u₀.
+    executes them in parallel. Not symplectic. With the sequence 1, 2, ..., 6 it is stable without damping for ωΔt ≤
+    3.141, and, beyond a narrow window of instability, again from π to 3.705. Carries u, u̇ and ü; n₁ + ... + n_k + 1
+    forces per step. The history of a force is committed at u₁; all sub-steps start from the history at u₀.
 
     Parameters
     ----------
     sequence
-        n₁ < n₂ < ... < n_k.
+        Numbers of sub-steps, n₁ < n₂ < ... < n_k.
     stability_limit
-        Largest ωΔt at which it is stable without damping, if known.
+        Largest ωΔt at which the method is stable without damping, if known.
 
     Raises
     ------
     ValueError
-        If the numbers are not whole, positive and rising.
+        If the numbers of sub-steps are not whole, positive and ascending.
 
     References
     ----------

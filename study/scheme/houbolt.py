@@ -29,8 +29,8 @@ class History(NamedTuple):
 def _linear_acceleration(problem: Problem, u0, v0, dt):
     """Houbolt's own start: fictitious points that satisfy his central formulas for u̇₀ and ü₀.
 
-    ü₀ = (u₁ − 2u₀ + u₋₁)/Δt² and u̇₀ = (2u₁ + 3u₀ − 6u₋₁ + u₋₂)/(6Δt). With eq. (11b) at t₁ they make the first step
-    exactly the step of the linear acceleration method, which finds u₁ here.
+    ü₀ = (u₁ − 2u₀ + u₋₁)/Δt² and u̇₀ = (2u₁ + 3u₀ − 6u₋₁ + u₋₂)/(6Δt). Together with eq. (11b) at t₁, these points make
+    the first step exactly the step of the linear acceleration method, which finds u₁ here.
     """
     scheme = Newmark(beta=1 / 6, gamma=0.5)
     state, _ = scheme.start(problem, u0, v0, dt)
@@ -47,7 +47,7 @@ def _central_difference(problem: Problem, u0, v0, dt):
     second, more = central_difference.step(problem, first, dt, dt)
     effort = effort.then(more)
     u1, u2 = first.u, second.u
-    # eqs (11) solved for u₋₁ and u₋₂, which depend on the acceleration, as does the velocity in the damping force
+    # eqs (11), solved for u₋₁ and u₋₂. Both depend on the acceleration, and so does the velocity in the damping force
     a2, more = acceleration_within(problem, 2 * dt, u2, (7 * u2 - 8 * u1 + u0) / (6 * dt), dt / 3, guess=second.a)
     effort = effort.then(more)
     u_1 = 2 * u2 - 5 * u1 + 4 * u0 - dt**2 * a2
@@ -57,13 +57,13 @@ def _central_difference(problem: Problem, u0, v0, dt):
 
 
 def _taylor(problem: Problem, u0, v0, dt):
-    """The Taylor polynomial of second order at −Δt and −2Δt."""
+    """Displacements at −Δt and −2Δt by the Taylor polynomial of second order."""
     a0 = acceleration(problem, 0.0, u0, v0)
     return u0 - dt * v0 + dt**2 / 2 * a0, u0 - 2 * dt * v0 + 2 * dt**2 * a0, Effort()
 
 
 def _exact(problem: Problem, u0, v0, dt):
-    """The exact solution at −Δt and −2Δt up to round-off, from 2 × 1024 backward Runge-Kutta steps."""
+    """Displacements of the exact solution at −Δt and −2Δt up to round-off, from 2 × 1024 backward Runge-Kutta steps."""
     substeps = 1024
     h = -dt / substeps
 
@@ -95,8 +95,9 @@ class Houbolt(Scheme):
 
     Second order, unconditionally stable for linear systems; its damping cannot be controlled. In terms of the
     acceleration, :math:`u_1 = \tilde u + \Delta t^2\,\ddot u_1/2` and
-    :math:`\dot u_1 = \tilde v + 11 \Delta t\,\ddot u_1/12`. Carries u, u̇, ü and two older u; one force per Newton
-    iteration. The history of a force is committed at u₁, where the forces balance.
+    :math:`\dot u_1 = \tilde v + 11 \Delta t\,\ddot u_1/12`, where ũ and ṽ depend on earlier displacements. Carries u,
+    u̇, ü and two older u; one force per Newton iteration. The history of a force is committed at u₁, where the forces
+    balance.
 
     Parameters
     ----------
@@ -107,7 +108,7 @@ class Houbolt(Scheme):
     Raises
     ------
     ValueError
-        If there is no such start.
+        If there is no way of this name.
 
     References
     ----------
@@ -133,7 +134,7 @@ class Houbolt(Scheme):
 
     @property
     def needs_mass(self) -> bool:
-        # with ρ∞ = 0 the steps do not need mass; three of the starts do, because they solve without the stiffness
+        # with ρ∞ = 0 the steps do not need mass; three of the four starts do, because they solve with M alone
         return self.start_by != "linear_acceleration"
 
     def start(self, problem, u0, v0, dt):

@@ -23,11 +23,11 @@ class KickDriftKick(Alternating):
             \quad h_s = k_s \Delta t \\
         \dot u &\leftarrow \dot u + k_i \Delta t\,\ddot u
 
-    at the time t_i = t₀ + (d₁ + ... + d_i) Δt. The last force of a step is the first one of the next. Symplectic
+    at the time t_i = t₀ + (d₁ + ... + d_i) Δt. The last force of a step is the first force of the next step. Symplectic
     without damping. k = (½, ½), d = (1) is velocity Verlet. The method SRKN6b of Blanes and Moan has six drifts, and is
-    of order four and stable for ωΔt ≤ 3.163. It is derived for ü that does not depend on u̇, and is of second order
-    with damping. Carries u, u̇ and ü; s forces per step. The history of a force is committed at u₁; the kicks in
-    between all start from the history at u₀.
+    of order four and stable for ωΔt ≤ 3.163. SRKN6b is derived for ü that does not depend on u̇, and is of second order
+    with damping. Carries u, u̇ and ü; s forces per step. The history of a force is committed at u₁; the forces of all
+    kicks in a step start from the history at u₀.
 
     Parameters
     ----------
@@ -36,12 +36,13 @@ class KickDriftKick(Alternating):
     of_order
         Order of accuracy without damping.
     stability_limit
-        Largest ωΔt at which it is stable without damping, if known.
+        Largest ωΔt at which the method is stable without damping, if known.
 
     Raises
     ------
     ValueError
-        If the kicks or the drifts do not add up to one, or if there is not one kick more than drifts.
+        If the kicks or the drifts do not add up to one, if there is not one kick more than drifts, or if the order is
+        invalid.
 
     References
     ----------

@@ -28,7 +28,7 @@ class KolayRicles(OneStep):
         S \ddot u_m &= [(1 - \alpha_m) M + (1 - \alpha_f) G]\,\ddot u_1 + [\alpha_m M + \alpha_f G]\,\ddot u_0
 
     α_m, α_f, β and γ are the parameters of the generalized-α method for ρ∞. For a linear structure the eigenvalues are
-    the same as in that method: of second order, and unconditionally stable. The modified method, MKR-α, has
+    the same as in that method: they are of second order, and unconditionally stable. The modified method, MKR-α, has
 
     .. math::
 
@@ -39,16 +39,16 @@ class KolayRicles(OneStep):
     and the roots ±iρ∞ and −ρ∞ at infinite frequency in place of −ρ∞ three times. The carried velocity lags by half a
     step, so a motion that starts with an acceleration is of first order. The method was published as stable for
     structures that soften. If the tangent k exceeds K, as in a structure that hardens, eigenvalues may exceed one.
-    Without damping they do so for ρ∞ = 1 if k > K + 4/Δt² M, and for ρ∞ = 0.8 at every step size; at small steps the
-    excess is slight. Carries u, u̇ and ü; one force per step (the tangent at u = 0 is the same in all steps), and three
-    solutions. The history of a force is committed at u₁; the model has the stiffness at rest.
+    Without damping they exceed one for ρ∞ = 1 if k > K + 4/Δt² M, and for ρ∞ = 0.8 at every step size; for small step
+    sizes the excess is slight. Carries u, u̇ and ü; one force per step, because K is the same in all steps, and three
+    solutions of linear systems. The history of a force is committed at u₁; K remains the stiffness at rest.
 
     Parameters
     ----------
     rho_inf
         0 ≤ ρ∞ ≤ 1.
     modified
-        Whether it is MKR-α.
+        Whether to take the parameters of MKR-α.
 
     Raises
     ------

@@ -18,7 +18,11 @@ from study.scheme.base import OneStep, check_ranges
 
 
 class _Weights(NamedTuple):
-    """Times c; and for each λ: λ, its row of T⁻¹, this row's sum and product with c, and the weights of u̇ and u."""
+    """Weights of the method.
+
+    ``c`` holds the times. The other fields have an entry for each eigenvalue λ for which a system is solved: λ, its row
+    of T⁻¹, the sum of this row, the product of this row with c, and the weights of u̇ and u.
+    """
 
     c: np.ndarray
     roots: np.ndarray
@@ -38,7 +42,7 @@ def _weights(m: int, rho_inf: float) -> _Weights:
     a = (c[:, None] ** powers / powers) @ inverse
     b = (1 / powers) @ inverse
     roots, vectors = np.linalg.eig(a)
-    # one of two conjugates represents both, by twice its real part
+    # one of two conjugate eigenvalues represents both, by twice its real part
     kept = roots.imag > -1e-12
     twice = np.where(roots.imag > 1e-12, 2.0, 1.0)
     rows = np.linalg.inv(vectors)
@@ -54,14 +58,14 @@ def _complex(numbers):
 class MixedPade(OneStep):
     r"""The method of Song et al. for linear structures, from a mean of two Padé expansions of order M.
 
-    The amplification of a free motion is
+    The amplification of the free motion :math:`e^{zt/\Delta t}` in a step is
 
     .. math::
 
         R(z) = \frac{\rho_\infty P_{M,M}(z) + (1 - \rho_\infty) P_{M-1,M}(z)}
             {\rho_\infty Q_{M,M}(z) + (1 - \rho_\infty) Q_{M-1,M}(z)} = e^z + O(z^{2M})
 
-    with the Padé expansions P/Q of :math:`e^z`, each Q with the leading coefficient :math:`(-1)^M`. It is the
+    with the Padé expansions P/Q of :math:`e^z`, each Q with the leading coefficient :math:`(-1)^M`. This is the
     collocation method at the roots c of :math:`(1 + \rho_\infty) P_M - (1 - \rho_\infty) P_{M-1}`, with Legendre's
     polynomials on [0, 1]. Its weights are b and :math:`A = T \Lambda T^{-1}`. For each eigenvalue λ with the row τ of
     :math:`T^{-1}`, and the weights w = bᵀT and w′ = bᵀAT,
@@ -73,10 +77,11 @@ class MixedPade(OneStep):
         \dot u_1 &= \dot u_0 + \Delta t \sum_\lambda w_\lambda a_\lambda \\
         u_1 &= u_0 + \Delta t\,\dot u_0 + \Delta t^2 \sum_\lambda w'_\lambda a_\lambda
 
-    The system is solved for one of two conjugate λ only. Order 2M − 1, and 2M for ρ∞ = 1, with damping and load too;
-    unconditionally stable, with the spectral radius ρ∞ at infinite frequency. M = 1 with ρ∞ = 1 is the midpoint rule,
-    with ρ∞ = 0 the implicit Euler method. For linear problems whose matrices are numbers, diagonals, tridiagonal or
-    full. Carries u and u̇; no iteration, and M/2 complex solutions per step, rounded up, one of them real if M is odd.
+    In this system, M is the mass. It is solved for only one of two conjugate λ. Order 2M − 1, and 2M for ρ∞ = 1, with
+    damping and load too; unconditionally stable, with the spectral radius ρ∞ at infinite frequency. M = 1 with ρ∞ = 1
+    is the midpoint rule, with ρ∞ = 0 the implicit Euler method. For linear problems whose matrices are numbers,
+    diagonals, tridiagonal or full. Carries u and u̇; no iteration. Solves M/2 complex systems per step, rounded up, one
+    of them real if M is odd.
 
     Parameters
     ----------
@@ -133,7 +138,7 @@ class MixedPade(OneStep):
         u, v = state
         c, *of_roots = _weights(self.terms, self.rho_inf)
         loads = [_complex(load(problem, t + part * dt)) for part in c.tolist()]
-        # linear theory has the stiffness of its oscillator as a force
+        # the oscillator of linear theory has its stiffness as a force
         of_u = problem.stiffness_at(jnp.zeros_like(u))
         u_0, v_0, h = _complex(u), _complex(v), _complex(dt)
         mass, damping, stiffness = (

@@ -22,7 +22,7 @@ def mass_of(problem: Problem) -> Matrix:
 
 
 def viscous(problem: Problem, u: Vector, factor: ScalarLike) -> Matrix:
-    """``factor`` (C + ∂p/∂u̇) of the undeformed structure at rest; None without damping."""
+    """The matrix ``factor`` (C + ∂p/∂u̇) of the undeformed structure at rest; None without damping."""
     terms = [] if problem.damping is None else [product(factor, problem.damping, u.size)]
     if problem.takes_velocity:
         at_rest, undeformed = jnp.zeros_like(u), problem.at_rest()
@@ -32,7 +32,7 @@ def viscous(problem: Problem, u: Vector, factor: ScalarLike) -> Matrix:
 
 
 def model(problem: Problem, u: Vector, of_damping: ScalarLike, of_stiffness: ScalarLike) -> Matrix:
-    """``of_damping`` (C + ∂p/∂u̇) + ``of_stiffness`` K of the undeformed structure at rest; ``u`` gives the shape."""
+    """``of_damping`` (C + ∂p/∂u̇) + ``of_stiffness`` K of the undeformed structure at rest; only ``u.shape`` counts."""
     stiffness = product(of_stiffness, problem.at_rest().stiffness_at(jnp.zeros_like(u)), u.size)
     damping = viscous(problem, u, of_damping)
     return stiffness if damping is None else add(stiffness, damping, n=u.size)
@@ -50,11 +50,11 @@ class ChenRicles(OneStep):
         u_1 &= u_0 + \Delta t\,\dot u_0 + \Delta t^2 \alpha\,\ddot u_0 \\
         M \ddot u_1 + C \dot u_1 + p(u_1) &= f(t_1)
 
-    For a linear structure the eigenvalues are those of the trapezoidal rule: of second order, unconditionally stable
-    and without numerical damping. The carried velocity lags by half a step, so a motion that starts with an
+    For a linear structure the eigenvalues are those of the trapezoidal rule, which is of second order, unconditionally
+    stable and without numerical damping. The carried velocity lags by half a step, so a motion that starts with an
     acceleration is of first order. If the tangent k exceeds K, as in a structure that hardens, it is stable without
-    damping only while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force per step, and two solutions. The history of a
-    force is committed at u₁, where the forces balance; the model has the stiffness at rest.
+    damping only while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force per step, and two solutions of linear systems. The
+    history of a force is committed at u₁, where the forces balance; K remains the stiffness at rest.
 
     References
     ----------
@@ -97,9 +97,9 @@ class Chang(OneStep):
 
     Second order. For a linear structure without load it is the trapezoidal rule: unconditionally stable, without
     numerical damping. If the tangent k exceeds K, as in a structure that hardens, it is stable without damping only
-    while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force per step, and two solutions, without iteration unless the
-    force depends on the velocity. The history of a force is committed at u₁, where the forces balance; the model has
-    the stiffness at rest.
+    while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force per step, and two solutions of linear systems, without
+    iteration unless the force depends on the velocity. The history of a force is committed at u₁, where the forces
+    balance; K remains the stiffness at rest.
 
     References
     ----------

@@ -29,7 +29,7 @@ OF_1996 = (
     "rk4",
 )
 
-#: Names of some schemes in codes and books.
+#: Names of some schemes in other programs and in books, each with the name of the scheme here.
 ALIASES = {
     "velocity_verlet": "central_difference",
     "verlet": "central_difference",
@@ -52,7 +52,7 @@ ALIASES = {
 #: Names of earlier versions, each with its present name.
 RENAMED = {"hht_alpha_one_force": "hht_alpha"}
 
-#: The schemes of 1996 first, then the others, module by module.
+#: All schemes by name: first the schemes of 1996, then the others, module by module.
 schemes: Registry[Scheme] = Registry(
     "scheme",
     _of_families(variables_of_modules(scheme, Scheme, first=OF_1996)),  # type: ignore[type-abstract]
@@ -67,7 +67,8 @@ def register_scheme(name: str, scheme: Scheme) -> None:
     Raises
     ------
     TypeError
-        If it is not a :class:`study.Scheme`, or its title, orders, stability limit or numbers of forces are invalid.
+        If ``scheme`` is not a :class:`study.Scheme`, or its title, orders, stability limit or numbers of forces are
+        invalid.
     ValueError
         If the name is taken or invalid, or the scheme has no class variable ``family``, by which figures group schemes.
     """

@@ -11,7 +11,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.state import Effort, Motion
 from study.scheme.base import OneStep, check_ranges
 
-#: Tolerance of conditions on parameters, for round-off.
+#: Tolerance for round-off in conditions on parameters.
 ROUND_OFF = 1e-12
 
 
@@ -25,7 +25,7 @@ def predicted(
 def corrected(
     v: VectorLike, a: VectorLike, a_new: VectorLike, dt: ScalarLike, beta: ScalarLike, gamma: ScalarLike
 ) -> tuple[VectorLike, VectorLike]:
-    """Increments of u and u̇, with ü₁ known."""
+    """Increments of u and u̇ by Newmark's formulas, with ü₁ known."""
     return dt * v + dt**2 * ((0.5 - beta) * a + beta * a_new), dt * ((1 - gamma) * a + gamma * a_new)
 
 
@@ -40,10 +40,10 @@ def stability_limit(beta: float, gamma: float) -> float:
 
 
 def bounded_at_infinite_frequency(beta: float, gamma: float) -> bool:
-    """Whether velocity and acceleration of an unknown without mass stay bounded by these formulas.
+    """Whether velocity and acceleration of an unknown without mass stay bounded under Newmark's formulas.
 
     A balance of such an unknown prescribes its displacement. With u₀ = u₁ = 0 the formulas give ü₁ only if β > 0, and
-    their roots solve β λ² + (½ + γ − 2β) λ + (½ − γ + β) = 0. Neither is larger than one if 2β ≥ γ ≥ ½.
+    their roots solve β λ² + (½ + γ − 2β) λ + (½ − γ + β) = 0. Neither root exceeds one in size if 2β ≥ γ ≥ ½.
     """
     return bool(beta > 0 and 2 * beta >= gamma - ROUND_OFF and gamma >= 0.5 - ROUND_OFF)
 
@@ -57,10 +57,10 @@ class Newmark(OneStep):
         \dot u_1 &= \dot u_0 + \Delta t\,(1 - \gamma)\,\ddot u_0 + \Delta t\,\gamma\,\ddot u_1 \\
         M \ddot u_1 + C \dot u_1 + p(u_1) &= f(t_1)
 
-    Second order for γ = ½, first order otherwise. Unconditionally stable for linear systems if 2β ≥ γ ≥ ½; with γ ≥ ½
-    and 2β < γ stable without damping for ωΔt ≤ 1/√(γ/2 − β). With γ > ½ high frequencies are damped. Carries u, u̇ and
-    ü; one force per Newton iteration. The history of a force is committed at u₁, where the forces balance. Members of
-    the family:
+    Second order for γ = ½, first order otherwise. Unconditionally stable for linear systems if 2β ≥ γ ≥ ½. If γ ≥ ½ and
+    2β < γ, it is stable without damping for ωΔt ≤ 1/√(γ/2 − β). With γ > ½ high frequencies are damped. Carries u, u̇
+    and ü; one force per Newton iteration. The history of a force is committed at u₁, where the forces balance. Members
+    of the family:
 
     - β = ¼, γ = ½, average acceleration, the trapezoidal rule;
     - β = 1/6, γ = ½, linear acceleration, stable for :math:`\omega\Delta t \le 2\sqrt 3`;

@@ -1,4 +1,4 @@
-"""A scheme that discards its algorithmic acceleration: a mistake, kept to measure its cost."""
+"""A scheme that discards its algorithmic acceleration: a mistake, kept to measure the accuracy that it costs."""
 
 from typing import ClassVar
 
@@ -15,9 +15,9 @@ class Rederived(Wrapper):
 
         M \ddot u_1 \leftarrow f(t_1) - C \dot u_1 - p(u_1)
 
-    An α-method balances the forces within the step, and its acceleration belongs to that time. The acceleration of the
-    equation of motion belongs to the end of the step, and the method drops to first order. Carries the state of the
-    other scheme; one additional force and one additional solution with M per step.
+    An α-method balances the forces within the step, and its acceleration belongs to the time of this balance. The
+    acceleration of the equation of motion belongs to the end of the step, so the method drops to first order. Carries
+    the state of the wrapped scheme; one additional force and one additional solution with M per step.
 
     Parameters
     ----------

@@ -30,8 +30,8 @@ class RungeKutta4(OneStep):
         k_1 &= \Delta t\,F(t_0, y_0), \quad k_2 = \Delta t\,F(t_0 + \tfrac12 \Delta t, y_0 + \tfrac12 k_1) \\
         k_3 &= \Delta t\,F(t_0 + \tfrac12 \Delta t, y_0 + \tfrac12 k_2), \quad k_4 = \Delta t\,F(t_1, y_0 + k_3)
 
-    Fourth order; stable without damping for ωΔt ≤ 2√2. Carries u and u̇; four forces per step. The history of a force
-    is committed at u₁; the stages all start from the history at u₀.
+    Fourth order; stable without damping for ωΔt ≤ 2√2. Carries u and u̇; four forces per step. The history of a force is
+    committed at u₁; all stages start from the history at u₀.
 
     References
     ----------
@@ -76,8 +76,8 @@ class Nystrom4(OneStep):
         \dot u_1 &= \dot u_0 + \tfrac16 \Delta t\,(k_1 + 2 k_2 + 2 k_3 + k_4)
 
     Fourth order; stable without damping for ωΔt ≤ 2.586, which is :math:`\sqrt{8 + 2^{7/3} - 2^{8/3}}`. Carries u and
-    u̇; three forces per step, because k₂ and k₃ share one. Without damping k₃ = k₂. The history of a force is committed
-    at u₁; the stages all start from the history at u₀.
+    u̇; three forces per step, because k₂ and k₃ take the force at the same displacement. Without damping k₃ = k₂. The
+    history of a force is committed at u₁; all stages start from the history at u₀.
 
     References
     ----------
@@ -165,20 +165,22 @@ def _twice(problem: Problem, u) -> _Twice:
 
 
 def _of_stages(weights: np.ndarray, problem: Problem, size: int) -> Matrix:
-    """The weights (2, 2) for every unknown, as a matrix (2n, 2n): full if the tangent is, otherwise a band."""
+    """The weights (2, 2) for every unknown, as a matrix (2n, 2n): full if the tangent is full, otherwise a band."""
     if problem.tangent in (None, "dense"):
         return np.kron(np.eye(size), weights)
     (first, high), (low, second) = weights
     return Banded(np.tile([[0.0, low], [first, second], [high, 0.0]], size))
 
 
-#: Weights A of the two-stage Gauss method, and the times c of its stages.
+#: Weights A (2, 2) of the two-stage Gauss method.
 _GAUSS = np.array([[1 / 4, 1 / 4 - np.sqrt(3) / 6], [1 / 4 + np.sqrt(3) / 6, 1 / 4]])
+
+#: Times c of the two stages.
 _GAUSS_TIMES = _GAUSS.sum(axis=1)
 
 
 class Gauss4(OneStep):
-    r"""The Gauss method of two stages on the second-order form.
+    r"""The Gauss method of two stages, for the equation of motion in its second-order form.
 
     .. math::
 
@@ -190,8 +192,8 @@ class Gauss4(OneStep):
 
     Fourth order and symplectic; unconditionally stable for linear systems, without numerical damping. Both stages are
     solved together. Carries u, u̇ and both stage accelerations, which are the guess for the next step; two forces per
-    Newton iteration, and one solution for 2n unknowns. The history of a force is committed at u₁; the stages all start
-    from the history at u₀.
+    Newton iteration, and one solution for 2n unknowns. The history of a force is committed at u₁; all stages start from
+    the history at u₀.
 
     References
     ----------

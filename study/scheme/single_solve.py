@@ -31,12 +31,12 @@ class SingleSolve(OneStep):
         U &= -\frac{\rho_b(\rho_b - 1)\,\rho_s^3 + \tfrac12 (\rho_b - 1)(\rho_b^2 + 6\rho_b - 1)\,\rho_s^2
             + (1 - 5\rho_b)\,\rho_s + 1 - \rho_b}{(1 + \rho_b)(1 + \rho_s)(\rho_b \rho_s - \rho_s - 2)^2}
 
-    Second order, also with damping and load; damping is treated explicitly. Stable without damping for
+    Second order, also with damping and load. The damping force is treated explicitly. Stable without damping for
     :math:`\omega\Delta t \le \sqrt{(2C - 1)/(C^2/2 + CU - 1/4)}`. For a linear system of one unknown, the roots are
-    those of Hulbert and Chung's method if ρ_s = ρ_b, and those of Chung and Lee's method if C = 1. The method with
-    C = 1, for which :math:`\rho_s = (1/\rho_b - 1)/2`, is called ICL. ρ_s = 0 and ρ_b = 1 is central difference without
-    damping. Carries u, u̇ and the algorithmic ü; one force per step, and one solution with M. The history of a force is
-    committed at u₁, not at t₀ + CΔt where the forces balance.
+    those of Hulbert and Chung's method if ρ_s = ρ_b, and those of Chung and Lee's method if C = 1. With C = 1, for
+    which :math:`\rho_s = (1/\rho_b - 1)/2`, the method is called ICL. Without damping, ρ_s = 0 and ρ_b = 1 give central
+    difference. Carries u, u̇ and the algorithmic ü; one force per step, and one solution with M. The history of a force
+    is committed at u₁, not at t₀ + CΔt where the forces balance.
 
     Parameters
     ----------

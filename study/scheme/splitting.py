@@ -27,7 +27,7 @@ def check_order(scheme: str, order: int) -> None:
 
 
 class Alternating(OneStep):
-    """Kicks and drifts in turn, each with weights that add up to one; of second order at most with damping."""
+    """Kicks and drifts in turn, each with weights that add up to one; with damping of second order at most."""
 
     kicks: eqx.AbstractVar[tuple[float, ...]]
     drifts: eqx.AbstractVar[tuple[float, ...]]
@@ -63,8 +63,8 @@ class Splitting(Alternating):
     at the time t_i = t₀ + (d₀ + ... + d_{i−1}) Δt. Symplectic without damping. d = (0, 1), k = (1) is the symplectic
     Euler method, of first order and stable for ωΔt ≤ 2. McLachlan's method of order four has five kicks and is stable
     for ωΔt ≤ 2.922. It is derived for ü that does not depend on u̇, and is of second order with damping. Carries u and
-    u̇; s forces per step. The history of a force is committed at u₁; the kicks in between all start from the history at
-    u₀.
+    u̇; s forces per step. The history of a force is committed at u₁; the forces of all kicks in a step start from the
+    history at u₀.
 
     Parameters
     ----------
@@ -73,12 +73,13 @@ class Splitting(Alternating):
     of_order
         Order of accuracy without damping.
     stability_limit
-        Largest ωΔt at which it is stable without damping, if known.
+        Largest ωΔt at which the method is stable without damping, if known.
 
     Raises
     ------
     ValueError
-        If the weights do not add up to one, there is not one drift more than kicks, or the order is invalid.
+        If the drifts or the kicks do not add up to one, if there is not one drift more than kicks, or if the order is
+        invalid.
 
     References
     ----------
@@ -136,20 +137,21 @@ class Composition(OneStep):
         M \ddot u + C (\dot u + \tfrac12 h \ddot u) + p(u) &= f(t) \\
         \dot u &\leftarrow \dot u + \tfrac12 h \ddot u
 
-    w = (1) is velocity Verlet itself, which is central difference. It is symmetric, so weights that cancel its errors
-    of third order, of fifth, and so on make methods of order 4 (Yoshida, three steps, stable for ωΔt ≤ 1.573), 6
-    (Yoshida, seven steps, stable for ωΔt ≤ 2.269) and 8 (Kahan and Li, seventeen steps, stable for ωΔt ≤ 3.096, and
-    again from π to 5.634), with damping and load too. Symplectic without damping. Carries u, u̇ and ü; s
-    forces per step. The history of a force is committed at u₁; the steps in between all start from the history at u₀.
+    w = (1) is velocity Verlet itself, which is central difference. Velocity Verlet is symmetric, so weights that cancel
+    its errors of third, fifth and seventh order make methods of order 4, 6 and 8, with damping and load too: order 4
+    (Yoshida, three steps, stable for ωΔt ≤ 1.573), order 6 (Yoshida, seven steps, stable for ωΔt ≤ 2.269) and order 8
+    (Kahan and Li, seventeen steps, stable for ωΔt ≤ 3.096, and again from π to 5.634). Symplectic without damping.
+    Carries u, u̇ and ü; s forces per step. The history of a force is committed at u₁; all Verlet steps of a step start
+    from the history at u₀.
 
     Parameters
     ----------
     weights
-        w; they sum to one and are the same from both ends.
+        w, symmetric and with the sum one.
     of_order
         Order of accuracy.
     stability_limit
-        Largest ωΔt at which it is stable without damping, if known.
+        Largest ωΔt at which the method is stable without damping, if known.
 
     Raises
     ------
@@ -204,7 +206,7 @@ class Composition(OneStep):
 
 
 def mirrored(*half: float) -> tuple[float, ...]:
-    """Symmetric weights from their first half; the weight in the middle makes the sum one."""
+    """Symmetric weights from their first half; an additional weight in the middle makes the sum one."""
     return *half, 1 - 2 * sum(half), *half[::-1]
 
 

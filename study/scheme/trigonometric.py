@@ -47,14 +47,14 @@ filters: dict[str, tuple[Callable, Callable]] = {
 
 
 def _mass_and_stiffness(problem: Problem) -> tuple[Matrix, Matrix]:
-    """M and K, one and zero by default."""
+    """M and K of a problem; one if it declares no mass, zero if it declares no stiffness."""
     return 1.0 if problem.mass is None else problem.mass, 0.0 if problem.stiffness is None else problem.stiffness
 
 
 class Trigonometric(OneStep):
     r"""A trigonometric method, exact for the linear part of M ü + K u + p(u) = f(t).
 
-    With :math:`\Omega^2 = M^{-1} K`, the step :math:`\xi = \Delta t\,\Omega` and
+    With :math:`\Omega^2 = M^{-1} K`, the dimensionless step size :math:`\xi = \Delta t\,\Omega` and
     :math:`g(t, u) = M^{-1} (f(t) - p(\varphi(\xi)\,u))`,
 
     .. math::
@@ -142,7 +142,7 @@ class Trigonometric(OneStep):
         phase = self._phase(problem, u, dt)
         _, of_velocity = filters[self.member]
         cosine, sinc, weight = jnp.cos(phase), _sinc(phase), of_velocity(phase)
-        # cos ξ − 1 without cancellation
+        # −2 sin²(ξ/2) is cos ξ − 1 without cancellation
         du = -2 * jnp.sin(phase / 2) ** 2 * u + dt * sinc * v + dt**2 / 2 * sinc * weight * g
         g_new = self._push(problem, t + dt, u + du, phase)
         dv = -(phase**2) / dt * sinc * u - 2 * jnp.sin(phase / 2) ** 2 * v + dt / 2 * weight * (cosine * g + g_new)

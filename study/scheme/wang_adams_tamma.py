@@ -33,9 +33,9 @@ class WangAdamsTamma(OneStep):
 
     Third order, with damping and load too; the principal roots of undamped linear systems are of fourth order. Stable
     without damping for :math:`\omega\Delta t \le \sqrt{6(4 - 1/C_1)}`, from 2 (C₁ = 0.3) to 3 (C₁ = 0.4). C₁ = 0.4
-    damps high frequencies most. With C₁ = ⅓ the acceleration at the end comes from the second balance. Carries u, u̇
-    and the algorithmic ü; two forces per step, and two solutions with M. The history of a force is committed at u(t₁);
-    both balances start from the history at u₀.
+    damps high frequencies most. With C₁ = ⅓ the acceleration at the end is the acceleration of the second balance.
+    Carries u, u̇ and the algorithmic ü; two forces per step, and two solutions with M. The history of a force is
+    committed at u(t₁); both balances start from the history at u₀.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from study.mechanics.state import Motion
 from study.scheme.base import OneStep, check_ranges
 from study.scheme.newmark import corrected, stability_limit
 
-#: Tolerance, for round-off, of the condition that no root is larger than one. Where roots meet, half of their digits
+#: Tolerance for round-off in the condition that no root exceeds one in size. Where two roots meet, half of their digits
 #: are lost.
 GROWTH = 1e-6
 
@@ -94,7 +94,7 @@ class WilsonTheta(OneStep):
     def increment(self, problem, state, t, dt):
         u, v, a = state
         tau = self.theta * dt
-        # not by ``predicted``: it adds the terms in another order, which changes the round-off
+        # ``predicted`` is not used: it adds the terms in another order, which changes the round-off
         u_predicted = u + tau * v + tau**2 * (0.5 - self.beta) * a
         v_predicted = v + tau * (1 - self.gamma) * a
         a_theta, effort = balance(

@@ -167,7 +167,7 @@ class _RaisingOrder(_Plain):
         (_OldAttribute(), "evaluations of _OldAttribute is now called forces_per_step."),
         (_LessThanNoForce(), "forces_per_step of _LessThanNoForce must be a whole number of at least 0, not -1."),
         (_NegativeLimit(), "stability_limit of _NegativeLimit must be a number of at least 0 or None, not -1.0."),
-        (_NoTitle(), "title of _NoTitle must be a string, not ' '."),
+        (_NoTitle(), "title of _NoTitle must be a non-blank string, not ' '."),
         (_RaisingOrder(), "order of _RaisingOrder raises ZeroDivisionError: integer division or modulo by zero"),
     ],
 )

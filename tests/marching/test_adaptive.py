@@ -150,7 +150,7 @@ def test_a_step_that_shrinks_to_nothing_is_a_status():
         ({"times": [9.0]}, r"times must lie between zero and the duration, 4 s, not \[9.0\]"),
         ({"times": [np.nan]}, r"times must lie between zero and the duration, 4 s, not \[nan\]"),
         ({"dt": -1.0}, "dt must be finite and greater than zero"),
-        ({"scheme": "houbolt"}, "'Houbolt' carries earlier steps"),
+        ({"scheme": "houbolt"}, "'Houbolt' needs steps of one size"),
         ({"observe": ["oscillations"]}, "crossings.* needs steps of one size"),
         ({"controller": "pid"}, "no controller 'pid'; did you mean 'pi'"),
         ({"estimator": "richardson"}, "no estimator 'richardson'"),

@@ -93,7 +93,7 @@ def test_problems_and_schemes_of_the_user():
         ({"scheme": "newmark_d"}, KeyError, "there is no scheme 'newmark_d'; did you mean 'newmark_dissipative'?"),
         ({"scheme": "hht_a"}, KeyError, "did you mean 'hht_alpha_1996' or 'hht_alpha'?"),
         ({"observe": ["trajectory", study.Quantity(lambda u: u, "u")]}, ValueError,
-         "two variables of the result would have the name 'u'; give one of them another."),
+         "two variables of the result would have the name 'u'; give one of them another name."),
         ({"observe": study.Quantity(lambda u: u, "status")}, ValueError, "would have the name 'status'"),
         ({"observe": study.Quantity(lambda u: u[0], "first")}, ValueError,
          "the quantity 'first' cannot be computed for 'hardening spring': IndexError"),

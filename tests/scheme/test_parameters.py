@@ -44,8 +44,8 @@ def test_parameters_out_of_range_are_refused(make, name, value):
 @pytest.mark.parametrize(
     "make, sentence",
     [
-        (lambda: study.BackwardDifferences((1.0, 1.0)), "weights must be those of a derivative"),
-        (lambda: study.BackwardDifferences((2.0, -2.0)), "weights must be those of a derivative"),
+        (lambda: study.BackwardDifferences((1.0, 1.0)), "weights must be weights of a derivative"),
+        (lambda: study.BackwardDifferences((2.0, -2.0)), "weights must be weights of a derivative"),
         (lambda: study.BackwardDifferences("ab"), "weights must be a tuple of finite numbers"),
         (lambda: study.BackwardDifferences((1.0, float("nan"))), "weights must be a tuple of finite numbers"),
         (lambda: study.Splitting((0.0, 1.0), (float("nan"),), of_order=1), "kicks must be a tuple of finite numbers"),

@@ -1,1 +1,1 @@
-"""Schemes that step another scheme and add to its state."""
+"""Schemes that wrap another scheme: they step it, and extend or change its state."""

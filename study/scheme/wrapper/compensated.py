@@ -11,7 +11,7 @@ from study.scheme.base import OneStep, Wrapper, WrapperState
 
 
 class Summed(WrapperState):
-    """State of the scheme itself, and the round-off of the last additions to u and u̇, each of shape () or (n,)."""
+    """State of the wrapped scheme, and the round-off of the last additions to u and u̇, each of shape () or (n,)."""
 
     inner: Any
     lost_u: Vector
@@ -26,8 +26,8 @@ class Compensated(Wrapper):
         y &= \Delta u - \text{lost}, \quad u_1 = u_0 + y \\
         \text{lost} &= (u_1 - u_0) - y
 
-    and the same for u̇. Order and stability are those of the scheme. Carries its state and the round-off of both sums;
-    as many forces per step as the scheme.
+    and the same for u̇. Order and stability are those of the wrapped scheme. Carries its state and the round-off of both
+    sums; as many forces per step as the wrapped scheme.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class Compensated(Wrapper):
     Raises
     ------
     TypeError
-        If it is not such a scheme.
+        If ``scheme`` is not such a scheme.
 
     References
     ----------

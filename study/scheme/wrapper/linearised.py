@@ -11,7 +11,7 @@ from study.scheme.base import Scheme, Wrapper, WrapperState
 
 
 class Neighbours(WrapperState):
-    """State of the scheme, and its distance δ = ``distance`` · 2^``exponent`` from the state of a neighbour."""
+    """State of the wrapped scheme, and its distance δ = ``distance`` · 2^``exponent`` from a neighbouring state."""
 
     distance: Any
     exponent: jax.Array
@@ -34,13 +34,13 @@ def _power_of_two(size):
 
 
 class Linearised(Wrapper):
-    """Another scheme with a neighbour infinitely close to its run.
+    """Another scheme with a neighbouring run infinitely close to its own.
 
     If y₁ = Φ(y₀) is the step of the scheme in its whole state, δ₁ = DΦ(y₀) δ₀ by automatic differentiation. The first δ
-    is the change of the first state along a unit vector of displacements. After every step δ is divided by a power of
-    two, without round-off, so that the largest component of its displacement and velocity lies between 1 and 2. Order
-    and stability are those of the scheme. Carries its state, δ and the exponent; one additional Jacobian-vector product
-    per step.
+    is the derivative of the first state along a unit vector of initial displacements. After every step δ is divided by
+    a power of two, without round-off, so that the largest component of the displacement and velocity of δ lies between
+    1 and 2. Order and stability are those of the wrapped scheme. Carries its state, δ and the exponent; one additional
+    Jacobian-vector product per step.
 
     Parameters
     ----------

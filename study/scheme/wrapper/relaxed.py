@@ -15,7 +15,7 @@ from study.scheme.base import OneStep, Wrapper, WrapperState
 
 
 class Late(WrapperState):
-    """State of the scheme itself, and its own time minus the time of the march."""
+    """State of the wrapped scheme, and the time to which it belongs minus the time of the march."""
 
     inner: Any
     lead: Scalar
@@ -24,7 +24,8 @@ class Late(WrapperState):
 def _relaxation(energy: Callable) -> tuple[Scalar, Effort]:
     """The γ near one with E(γ) = E(0), and whether Newton's iteration found it.
 
-    The quotient (E(γ) − E(0))/γ does not have the root at zero, and is a straight line for a linear system.
+    The iteration solves (E(γ) − E(0))/γ = 0. This quotient does not have the root γ = 0 of the energy difference, and
+    is a straight line for a linear system.
     """
     before = energy(0.0)
     one = jnp.ones_like(before)
@@ -36,7 +37,7 @@ def _relaxation(energy: Callable) -> tuple[Scalar, Effort]:
 
     def iterate(gamma, last):
         new = corrected(gamma)
-        # convergence is quadratic, so the correction after the loop reduces the error to round-off
+        # the convergence is quadratic, so one correction after the loop reduces the error to round-off
         return new, jnp.abs(new - gamma) > jnp.finfo(one.dtype).eps ** (1 / 3), last
 
     opened, given = opened_closure(iterate, one, one)
@@ -57,11 +58,11 @@ class Relaxed(Wrapper):
         h &= t_1 - \tau_0, \quad y_1 = y_0 + \gamma\,\Delta y, \quad \tau_1 = \tau_0 + \gamma h \\
         E(y_1) &= E(y_0), \quad \gamma = 1 + O(h^{p-1})
 
-    The motion y₁ belongs to τ₁, where the scheme has its order p; as the motion at τ₀ + h it would have the order
-    p − 1. The next step compensates for this difference, so that τ₁ − t₁ = (γ − 1) h stays of the order p and does not
-    accumulate: y₁ as the motion at t₁ has the order p too. Stability for linear systems is unchanged. For problems
-    without damping, load and history; needs the potential. Carries the state of the scheme, scaled in the same way, and
-    τ₁ − t₁; as many forces per step as the scheme, and additional potentials.
+    The motion y₁ belongs to τ₁, where the scheme has its order p. As the motion at τ₀ + h it would be of order p − 1.
+    The next step compensates for this difference, so that τ₁ − t₁ = (γ − 1) h stays of the order p and does not
+    accumulate: y₁ as the motion at t₁ has the order p too. Stability for linear systems is unchanged. For problems with
+    a potential and without damping, load and history. Carries the state of the wrapped scheme, scaled in the same way,
+    and τ₁ − t₁; as many forces per step as the wrapped scheme, and additional potentials.
 
     Parameters
     ----------
@@ -71,7 +72,7 @@ class Relaxed(Wrapper):
     Raises
     ------
     TypeError
-        If it is not such a scheme.
+        If ``scheme`` is not such a scheme.
 
     References
     ----------

@@ -14,7 +14,7 @@ CORRECTIONS = ("difference", "balance", "none")
 
 
 class StateOfStep(WrapperState):
-    """State of the scheme, the acceleration with which its last step began, and the size of that step."""
+    """State of the wrapped scheme, the acceleration with which its last step began, and the size of this step."""
 
     inner: Any
     before: Vector
@@ -25,8 +25,8 @@ class UnequalSteps(Wrapper):
     r"""Another scheme on steps of different sizes.
 
     An α-method carries an acceleration that belongs to the time t₁ + s Δt, with its ``acceleration_offset`` s. If the
-    next step has another size Δt', the method assumes that the acceleration belongs to t₁ + s Δt'. It drops to first
-    order unless the acceleration is moved there:
+    next step has another size Δt', the method assumes that the acceleration belongs to t₁ + s Δt'. The method drops to
+    first order unless the acceleration is moved to that time:
 
     .. math::
 
@@ -35,8 +35,9 @@ class UnequalSteps(Wrapper):
         \ddot u &\leftarrow a_1 + \frac{\Delta t'}{\Delta t} (\ddot u_1 - a_1), \quad
             M a_1 = f(t_1) - C \dot u_1 - p(u_1) \quad\text{(balance)}
 
-    Order and stability are those of the scheme for equal steps. Carries its state, the acceleration with which the last
-    step began, and the size of that step. The balance takes one additional force per step, the difference none.
+    For equal steps, order and stability are those of the wrapped scheme. Carries its state, the acceleration with which
+    the last step began, and the size of this step. The correction ``balance`` takes one additional force per step, the
+    correction ``difference`` none.
 
     Parameters
     ----------
@@ -48,7 +49,7 @@ class UnequalSteps(Wrapper):
     Raises
     ------
     TypeError, ValueError
-        If the scheme carries no such acceleration, or there is no such correction.
+        If ``scheme`` has no ``acceleration_offset``, or there is no such correction.
 
     References
     ----------

@@ -9,7 +9,7 @@ from study.scheme.base import Scheme, Wrapper, WrapperState
 
 
 class StateWithHistory(WrapperState):
-    """State of the scheme, and the history that the last step committed."""
+    """State of the wrapped scheme, and the history that the last step committed."""
 
     inner: Any
     history: Any
@@ -23,11 +23,11 @@ class WithHistory(Wrapper):
         (p, h_1) = \text{force}(u_1, \dot u_1, h_0)
 
     Within a step, every iteration and every stage evaluates the force from the history h₀ that the previous step
-    committed, for a straight motion from u₀ to its own displacement. The end of the step commits h₁; the start commits
-    the history after a straight motion from rest to the first displacement. A scheme of sub-steps with balances at
-    their ends commits at the end of each sub-step, and its effort holds the history from which the last sub-step
-    started. A march wraps its scheme in this one if the problem has a history. Carries the state of the scheme and the
-    history; one additional force per step.
+    committed, for a straight motion from u₀ to the displacement of this iteration or stage. The end of the step commits
+    h₁; the start commits the history after a straight motion from the state at rest to u₀. A scheme of sub-steps with
+    balances at their ends commits at the end of each sub-step, and its effort holds the history from which the last
+    sub-step started. A march wraps its scheme in this wrapper if the problem has a history. Carries the state of the
+    wrapped scheme and the history; one additional force per step.
 
     Parameters
     ----------
