@@ -99,10 +99,10 @@ class AdaptiveMarch(eqx.Module):
         here = problem.at(state)
         carried = self.controller.start(here, state, tolerance)
         dt = self.controller.first(carried, dt, tolerance)
-        failed = ~(jnp.asarray(effort.converged) & _finite(state))
+        status = jnp.where(effort.converged, jnp.where(_finite(state), RUNNING, NOT_FINITE), NO_SOLUTION)
         none = jnp.zeros((), int)
         trial = Trial(
-            jnp.where(failed, NOT_FINITE, RUNNING),
+            status,
             jnp.zeros(()),
             jnp.minimum(dt, self.times[-1]),
             none,

@@ -32,6 +32,10 @@ def test_forces_are_counted(scheme):
     assert len(evaluated) == scheme.forces_per_step + int(effort.iterations) * scheme.forces_per_iteration
 
 
+def test_the_force_that_corrects_an_acceleration_is_counted():
+    test_forces_are_counted(study.UnequalSteps(study.schemes["generalized_alpha"], "balance"))
+
+
 def test_a_scheme_is_printed_in_a_few_lines_with_order_limit_and_source(scheme):
     lines = repr(scheme).splitlines()
     assert len(lines) == 4 and max(map(len, lines)) <= 130
