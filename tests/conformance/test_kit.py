@@ -280,7 +280,7 @@ def test_the_third_set_of_opensees_moves_from_rest_as_the_schemes_do_and_not_fro
 
 
 def test_diffrax_has_average_acceleration_as_the_trapezoidal_rule():
-    """diffrax passes the case of average acceleration on unequal steps."""
+    """The runner of diffrax passes the case of average acceleration on unequal steps."""
     pytest.importorskip("diffrax")
     (case,) = [case for case in ALL if case["name"] == "G-LIN-AVG"]
     with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
