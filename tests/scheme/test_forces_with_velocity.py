@@ -1,4 +1,4 @@
-"""Forces that take the velocity: like damping where linear, and of the claimed order where they are not."""
+"""Forces that take the velocity: linear ones equal damping, and with nonlinear ones schemes have the claimed order."""
 
 import jax.numpy as jnp
 import numpy as np
