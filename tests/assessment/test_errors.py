@@ -1,4 +1,4 @@
-"""Reference values of quantities, and assessments that are reduced or refused."""
+"""Reference values of quantities, and assessments that leave out a quantity or are refused."""
 
 import numpy as np
 import pytest

@@ -29,7 +29,7 @@ def test_circumstances_cost_the_order_of_theory(found):
     # the carried acceleration of the generalized-α method belongs to a time within the step
     late = order.sel(scheme="generalized_alpha", quantity="acceleration", circumstance=["damping", "load"])
     np.testing.assert_allclose(late, 1.0, atol=0.35)
-    # a wrong initial acceleration causes an error of the velocity that is proportional to the first step
+    # a wrong initial acceleration causes an error of the velocity that is proportional to the size of the first step
     wrong = order.sel(scheme="average_acceleration", circumstance="inconsistent_start", quantity="velocity")
     assert wrong == pytest.approx(1.0, abs=0.1)
     # a kink costs the Runge-Kutta method two orders

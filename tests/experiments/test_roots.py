@@ -1,4 +1,4 @@
-"""Which root Newton's iteration finds."""
+"""Roots that Newton's iteration finds from several first guesses."""
 
 import numpy as np
 

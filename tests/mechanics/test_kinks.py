@@ -119,7 +119,7 @@ def test_fluid_dampers_of_small_exponent_run(exponent):
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e9])
 def test_several_unknowns_do_not_swing_between_sticking_and_slipping(stiffness):
-    """The balance with a contact far stiffer than its neighbours is always found; it minimises a convex function."""
+    """The balance with a contact far stiffer than its neighbours minimises a convex function, and is always found."""
     contact = study.materials.elements(study.materials.friction(20.0, stiffness), lambda u: u[:-1] - u[1:], 1)
 
     def force(u, v, history):

@@ -29,7 +29,7 @@ def test_neighbours_part_as_two_runs_do():
     met = int(np.argmax(np.abs(pair[1] - pair[0]).values > 1e-2))
     alone = study.run("double_well", "average_acceleration", dt=dt, steps=met, observe=["lyapunov_exponent"])
     assert ds.lyapunov_exponent.item() * dt > 0.1
-    # the exponent is the logarithm of the growth, which is known from two runs while their distance is small
+    # exponent × time is the logarithm of the growth, which two runs show while their distance is small
     assert alone.lyapunov_exponent.item() * met * dt == pytest.approx(np.log(1e-2 / 1e-10), abs=2.5)
 
 
@@ -37,7 +37,7 @@ def test_neighbours_part_as_two_runs_do():
 def test_equal_unknowns_have_the_exponent_of_one(n):
     problem = study.Problem(lambda u: -2 * u, np.ones(n), np.zeros(n))
     ds = study.run(problem, "rk4", dt=0.01, steps=2000, observe="lyapunov_exponent", bound=np.inf)
-    # √2, and over 20 s the logarithm of √3/2, the growing part of a perturbation of length one
+    # √2, and ln(√3/2) over 20 s, because √3/2 is the growing part of a perturbation of length one
     assert ds.lyapunov_exponent.item() == pytest.approx(np.sqrt(2) + np.log(np.sqrt(3) / 2) / 20, rel=1e-4)
 
 

@@ -20,7 +20,7 @@ def check_latex(project: Path, folder: Path) -> None:
     """Write and compile the LaTeX sources; check their figures, tables, citations and references."""
     subprocess.run([sys.executable, "-m", "paper.latex", project / "results", folder], cwd=project, check=True)
     for name in PAGES:
-        # repeated until references and the widths of tables are settled
+        # pdfLaTeX is repeated until references and the widths of tables are settled
         for command in ([*PDFLATEX, name], ["bibtex", name], *3 * [[*PDFLATEX, name]]):
             subprocess.run(command, cwd=folder, capture_output=True, check=False)
         log = (folder / f"{name}.log").read_text(errors="replace")

@@ -47,7 +47,10 @@ def test_the_printed_peak_of_the_thin_plate_is_that_of_its_first_mode():
 
 
 def test_static_deflections_are_those_of_all_modes():
-    """Beam: 5qL⁴/(384EI) + qL²/(8κGA). Plate: 0.00406 qL⁴/D, from Timoshenko and Woinowsky-Krieger."""
+    """The beam deflects by 5qL⁴/(384EI) + qL²/(8κGA), and the plate by 0.00406 qL⁴/D.
+
+    The deflection of the plate is that of Timoshenko and Woinowsky-Krieger.
+    """
     young, length = nafems.YOUNG, nafems.LENGTH
     beam = study.problems["deep_beam"]
     middle = _middle("deep_beam", np.linalg.solve(np.asarray(beam.stiffness), np.asarray(beam.load(0.0))))

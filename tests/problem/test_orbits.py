@@ -29,7 +29,7 @@ def test_the_straight_motion_of_henon_and_heiles_turns_where_its_integral_says()
 
 
 def test_below_a_sixth_a_star_stays_in_the_triangle():
-    """With the energy 1/8 a star of the chaotic sea stays; with 1/4, which is above 1/6, it escapes."""
+    """A star of the chaotic sea stays in the triangle with the energy 1/8, and escapes with 1/4."""
     problem = study.problems["henon_heiles"]
 
     def run(energy, steps):

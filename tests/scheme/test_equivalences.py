@@ -68,7 +68,7 @@ def test_limits(one, other, problem):
 
 
 def test_velocity_verlet_is_registered_once():
-    """The name velocity_verlet is an alias of central difference; both are equal with damping and a load too."""
+    """Its name is an alias of central difference; with damping and a load the two schemes are equal too."""
     assert study.schemes["velocity_verlet"] is study.schemes["central_difference"]
     assert "velocity_verlet" not in list(study.schemes)
     problem = study.Problem(
@@ -193,7 +193,7 @@ def test_alpha_method_of_1996_weights_two_forces():
     part=st.floats(0.002, 0.02),
 )
 def test_energy_of_faithful_schemes_stays_near(stiffness, cubic, u0, part):
-    """On random hardening springs the relative energy error of both schemes stays below (ωΔt)² for 2000 steps."""
+    """The relative energy error of average acceleration and central difference stays below (ωΔt)² for 2000 steps."""
     spring = CubicSpring(stiffness, cubic)
     problem = study.Problem(spring.force, u0=u0 if abs(u0) > 1e-3 else 1.0, potential=spring.potential)
     fastest = np.sqrt(stiffness * (1 + 3 * cubic * 4))

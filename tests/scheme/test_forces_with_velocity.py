@@ -1,4 +1,4 @@
-"""Forces that take the velocity: linear ones equal damping, and with nonlinear ones schemes have the claimed order."""
+"""Forces that depend on the velocity: linear forces equal damping, and nonlinear ones keep the order of schemes."""
 
 import jax.numpy as jnp
 import numpy as np

@@ -31,7 +31,7 @@ def _assert_roots(scheme, expected, parts=PARTS, tolerance=1e-10):
     ["average_acceleration", "implicit_midpoint", "energy_momentum", "average_vector_field", "chen_ricles", "chang"],
 )
 def test_the_trapezoidal_rule_neither_damps_nor_grows(name):
-    """λ = (1 ± iΩ/2)/(1 ∓ iΩ/2)."""
+    """The roots are λ = (1 ± iΩ/2)/(1 ∓ iΩ/2) with Ω = ωΔt."""
     expected = (1 + 0.5j * STEPS) / (1 - 0.5j * STEPS)
     theory = LinearTheory(study.schemes[name], PARTS)
     assert np.abs(theory.roots - expected[:, None]).min(axis=1).max() < 1e-10
@@ -41,7 +41,7 @@ def test_the_trapezoidal_rule_neither_damps_nor_grows(name):
 
 
 def test_central_difference_shortens_the_period():
-    """Its roots have the angle 2 arcsin(Ω/2), up to Ω = 2."""
+    """The roots of central difference have the angle 2 arcsin(Ω/2), up to Ω = ωΔt = 2."""
     swinging = STEPS < 2
     motion = LinearTheory(study.schemes["central_difference"], PARTS).motion()
     expected = STEPS[swinging] / (2 * np.arcsin(STEPS[swinging] / 2)) - 1

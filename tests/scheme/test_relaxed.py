@@ -25,7 +25,7 @@ def _order(scheme):
 
 
 class _WithoutLead(study.Relaxed):
-    """A relaxed scheme that takes y₀ + γ Δy as the motion at the end of the step, although its time is another one."""
+    """A relaxed scheme that takes y₀ + γ Δy as the motion at the end of the step, and not at t + γ Δt."""
 
     def step(self, problem, state, t, dt):
         new, effort = super().step(problem, state, t, dt)
@@ -33,7 +33,7 @@ class _WithoutLead(study.Relaxed):
 
 
 def test_a_step_that_makes_up_for_the_last_one_keeps_the_order():
-    """The order is four, and only three if steps do not compensate for the last one (Ketcheson, 2019, section 2)."""
+    """Without compensation of the last step's shift in time the order is three (Ketcheson, 2019, section 2)."""
     assert _order(RELAXED) == pytest.approx(4, abs=0.1)
     assert _order(_WithoutLead(RELAXED.scheme)) == pytest.approx(3, abs=0.1)
 

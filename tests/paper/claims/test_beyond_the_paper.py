@@ -1,4 +1,4 @@
-"""Claims on stability, structures and materials: each check is tested on data for which it holds or fails."""
+"""Claims on stability, structures and materials: each check is tested where it holds and where it fails."""
 
 import numpy as np
 import pytest

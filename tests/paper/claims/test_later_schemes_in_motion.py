@@ -1,4 +1,4 @@
-"""Claims on later schemes in motion: each check is tested on made-up data for which it holds or fails."""
+"""Claims on later schemes in motion: each check is tested where it holds and where it fails."""
 
 import numpy as np
 import pytest

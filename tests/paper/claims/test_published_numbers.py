@@ -1,4 +1,4 @@
-"""Claims on problems whose solution is known: checks are tested on made-up data for which they hold or fail."""
+"""Claims on problems whose solution is known: each check is tested where it holds and where it fails."""
 
 import numpy as np
 import xarray as xr
