@@ -151,7 +151,7 @@ def test_a_step_of_a_large_structure_is_confirmed_by_several_others():
 def test_stiff_modes_take_a_search_to_finer_steps_as_far_as_their_work_allows():
     # 150 unknowns with periods from 3 s to 0.03 s, over the longest period
     assert finest_step(3.0, 3.0, 200.0, 150) == pytest.approx(0.03 / 200)
-    # one unknown, and a mode too stiff for any of these steps: the cap on steps × unknowns decides
+    # with one unknown, and with modes too stiff for any of these steps, a cap on steps × unknowns decides
     assert finest_step(3.0, 3.0, 2.0, 1) == finest_step(3.0, 3.0, 1e6, 1) == 3.0 / 250_000
     assert finest_step(3.0, 3.0, 1e6, 1000) == 3.0 / 4000
 

@@ -1,4 +1,4 @@
-"""A run as a pure function: its derivatives, its memory, and the arguments that it refuses."""
+"""A run as a pure function: its derivatives, compared with multiprecision differences, its memory, and its refusals."""
 
 import jax
 import jax.numpy as jnp
