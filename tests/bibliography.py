@@ -14,7 +14,7 @@ _PLACE = re.compile(r"(, (sections?|chapter) [\w., ]+?| \([^)]*\))?\.( |$)")
 
 
 def works() -> dict[str, Work]:
-    """Fields of all works by key, with the kind of the work as ``kind``."""
+    """Fields of every work by its key; the type of its BibTeX entry is the field ``kind``."""
     found: dict[str, Work] = {}
     for kind, key, body in _ENTRY.findall(FILE.read_text()):
         fields = [_FIELD.fullmatch(line) for line in body.splitlines()]
@@ -35,14 +35,14 @@ def _authors(work: Work) -> list[tuple[str, str]]:
 
 
 def label(work: Work) -> str:
-    """Authors and year, as a scheme states its source: Noh and Bathe (2019)."""
+    """Authors and year in the form of a scheme's source, such as "Noh and Bathe (2019)"."""
     first, *others = [last for last, _ in _authors(work)]
     more = "" if not others else f" and {others[0]}" if len(others) == 1 else " et al."
     return f"{first}{more} ({work['year']})"
 
 
 def reference(work: Work) -> str:
-    """The work as a docstring cites it, without the section and the full stop."""
+    """The citation of the work in a docstring, without a section and the full stop."""
     year, volume, pages = work["year"], work.get("volume", ""), work.get("pages", "")
     if work["kind"] == "article":
         number = f"({work['number']})" if "number" in work else ""
@@ -65,7 +65,8 @@ def cited_in(docstring: str, references: dict[str, str]) -> list[str]:
     Raises
     ------
     ValueError
-        If the section has anything but ``references``, each followed by a place in the work, if any, and a full stop.
+        If the section has other text than ``references``. After each reference, a place in the work is optional, and a
+        full stop is required.
     """
     _, _, section = inspect.cleandoc(docstring).partition("References\n----------\n")
     text, keys = " ".join(section.split()), []

@@ -1,4 +1,4 @@
-"""Pages in a browser that reaches no network."""
+"""Checks of pages in a browser that reaches no network."""
 
 import shutil
 from pathlib import Path
@@ -15,10 +15,10 @@ WIDTHS = (390, 800, 1600)
 
 
 def start(profile: Path) -> Any:
-    """A browser without a window, whose data are in the folder ``profile``."""
+    """Start a headless browser, whose data are in the folder ``profile``."""
     from selenium import webdriver
 
-    assert CHROMIUM and DRIVER  # needs_browser skips the test otherwise
+    assert CHROMIUM and DRIVER  # otherwise needs_browser has skipped the test
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
     for argument in (
@@ -40,14 +40,14 @@ def start(profile: Path) -> Any:
 
 
 def wait(browser: Any, script: str) -> Any:
-    """Value of a script as soon as it is true."""
+    """Repeat a script until its value is true, and return the value; raise TimeoutException after 60 seconds."""
     from selenium.webdriver.support.ui import WebDriverWait
 
     return WebDriverWait(browser, 60, poll_frequency=0.05).until(lambda b: b.execute_script(script))
 
 
 def set_width(browser: Any, width: int, height: int = 1000) -> None:
-    """Set the size of the browser's screen; a narrow screen is the screen of a phone."""
+    """Set the size of the browser's screen in pixels; a screen narrower than 500 pixels is that of a phone."""
     size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
 

@@ -12,19 +12,19 @@ import study
 from study.problem import trusses
 from tests import browser as browsers
 
-# as in the pipeline's jobs: imported objects stay, so they need not be examined for garbage
+# as in the pipeline's jobs: imported objects are never freed, so the garbage collector can skip them
 gc.freeze()
 jax.config.update("jax_numpy_rank_promotion", "raise")
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 
 
 def pytest_collection_modifyitems(items):
-    """Slow tests run first; at the end they would leave the other workers idle."""
+    """Sort slow tests to the front; at the end they would leave the other workers idle."""
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
 
 
 def pytest_runtest_teardown(item, nextitem):
-    """Forget compiled programs between folders: another folder hardly uses them, and thousands slow everything down."""
+    """Clear compiled programs between folders: other folders rarely use them, and thousands slow all tests down."""
     if nextitem is None or nextitem.path.parent != item.path.parent:
         jax.clear_caches()
 
@@ -41,13 +41,13 @@ def scheme(scheme_name) -> study.Scheme:
     return study.schemes[scheme_name]
 
 
-#: The first scheme of every class.
+#: Name of the first scheme of every class, by class.
 KINDS = {type(scheme): name for name, scheme in reversed(list(study.schemes.items()))}
 
 
 @pytest.fixture(params=KINDS.values())
 def kind(request) -> str:
-    """The name of one scheme of every class in turn, for tests that do not depend on its parameters."""
+    """The name of one scheme of every class in turn, for tests in which parameters do not matter."""
     return request.param
 
 
@@ -58,18 +58,18 @@ def _state_of(name: str) -> str:
     return f"{jax.tree.structure(state)} {jax.tree.leaves(state)}"
 
 
-#: A scheme for every kind of state, an implicit one if there is any.
+#: Name of one scheme for every kind of state; it is an implicit scheme if any implicit scheme has this state.
 STATES = {_state_of(name): name for name in sorted(KINDS.values(), key=lambda name: not study.schemes[name].explicit)}
 
 
 @pytest.fixture(params=STATES.values())
 def state_kind(request) -> str:
-    """The name of one scheme for every kind of state in turn, for tests that do not depend on its formulas."""
+    """The name of one scheme for every kind of state in turn, for tests in which formulas do not matter."""
     return request.param
 
 
 class _Pull(eqx.Module):
-    """A load on the last of n unknowns."""
+    """The load 0.3 cos 2t on the last of n unknowns."""
 
     n: int = eqx.field(static=True)
 
@@ -104,7 +104,7 @@ def _damped_chain(structure=None, linear=False) -> study.Problem:
 
 @pytest.fixture(scope="session")
 def damped_chain():
-    """A function that makes five masses in a row on stretched springs, damped and loaded.
+    """Function that returns the problem of five masses in a row, with stretched springs, damping and a load.
 
     Its arguments are the structure of the tangent and whether the springs are linear.
     """

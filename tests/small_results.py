@@ -1,4 +1,4 @@
-"""Small datasets of the study, made by hand, for tests that open them by name."""
+"""Small made-up datasets of the study, for tests that open them by name."""
 
 from pathlib import Path
 
@@ -9,15 +9,15 @@ from study import io
 
 VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step")
 
-#: Steps by scheme, quantity and allowed error; no step keeps the velocity error of the implicit scheme below 1 %.
+#: Step sizes by scheme, quantity and allowed error; with the first scheme no step keeps the energy error below 1 %.
 STEPS = np.array([[[0.02, 0.01], [0.01, np.nan]], [[0.02, 0.005], [0.01, 0.004]]])
 
 
 def assessment() -> xr.Dataset:
-    """Two schemes on a spring over ten seconds; central difference is ten times cheaper a step."""
+    """Assessment of two schemes on a spring over ten seconds; a step of central difference is ten times cheaper."""
     dims, per_step = ("scheme", "quantity", "allowed_error"), np.array([50e-9, 5e-9])[:, None, None]
     time, tried = per_step * 10 / STEPS, np.unique(STEPS[np.isfinite(STEPS)])
-    # the energy is wrong by half as much as the displacement
+    # the energy error is half of the displacement error
     error = np.tile(100 * tried[:, None] * [1.0, 0.5], (2, 1, 1))
     return xr.Dataset(
         {

@@ -1,4 +1,4 @@
-"""Blocks of code in texts, run as their readers run them."""
+"""Blocks of code in texts, and functions that run them as a reader would."""
 
 import os
 import re
@@ -16,19 +16,19 @@ PROJECT = Path(__file__).parent.parent
 
 
 def blocks(text: str, language: str) -> list[str]:
-    """Blocks of code in one language."""
+    """Blocks of code of a text in one language."""
     fenced = re.findall(r"^```([^\n]*)\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
     return [block for written_in, block in fenced if written_in == language]
 
 
 def commands(text: str) -> list[list[str]]:
-    """Words of the commands of ``study`` in a text."""
+    """Arguments of each command ``study`` in the shell blocks of a text."""
     lines = "".join(blocks(text, "sh")).splitlines()
     return [line.split("#")[0].split()[1:] for line in lines if line.startswith(".venv/bin/study ")]
 
 
 def run_examples(text: str, name: str, folder: Path, monkeypatch: Any) -> dict:
-    """Run the blocks of Python in order next to small results, under JAX's default rules; return what they define."""
+    """Run the blocks of Python in order, with small results in a folder and JAX's default rules; return all names."""
     small_results.write_to(folder / "results")
     monkeypatch.chdir(folder)
     matplotlib.use("agg")
@@ -40,7 +40,7 @@ def run_examples(text: str, name: str, folder: Path, monkeypatch: Any) -> dict:
 
 
 def run_command(words: list[str], folder: Path) -> None:
-    """Run a command of ``study`` next to small results and the examples."""
+    """Run a command of ``study`` in a folder of small results and the examples, and check that it succeeds."""
     small_results.write_to(folder / "results")
     (folder / "examples").symlink_to(PROJECT / "examples")
     command = [sys.executable, "-m", "study", *words]

@@ -1,4 +1,4 @@
-"""The rules of the design: who may import whom, how long a file is, and what every scheme states."""
+"""The rules of the design: allowed imports, the length of files, and what every scheme states."""
 
 import re
 import subprocess
@@ -15,14 +15,14 @@ SOURCES = [path for folder in FOLDERS for path in (PROJECT / folder).rglob("*.py
 
 
 def test_the_arrows_of_the_design_hold():
-    """In a separate process, because the linter disables existing loggers."""
+    """The linter of imports runs in a separate process, because it disables existing loggers."""
     command = [Path(sys.executable).with_name("lint-imports"), "--no-cache"]
     done = subprocess.run(command, cwd=PROJECT, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
 
 
 def test_files_are_short_and_use_what_is_public():
-    """In one test for all files, because five hundred tests take seconds to collect."""
+    """One test checks all files, because five hundred tests would take seconds to collect."""
     private = "jax." + "_src"
     texts = {path: path.read_text() for path in SOURCES}
     assert [path for path, text in texts.items() if len(text.splitlines()) > 320 or private in text] == []

@@ -21,7 +21,7 @@ LABELS = {key: (bibliography.label(work), work.get("doi", "")) for key, work in 
 SCHEMES = {name: (type(scheme), scheme.source, scheme.doi) for name, scheme in study.schemes.items()}
 SCHEMES |= {one.__name__: (one, one.source, one.doi) for one in Wrapper.__subclasses__()}
 _DOI = r"10\.\d{4,9}/(?:[^\s\"\]()]|\([^\s()]*\))*(?:\w|\(\d+\))"
-#: Fields that a work of each kind needs.
+#: Fields that a work of each kind needs in addition to author, title and year.
 NEEDED = {
     "article": {"journal", "shortjournal", "volume", "pages"},
     "book": {"publisher"},
@@ -32,7 +32,7 @@ NEEDED = {
 
 
 def _docstrings():
-    """Docstrings with references, by the place where they stand."""
+    """Yield every docstring with a section References, and its place in the sources."""
     for path in SOURCES:
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):

@@ -1,4 +1,4 @@
-"""The command ``study``: what it prints and writes, and one sentence with exit code 2 for a mistake."""
+"""The command ``study``: its output, its files, and one sentence with exit code 2 for a mistake."""
 
 import subprocess
 import sys

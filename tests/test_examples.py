@@ -1,4 +1,4 @@
-"""The examples, each assessed with one scheme."""
+"""The examples; each problem is assessed with one scheme."""
 
 import runpy
 from pathlib import Path
@@ -14,7 +14,7 @@ from study.user_files import load
 
 FOLDER = Path(__file__).parent.parent / "examples"
 
-#: Objects of the files, with the duration of their runs and the quantities.
+#: Problems of the example files, with the duration of their runs and their quantities.
 PROBLEMS = {
     "frame.py:frame": (3.0, "frame.py:quantities"),
     "yielding_frame.py:frame": (2.0, "yielding_frame.py:quantities"),
@@ -52,7 +52,7 @@ def test_the_scheme_of_the_examples_has_its_order():
 
 
 def test_ensembles_of_yielding_oscillators():
-    """Drift grows with the intensity, though not everywhere; lanes agree with single runs."""
+    """The drift is much larger at the largest intensity than at the smallest; lanes agree with single runs."""
     analysis = load(f"{FOLDER / 'intensities.py'}:analysis", (FunctionType,))()
     assert float(analysis.drift[-1]) > 5 * float(analysis.drift[0]) and (analysis.status == 0).all()
     oscillator = load(f"{FOLDER / 'intensities.py'}:oscillator", (FunctionType,))
@@ -72,7 +72,7 @@ def test_every_example_is_tested():
 
 
 def test_the_plate_bends_like_a_beam():
-    """A plate of elements that bend too stiffly has the first frequency of a beam to a few percent."""
+    """The first frequency of a plate, whose elements bend too stiffly, is that of a beam to 3 %."""
     plate = load(f"{FOLDER / 'plate.py'}:cantilever", (FunctionType,))(40, 4)
     file = runpy.run_path(str(FOLDER / "plate.py"))
     length, height = 40 * file["SIDE"], 4 * file["SIDE"]

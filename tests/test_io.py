@@ -1,4 +1,4 @@
-"""Files are complete or absent, have the same bytes for the same data, and are refused in one sentence if damaged."""
+"""Files are complete or absent, have the same bytes for the same data, and are refused with a sentence if damaged."""
 
 import multiprocessing
 import resource
@@ -20,7 +20,7 @@ MEETING = 3.0
 
 @pytest.fixture
 def dataset():
-    """A dataset as the experiments make them."""
+    """A run with attributes like those of the datasets of experiments."""
     ds = study.run("hardening", "rk4", dt=0.0075, steps=2000)
     ds.attrs = io.provenance("A test", "the tests")
     return ds
@@ -114,7 +114,7 @@ def test_two_writers_and_three_readers_never_meet_half_a_file(tmp_path):
 
 
 def _fill(content, path: Path, answers) -> None:
-    """Write past a limit on the size of a file. To a library this looks like a full disk."""
+    """Write past a limit on the size of files, which acts like a full disk, and pass on the message of the error."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
     with pytest.raises(io.NotWritten) as caught:
         io.write(content, path)

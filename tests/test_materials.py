@@ -1,4 +1,4 @@
-"""Materials against closed forms, independent integration, and laws that hold for every force with a history."""
+"""Materials, compared with closed forms and independent integration, and laws of every force with a history."""
 
 from typing import Any
 
@@ -23,7 +23,7 @@ paths = st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=8)
 
 
 def _along(material, path, history=None):
-    """Forces at the points of a path, with a commit at each point, and the last history."""
+    """Forces at the points of a path, at each of which the history is committed, and the last history."""
     history, forces = material.history if history is None else history, []
     for u in path:
         force, history = jax.jit(material)(jnp.asarray(u), jnp.asarray(0.0), history)
@@ -104,7 +104,7 @@ def test_a_damper_and_a_gap():
 
 
 def test_elements_assemble_nodal_forces():
-    """Three storeys: the nodal forces are differences of storey forces, and every storey remembers its own."""
+    """Nodal forces of three storeys are differences of storey forces, and every storey has its own history."""
     storey = materials.elastoplastic(stiffness=np.array([4.0, 3.0, 2.0]), yield_force=1.0)
     force = materials.elements(storey, lambda u: jnp.diff(u, prepend=0.0), count=3)
     u, v = jnp.asarray([1.0, 0.9, 1.5]), jnp.zeros(3)

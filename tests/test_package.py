@@ -39,7 +39,7 @@ def test_the_help_names_all_that_is_public():
 
 
 def test_your_own_scheme_needs_no_other_import():
-    """The implicit Euler method, from its formula to linear theory."""
+    """The implicit Euler method is defined, run and analysed by linear theory with names of ``study`` only."""
 
     class ImplicitEuler(study.Scheme):
         title: str = "Implicit Euler"

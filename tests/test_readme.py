@@ -1,4 +1,4 @@
-"""README, CONTRIBUTING and pages: examples run, and what they state agrees with the code and the results."""
+"""README, CONTRIBUTING and pages: their examples run, and their statements agree with the code and the results."""
 
 import json
 import os
@@ -73,7 +73,7 @@ for product in one:
 
 
 def test_the_examples_of_contributing_run(tmp_path):
-    """They run in a separate process, because declarations persist."""
+    """The examples run in a separate process, because their declarations would persist."""
     files = {block.split("\n")[0].removeprefix("# "): block for block in blocks(CONTRIBUTING, "python")}
     options = yaml.safe_load(next(block for block in blocks(CONTRIBUTING, "yaml") if "last_displacement" in block))
     environment = os.environ | {"PYTHONPATH": str(PROJECT), "MPLBACKEND": "agg"}
@@ -84,7 +84,7 @@ def test_the_examples_of_contributing_run(tmp_path):
 
 
 def _stated(pattern: str) -> list[int]:
-    """Numbers that the README states, by a pattern with a group for each."""
+    """Numbers in the README that match the groups of a pattern, which must occur once."""
     found = re.findall(pattern, " ".join(README.split()))
     assert len(found) == 1, f"the README states {pattern!r} {len(found)} times"
     return list(map(int, found[0] if isinstance(found[0], tuple) else found))
@@ -105,7 +105,7 @@ PIXELS = 0.001
 
 
 def check_the_results_of_the_readme(results: Path) -> None:
-    """Compare README's counts of cells, and its picture, with those of a study."""
+    """Compare the README's counts of cells, and its picture, with the results of a study."""
     numbers = json.loads((results / "numbers.json").read_text())
     (cells,) = _stated(r"tables of the paper hold (\d+) errors")
     (twice,) = _stated(r"and then to one, (\d+) of them agree")
@@ -117,7 +117,7 @@ def check_the_results_of_the_readme(results: Path) -> None:
 
 
 def test_the_results_of_the_readme_are_those_of_the_study():
-    """Its tables of recommendations and its rule, which are those of the short study."""
+    """The README's counts, picture, tables of recommendations and rule are those of the short study."""
     results = PROJECT / "results"
     if not (results / "numbers.json").exists():
         pytest.skip("results/numbers.json is not there; `make` makes it")
@@ -136,7 +136,7 @@ def test_the_results_of_the_readme_are_those_of_the_study():
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_files_that_are_named_exist(name):
-    """The files that readers of CONTRIBUTING add are exempt."""
+    """Files named in the texts exist, except files that a reader of CONTRIBUTING adds."""
     added = {block.split("\n")[0].removeprefix("# ") for block in blocks(CONTRIBUTING, "python")}
     named = set(re.findall(r"[`(]((?:study|paper|tests|config|docs|\.github|\.ci)/[\w./-]*)[`)]", TEXTS[name]))
     named |= set(re.findall(r"`([\w.-]+\.(?:md|cff|toml|txt))`", TEXTS[name]))
@@ -152,7 +152,7 @@ def test_the_rooms_of_the_design_are_those_of_the_tree():
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_a_target_stands_before_the_configuration(name):
-    """Otherwise Snakemake reads the target as one more configuration."""
+    """Snakemake would read a target after ``--configfile`` as one more configuration."""
     commands = [line for line in TEXTS[name].splitlines() if "snakemake " in line and "--configfile" in line]
     assert not any(re.search(r"--configfile \S+ +results/", line) for line in commands)
     assert commands or name != "docs/pages/how_to/pipeline.md"

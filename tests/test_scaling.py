@@ -1,4 +1,4 @@
-"""The simulation of a study on many cores, on graphs whose answer is known."""
+"""The simulation of a study on many cores, for graphs of jobs whose duration is known."""
 
 import pytest
 

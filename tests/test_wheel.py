@@ -26,7 +26,7 @@ EXTRAS = METADATA["optional-dependencies"]
 
 
 def _needed(*requirements: str) -> dict[str, Distribution]:
-    """The installed distributions that some requirements name, and all that these require, by their names."""
+    """The installed distributions of some requirements and of all their dependencies, by name."""
     found: dict[str, Distribution] = {}
     waiting = [Requirement(text) for text in requirements]
     while waiting:
@@ -68,7 +68,7 @@ def python(wheel, tmp_path_factory) -> Path:
 
 
 def _run(command: list, folder: Path) -> str:
-    """What a command prints in a folder that is not the checkout, with no path to the checkout."""
+    """Output of a command in a folder outside the checkout, with no path to the checkout."""
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-4000:]
@@ -116,7 +116,7 @@ def test_the_command_line_lists_schemes(python, tmp_path, form):
 
 
 def test_the_core_writes_a_run_to_a_file(python, tmp_path):
-    """Its provenance names the versions of packages; the core has only some of them."""
+    """The provenance of the run names only packages that are installed with the core."""
     options = ["--dt", "0.05", "--steps", "9", "--output", "run.nc"]
     _run([python, "-m", "study", "run", "softening", "rk4", *options], tmp_path)
     written = xr.load_dataset(tmp_path / "run.nc")

@@ -1,4 +1,4 @@
-"""Matrices of every form, and the same matrices as dense NumPy arrays."""
+"""Test matrices of every form, each together with the same matrix as a dense NumPy array."""
 
 from types import SimpleNamespace
 
@@ -13,7 +13,7 @@ HALF_BANDWIDTHS = {"tridiagonal": 1, "pentadiagonal": 2}
 
 
 def _band_of(matrix, k):
-    """Diagonals (2k + 1, n) of a matrix, entry by entry as the docstring of Banded says."""
+    """The 2k + 1 diagonals of a matrix as an array (2k + 1, n), in the layout that the docstring of Banded defines."""
     n = len(matrix)
     bands = np.zeros((2 * k + 1, n))
     for i in range(n):
@@ -23,13 +23,13 @@ def _band_of(matrix, k):
 
 
 def _dominant(rng, n, k):
-    """A matrix of half bandwidth k whose diagonal dominates, so that no elimination needs to pivot."""
+    """A random matrix of half bandwidth k whose diagonal dominates, so that elimination needs no pivots."""
     matrix = np.where(np.abs(np.subtract.outer(np.arange(n), np.arange(n))) <= k, rng.uniform(-1, 1, (n, n)), 0.0)
     return matrix + (2 * k + 1) * np.diag(rng.choice([-1.0, 1.0], n))
 
 
 def _matrix(form, n, rng):
-    """A matrix of the form, and the same matrix as a dense array."""
+    """A random matrix in the form ``form``, and the same matrix as a dense NumPy array."""
     whole = _dominant(rng, n, HALF_BANDWIDTHS.get(form, n if form in ("dense", "matrix_free") else 0))
     match form:
         case "number":
@@ -51,5 +51,5 @@ def _matrix_free(whole):
 
 @pytest.fixture(scope="session")
 def make():
-    """Functions that make the diagonals of a band, a matrix that needs no pivots, and a matrix of a form."""
+    """The functions of this file that make matrices, for the tests of this folder."""
     return SimpleNamespace(band_of=_band_of, dominant=_dominant, matrix=_matrix, matrix_free=_matrix_free)

@@ -1,4 +1,4 @@
-"""Solutions of linear systems of every form, against those of NumPy."""
+"""Solutions of linear systems with matrices of every form, compared with NumPy's solutions."""
 
 import equinox as eqx
 import jax
@@ -37,7 +37,7 @@ def test_solve_undoes_times(make, form, seed, n):
 
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 6, 7, 8, 13])
 def test_tridiagonal_elimination_of_any_length(make, n):
-    """An iteration of the loop eliminates four rows; the remaining rows are eliminated after the loop."""
+    """The loop eliminates four rows per iteration; most of these lengths leave rows for after the loop."""
     rng = np.random.default_rng(n)
     whole, rhs = make.dominant(rng, n, 1), rng.normal(size=n)
     for bands in (make.band_of(whole, 1), tuple(make.band_of(whole, 1))):
@@ -48,7 +48,7 @@ def test_tridiagonal_elimination_of_any_length(make, n):
 @pytest.mark.parametrize("half_bandwidth", [2, 3, 7])
 @pytest.mark.parametrize("more", [1, 6, 8])
 def test_elimination_of_blocks(make, half_bandwidth, more):
-    """With and without an incomplete last block; blocks of seven unknowns go to LAPACK."""
+    """The last block may be complete or incomplete; LAPACK solves blocks of more than four unknowns."""
     n = half_bandwidth + more
     rng = np.random.default_rng(n)
     whole, rhs = make.dominant(rng, n, half_bandwidth), rng.normal(size=n)
@@ -57,7 +57,7 @@ def test_elimination_of_blocks(make, half_bandwidth, more):
 
 
 def test_a_block_is_pivoted(make):
-    """Every other entry of the diagonal is zero, so that elimination without pivots would divide by zero."""
+    """All diagonal entries are zero, so that elimination without pivots would divide by zero."""
     whole = np.kron(np.eye(3), [[0.0, 2.0], [1.0, 0.0]]) + np.diag(np.full(4, 0.1), 2)
     rhs = np.arange(1.0, 7.0)
     found = _solve(Banded(jnp.asarray(make.band_of(whole, 2))), jnp.asarray(rhs))
@@ -91,7 +91,7 @@ def test_gmres_of_any_matrix(make, seed):
 
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_a_force_at_one_place_is_felt_at_all(make, symmetric):
-    """A right side with a single non-zero entry must not end the iteration before the solution is found everywhere."""
+    """If the right side has a single non-zero entry, the iterative solution is accurate at all unknowns."""
     n = 6
     whole = 2.1 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
     found = _solve(make.matrix_free(whole), jnp.asarray(np.eye(n)[0]), symmetric)

@@ -1,4 +1,4 @@
-"""Factorisations of sparse matrices: each method, the factorisations that are kept, and programs that call them."""
+"""Factorisations of sparse matrices: the choice of a method, the reuse of factors, and calls from compiled programs."""
 
 import subprocess
 import sys
@@ -76,14 +76,14 @@ def test_factors_are_kept_while_matrices_come_again(width):
         for factor in 1.0, 2.0, 4.0:
             np.testing.assert_allclose(factor * (matrix @ solver.solved(factor * values, rhs)), rhs, atol=1e-9)
     assert solver.count == 3
-    # a new factorisation replaces the oldest of those that are kept
+    # three factorisations are kept; a new one replaces the oldest
     for factor in 8.0, 1.0, 8.0:
         np.testing.assert_allclose(factor * (matrix @ solver.solved(factor * values, rhs)), rhs, atol=1e-9)
     assert solver.count == 5
 
 
 def test_programs_that_call_numpy_do_not_stand_still():
-    """With one core and large arrays, JAX's own callbacks would deadlock."""
+    """Compiled programs that call NumPy run on one core with large arrays, where jax.pure_callback would deadlock."""
     program = """
 import os
 os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})

@@ -1,4 +1,4 @@
-"""Matrices of every form, against the same matrices as dense NumPy arrays."""
+"""Sums and products of matrices of every form, compared with dense NumPy arrays."""
 
 import equinox as eqx
 import jax
@@ -69,7 +69,7 @@ def test_sums_and_products_keep_to_the_least_form(make):
 
 
 def test_one_unknown_has_numbers():
-    """For a single unknown the functions take n = 0, and its matrices are numbers."""
+    """Matrices of a single unknown are numbers; sums and products of them take n = 0."""
     assert linear.add(2.0, 3.0, n=0) == 5.0
     assert linear.product(2.0, 3.0, 0) == 6.0
     assert elimination.solve(4.0, 2.0) == 0.5
@@ -78,7 +78,7 @@ def test_one_unknown_has_numbers():
 @pytest.mark.parametrize("form", FORMS[:-1])
 @pytest.mark.parametrize("n", [1, 2, 5])
 def test_every_form_but_one_can_be_written_out(make, form, n):
-    """A band may be wider than the matrix."""
+    """Every form except matrix-free becomes a dense matrix, even if a band is wider than the matrix."""
     matrix, whole = make.matrix(form, n, np.random.default_rng(n))
     np.testing.assert_array_equal(_dense(matrix, n), whole)
 

@@ -1,4 +1,4 @@
-"""Sparse matrices against full ones."""
+"""Sparse matrices, compared with full matrices."""
 
 import jax
 import jax.numpy as jnp
@@ -21,7 +21,7 @@ def _random(n, symmetric, seed=0):
 
 @pytest.fixture(params=[True, False], ids=["symmetric", "not symmetric"])
 def both(request):
-    """A matrix in SciPy's form, and the same matrix in the study's."""
+    """A sparse matrix of SciPy, and the same matrix as a Sparse of the study."""
     matrix, pattern = _random(30, request.param)
     return matrix, Sparse(jnp.asarray(pattern.values(matrix)), pattern)
 

@@ -1,4 +1,4 @@
-"""Errors against a reference solution, checked on motions whose errors are known."""
+"""Errors compared with a reference solution, checked on motions whose errors are known."""
 
 import equinox as eqx
 import jax
@@ -13,7 +13,7 @@ from study.mechanics.state import Motion
 
 
 def _harmonic(steps, stretch=1.0, decay=0.0):
-    """Reference of cos(2πt) as the pipeline writes it, and a problem that moves with another period and damping."""
+    """Reference dataset of cos(2πt), and the problem of the motion exp(−decay t) cos(2πt/stretch)."""
     phase = np.linspace(0, 1, 64 * steps + 1)
     reference = xr.Dataset(
         {
@@ -47,7 +47,7 @@ def test_a_faithful_motion_has_no_error():
 def test_a_longer_period_is_measured():
     ds = _observed(400, 10, stretch=1.01)
     assert ds.period_elongation.item() == pytest.approx(0.01, abs=1e-8)
-    # the tenth upward crossing comes at 9.75 of the longer periods
+    # the tenth upward crossing is at 9.75 periods of the motion
     assert ds.phase_error.item() == pytest.approx(9.75 * 0.01, abs=1e-7)
     t = np.arange(1, 4001) / 400
     errors = np.abs(np.cos(2 * np.pi * t / 1.01) - np.cos(2 * np.pi * t))
@@ -67,7 +67,7 @@ def test_after_one_crossing_there_is_a_phase_and_no_mean_period():
 
 
 def test_a_crossing_never_leaves_its_step():
-    """The velocities at both ends may contradict the crossing: they are zero or backwards."""
+    """The interpolated crossing lies within its step, even if the velocities at its ends are zero or negative."""
     reference, problem = _harmonic(50)
     _, (_, period, _) = against(reference, 50, longest=50)
     for before, after in ((0.0, 1.0), (1.0, 0.0), (-5.0, 1e-9), (0.0, 0.0)):
@@ -77,7 +77,7 @@ def test_a_crossing_never_leaves_its_step():
 
 
 def test_interpolation_between_exact_steps_is_of_sixth_order():
-    """On exact states the errors that are left in phase and amplitude are those of the observers' interpolation."""
+    """With exact states the phase error is that of interpolation; halving the step size divides it by more than 50."""
     reference, problem = _harmonic(400)
     errors = []
     for steps in (25, 50):
@@ -111,21 +111,21 @@ def test_phases_that_the_reference_lacks_are_refused():
 
 
 def test_the_reference_is_taken_at_the_times_of_the_run():
-    """The round-off of the step size is accounted for: over a million steps its lag would look like an error."""
+    """The reference includes the rounding error of the stored period, which would otherwise grow into a phase error."""
     reference, problem = _harmonic(400, stretch=1 + 1e-5)
-    # the true period is longer than the stored one by 1e-5; a run with the true period has no error if this is known
+    # the true period is longer than the stored one by 1e-5; if ``period_remainder`` states this, the run has no error
     errors = []
     for remainder in (0.0, 1e-5):
         dt, observers = against(reference.assign(period_remainder=remainder), 400, longest=400)
         ds = study.run(problem, "rk4", dt=dt, steps=4000, observe=observers)
         errors.append(ds.max_trajectory_error.item())
-    # at 9.75 periods the motion is fastest for the last time, and the error of the trajectory is largest
+    # at 9.75 periods the speed is largest for the last time, and with it the error of the trajectory
     assert errors[0] == pytest.approx(2 * np.pi * 9.75 * 1e-5, rel=1e-2)
     assert errors[1] < 1e-2 * errors[0]
 
 
 def test_amplitudes_are_counted_from_the_equilibrium():
-    """The equilibrium of a lopsided spring is not the middle between its turning points."""
+    """Amplitudes refer to the equilibrium, which for an asymmetric spring is not midway between the turning points."""
     phase = np.linspace(0, 1, 513)
     u = 0.9 + 0.4 * np.cos(2 * np.pi * phase) + 0.1 * np.cos(4 * np.pi * phase)
     v = -0.8 * np.pi * np.sin(2 * np.pi * phase) - 0.4 * np.pi * np.sin(4 * np.pi * phase)
@@ -135,7 +135,7 @@ def test_amplitudes_are_counted_from_the_equilibrium():
         attrs={"problem": "lopsided"},
     )
     _, (*_, amplitude) = against(reference, 8, longest=8)
-    # the force of the spring is zero where the acceleration is zero
+    # at the equilibrium the acceleration is zero
     rest = brentq(lambda x: 0.4 * np.cos(x) + 0.4 * np.cos(2 * x), 0, np.pi / 2)
     expected = 0.9 + 0.4 * np.cos(rest) + 0.1 * np.cos(2 * rest)
     assert float(amplitude.rest) == pytest.approx(expected, abs=1e-5)

@@ -1,4 +1,4 @@
-"""Linear theory derived from the code, against closed forms, runs and published claims."""
+"""Linear theory derived from the code, compared with closed forms, runs and published claims."""
 
 import re
 import runpy
@@ -18,7 +18,7 @@ PARTS = np.logspace(-3, 3, 121)
 STEPS = 2000
 
 
-#: Schemes with parameters that no named scheme has; their limits follow from formulas.
+#: Schemes with parameters that no named scheme has. Formulas give their stability limits.
 OTHERS = [
     study.Newmark(beta=0.1, gamma=0.6),
     study.Newmark(beta=0.25, gamma=0.4),
@@ -90,7 +90,7 @@ def test_limits_that_no_formula_gives_are_not_stated():
 
 
 def test_the_limits_in_docstrings_are_those_of_named_schemes():
-    """Each number in "ωΔt ≤ number" is the stability limit of a named scheme of that class."""
+    """Each number after "ωΔt ≤" in the docstring of a class is the stability limit of a named scheme of the class."""
     limits: dict[type, list[float]] = {}
     for scheme in study.schemes.values():
         limits.setdefault(type(scheme), []).append(scheme.stability_limit)
@@ -107,28 +107,29 @@ def test_the_limits_in_docstrings_are_those_of_named_schemes():
 @pytest.mark.parametrize("name", AT_INFINITY)
 def test_radii_at_infinite_frequency(name):
     theory = LinearTheory(study.schemes[name], PARTS)
-    # where two or three roots meet, half or two thirds of their digits are lost
+    # double roots lose half of their digits, and triple roots two thirds
     assert theory.infinite_frequency_radius() == pytest.approx(AT_INFINITY[name], abs=1e-3)
 
 
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
-    """The roots have the order of the scheme, except where an error of the start alone lowers the claimed order."""
+    """The principal roots have the claimed order of the scheme, except for the orders in ``expected``."""
     scheme = study.schemes[scheme_name]
     expected = {
-        # conjugate to velocity Verlet and to the generalized-α method: the step has their order, but not the start
+        # symplectic Euler is conjugate to velocity Verlet, and KR-α and MKR-α to the generalized-α method: their steps
+        # are of second order, and only their starts lower the claimed order
         ("symplectic_euler", 0.0): 2,
         ("symplectic_euler", 0.1): 2,
         ("kr_alpha", 0.0): 2,
         ("kr_alpha", 0.1): 2,
         ("mkr_alpha", 0.0): 2,
         ("mkr_alpha", 0.1): 2,
-        # conjugate to the trapezoidal rule
+        # Chen and Ricles' method is conjugate to the trapezoidal rule
         ("chen_ricles", 0.0): 2,
         ("chen_ricles", 0.1): 2,
-        # of third order as soon as there is damping, or the force is not linear
+        # WAT2 is of third order with damping or with a nonlinear force
         ("wat2", 0.0): 4,
-        # Numerov's formula
+        # Fox and Goodwin's method is then Numerov's formula
         ("fox_goodwin", 0.0): 4,
     }.get((scheme_name, damping_ratio), scheme.order_with_damping if damping_ratio else scheme.order)
     theory = LinearTheory(scheme, np.logspace(-3, 0, 301), damping_ratio)
@@ -138,7 +139,7 @@ def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 @pytest.mark.parametrize("name", ["hht_alpha", "wbz_alpha", "generalized_alpha"])
 def test_an_alpha_method_must_carry_its_acceleration(name, damping_ratio):
-    """An acceleration from the equation of motion lowers the order to one, in linear theory and in a run."""
+    """An acceleration recomputed from the equation of motion lowers the order to one, in linear theory and in runs."""
     scheme, parts = study.schemes[name], np.logspace(-3, 0, 301)
     assert LinearTheory(scheme, parts, damping_ratio).order() == pytest.approx(2, abs=0.05)
     assert LinearTheory(Rederived(scheme), parts, damping_ratio).order() == pytest.approx(1, abs=0.05)
@@ -166,7 +167,7 @@ def _half_square(u):
 
 def _is_the_power_of_the_matrix(scheme, damping_ratio):
     dt = 0.3
-    # as long as other runs here, so that they share a program
+    # the same number of steps as in other runs of this file, so that they share a compiled program
     ds = study.run(_unit_oscillator(0.5, damping_ratio), scheme, dt=dt, steps=STEPS)
     start, _ = scheme.start(_unit_oscillator(0.5, damping_ratio), jnp.asarray(1.0), jnp.asarray(0.5), dt)
     (matrix,) = LinearTheory(scheme, np.array([dt / (2 * np.pi)]), damping_ratio).matrices
@@ -178,7 +179,7 @@ def _is_the_power_of_the_matrix(scheme, damping_ratio):
 
 
 def test_the_run_is_the_power_of_the_matrix(scheme):
-    """On the linear oscillator n steps are the n-th power of the amplification matrix."""
+    """On the linear oscillator n steps multiply the state by the n-th power of the amplification matrix."""
     _is_the_power_of_the_matrix(scheme, 0.0)
 
 
@@ -188,10 +189,10 @@ def test_the_run_is_the_power_of_the_matrix_with_damping_too(state_kind):
 
 @pytest.mark.parametrize("part", [1 / 20, 1 / 50])
 def test_principal_roots_predict_the_motion_of_a_run(scheme, part):
-    """A run decays and turns as the principal roots of the matrix predict, over many periods."""
+    """The principal roots of the amplification matrix predict decay and period of a run over many periods."""
     motion = LinearTheory(scheme, np.array([1e-3, 1e-2, part])).motion()
     u = study.run(_unit_oscillator(), scheme, dt=2 * np.pi * part, steps=STEPS).u.values
-    # fitted to the later half, in which only the principal roots are left: u = Re(c λⁿ)
+    # fitted to the second half of the run, where the other roots have decayed: u = Re(c λⁿ)
     n = np.arange(STEPS // 2, STEPS + 1)
     rate = 2 * np.pi * part / (1 + motion.period_elongation[-1])
     decay = -np.log1p(-motion.amplitude_decay[-1]) * rate / (2 * np.pi)
@@ -201,14 +202,14 @@ def test_principal_roots_predict_the_motion_of_a_run(scheme, part):
 
 
 def test_damping_of_the_oscillator_is_seen(scheme):
-    """With the damping ratio ξ = 0.1 the spectral radius at a small step is exp(−ξΩ), up to the error of a step."""
+    """At a small Ω = ωΔt and the damping ratio ξ = 0.1 the spectral radius is exp(−ξΩ) up to the local error."""
     omega = 2 * np.pi * 1e-3
     radius = LinearTheory(scheme, np.array([1e-3]), 0.1).spectral_radius[0]
     assert radius == pytest.approx(np.exp(-0.1 * omega), abs=max(omega ** (scheme.order_with_damping + 1), 1e-9))
 
 
 def test_wilson_overshoots_and_the_generalized_alpha_method_does_not():
-    """At Δt = 10 T Wilson's displacement grows to hundreds of times the initial one."""
+    """At Δt = 10 T Wilson's method overshoots more than a hundredfold, and average acceleration does not overshoot."""
     at_ten = int(np.argmin(np.abs(PARTS - 10)))
     wilson, average = (
         LinearTheory(study.schemes[name], PARTS).overshoot()[0, at_ten]
@@ -221,8 +222,8 @@ def test_wilson_overshoots_and_the_generalized_alpha_method_does_not():
 
 
 def test_an_overshoot_that_comes_late_is_seen():
-    """Symplectic Euler keeps u² ± Ω u u̇/ω + (u̇/ω)² = 1, so that both reach 1/√(1 − Ω²/4)."""
-    part = 0.158  # Δt/T at which both need more than 32 steps to reach it
+    """Symplectic Euler keeps u² ± Ω u u̇/ω + (u̇/ω)² = 1, so that u and u̇/ω both reach 1/√(1 − Ω²/4)."""
+    part = 0.158  # Δt/T at which u and u̇/ω need more than 32 steps to reach their maxima
     overshoot = LinearTheory("symplectic_euler", np.array([part])).overshoot()
     np.testing.assert_allclose(overshoot[:, 0], 1 / np.sqrt(1 - (np.pi * part) ** 2) - 1, rtol=0.01)
 
@@ -256,7 +257,7 @@ def test_a_stability_limit_does_not_depend_on_the_grid(parts):
 
 @pytest.mark.parametrize("name, at", [("kahan_li8", 3.118), ("extrapolation12", 3.1414)])
 def test_narrow_windows_of_instability_are_found(name, at):
-    """The motion grows in an interval of ωΔt that is narrower than a coarse grid; beyond it the motion is stable."""
+    """The motion grows in an interval of ωΔt narrower than the spacing of a coarse grid; at larger ωΔt it is stable."""
     theory = LinearTheory(name, np.array([at, 3.3]) / (2 * np.pi))
     assert theory.spectral_radius[0] > 1 + 1e-5 and theory.spectral_radius[1] < 1 + 1e-10
     assert theory.stability_limit() < at

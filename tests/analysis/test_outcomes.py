@@ -34,7 +34,7 @@ def test_how_runs_end(problem, u0, scheme, dt, steps, outcome):
 
 
 def test_an_accurate_run_keeps_the_period_too():
-    """The energy-momentum method keeps the energy at every step size, so its error of the period decides."""
+    """The energy-momentum method keeps the energy at every step size, so the period error decides about accuracy."""
     observer = OutcomeObserver.of("softening")
     u0, period = [10.0], 2.0
     observe = [observer, "lyapunov_exponent", "oscillations"]

@@ -1,4 +1,4 @@
-"""The recommendation, on an assessment whose steps and times are known."""
+"""Recommendations from a made-up assessment with known step sizes and computing times."""
 
 import pandas as pd
 import pytest

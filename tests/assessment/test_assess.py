@@ -49,7 +49,7 @@ def _by_scipy(t):
 @pytest.mark.parametrize("allowed", [0.05, 0.01])
 @pytest.mark.parametrize("scheme", ["average_acceleration", "rk4"])
 def test_a_recommended_step_keeps_its_error_against_another_solver(driven, assessed, scheme, allowed):
-    """A step a third larger than the largest step found does not keep the error."""
+    """The recommended step keeps the error against SciPy; a step a third larger than the largest one found does not."""
     one = assessed.sel(scheme=scheme, quantity="path", allowed_error=allowed)
     largest = np.abs(_by_scipy(np.linspace(0, DURATION, 4001))).max()
 
@@ -66,7 +66,7 @@ def test_a_recommended_step_keeps_its_error_against_another_solver(driven, asses
 
 @pytest.mark.parametrize("reduce", ["peak", "final", "rms"])
 def test_a_reduced_quantity_is_compared_up_to_the_end_of_the_run(driven, reduce):
-    """A run ends with the last step that fits; the reference is reduced up to there."""
+    """A run ends with the last whole step within the duration; the reference is reduced over the same time."""
     wanted = errors.named({"x": study.Quantity(lambda u, v: jnp.stack([u, v]), reduce=reduce)})
     found = certified(driven, DURATION, wanted, tightest=1e-4, coarsest=1.0, periodic=False)
     search = Search(study.schemes["newmark"], {1.0: Case(driven, found.targets, None)}, DURATION, 0.1, 0.01, False)
@@ -155,7 +155,7 @@ def test_no_recommended_step_contradicts_the_largest_safe_one(assessed):
 
 
 def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
-    """Errors of displacement, acceleration and energy over 20 periods, against the exact motion and MaxEnergyError."""
+    """Errors over 20 periods: displacement and acceleration against the exact motion, energy against MaxEnergyError."""
     problem, steps = study.problems["hardening"], 20 * 32
     exact = float(taylor.period(problem, 0.15))
     duration = 20 * exact

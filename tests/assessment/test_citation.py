@@ -1,4 +1,4 @@
-"""The works on which a dataset is based, as BibTeX."""
+"""BibTeX entries of the works on which a dataset is based."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""The reference of a quantity."""
+"""Reference values of quantities, and assessments that leave out a quantity or are refused."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ def _peak(problem, duration, of):
 
 
 def test_a_peak_at_a_kink_of_the_ground_motion_is_not_rounded_off():
-    # under a ground acceleration that rises from 0 to 1 m/s² in a second, and falls again: ü(1) = −sin(ω)/ω
+    # the ground acceleration rises from 0 to 1 m/s² in one second, and falls again: at its kink ü = −sin(ω)/ω
     omega = 0.1
     ground = study.GroundMotion(np.array([0.0, 1.0, 0.0]), 1.0)
     soft = study.Problem(lambda u: omega**2 * u, 0.0, ground=ground)
@@ -23,13 +23,13 @@ def test_a_peak_at_a_kink_of_the_ground_motion_is_not_rounded_off():
 
 
 def test_a_peak_between_the_points_of_the_reference_is_found():
-    # components u = cos(t) and 2 cos(t) of different phase: u₀ = (1, 0), u̇₀ = (0, 2)
+    # the components 0.5 cos t + sin t and 2 sin t have their peaks at different times
     two = study.Problem(lambda u: u, np.array([0.5, 0.0]), v0=np.array([1.0, 2.0]))
     assert _peak(two, 6.0, lambda u: u) == pytest.approx([np.hypot(0.5, 1.0), 2.0], rel=1e-8)
 
 
 def test_a_balance_without_energy_to_compare_with_is_left_out_with_a_warning():
-    # a mass that hangs on a spring, from rest at zero: E₀ = 0
+    # a mass that hangs on a spring, released from rest at u = 0: the initial energy is zero
     hanging = study.Problem(lambda u: u - 1.0, 0.0, potential=lambda u: u**2 / 2 - u, damping=0.02, title="hanging")
     with pytest.warns(RuntimeWarning, match="the balance of energies of 'hanging' is left out: .* add a constant to"):
         ds = study.assess(hanging, "rk4", duration=5.0, errors=[0.1], maps=False)
@@ -45,7 +45,7 @@ def test_a_duration_of_more_steps_than_a_search_has_is_refused_at_once():
 
 
 def test_a_motion_that_ends_in_infinity_is_reported_with_its_time():
-    # u̇² = (u⁴ − 1)/2 from rest at 1, which reaches infinity at t = 1.854
+    # u̇² = (u⁴ − 1)/2 from rest at u = 1: the displacement is infinite at t = 1.854
     runaway = study.Problem(lambda u: -(u**3), 1.0, potential=lambda u: -(u**4) / 4, title="runaway")
     with pytest.raises(ValueError, match="the motion of 'runaway' is no longer finite after t = 1.85"):
         study.assess(runaway, "rk4", duration=50.0, maps=False)

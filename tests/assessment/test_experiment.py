@@ -1,4 +1,4 @@
-"""A user's problems and schemes in the configuration, through the pipeline."""
+"""Assessments of problems and schemes in a user's files, which the configuration of the pipeline names."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Your own scheme: its name, its contract, and its page."""
+"""A user's scheme: its name, the contract of its methods, and its page."""
 
 from pathlib import Path
 
@@ -47,7 +47,7 @@ def test_unfit_names_are_refused(heun):
 
 
 class _Plain(study.OneStep):
-    """A scheme without any labels but its title."""
+    """A valid scheme that has a title, and an empty source and DOI."""
 
     title: str = "plain"
     source = doi = ""
@@ -129,7 +129,7 @@ class _Branching(_Plain):
 def test_a_scheme_that_breaks_the_contract_gets_a_sentence(scheme, sentence):
     with pytest.raises(TypeError, match=sentence) as raised:
         study.run("hardening", scheme, dt=0.01, steps=3)
-    assert len(raised.traceback) == 2  # this line and one in the march: JAX's own frames are left out
+    assert len(raised.traceback) == 2  # this line and one line in the march; JAX's frames are left out
     with pytest.raises(TypeError, match=sentence):
         study.LinearTheory(scheme, [0.01, 0.02])
 

@@ -1,4 +1,4 @@
-"""The search for the step that keeps an error, on made-up errors."""
+"""The search for the largest step size that keeps an error, with made-up errors."""
 
 import math
 
@@ -24,7 +24,7 @@ from study.program.confirmation import TWENTIETH
 
 
 class MadeUp(Search):
-    """A search in which a function of step and start replaces the error of a run."""
+    """A search whose errors come from a function of step size and start instead of runs."""
 
     def __init__(self, error, finest=1e-5, spacing=None, unknowns=1):
         self.duration, self.coarsest, self.finest, self._size, self._spacing = 20.0, 1.0, finest, unknowns, spacing
@@ -61,20 +61,20 @@ def test_the_step_of_a_regular_error_is_found(order):
 
 
 def test_a_lucky_step_is_passed_over():
-    """An error that is small in a narrow band of steps only, and one that is small there from one start only."""
+    """Step sizes in a narrow band with small errors are not recommended, whether for all starts or for one start."""
     for lucky in (lambda start: True, lambda start: start == 1.0):
         _, verdict = searched(lambda dt, start, lucky=lucky: 1e-6 if lucky(start) and 0.3 < dt < 0.5 else dt**2)
         assert verdict.how == FOUND and 0.085 < verdict.largest < 0.1
 
 
 def test_an_unlucky_stretch_of_steps_is_found():
-    """If the steps from 0.050 to 0.051 were missed, a hundredth of the steps up to the recommended one would fail."""
+    """The steps from 0.050 to 0.051 are a hundredth of the steps up to 0.1; the search finds that they fail."""
     _, verdict = searched(lambda dt, start: 0.02 if 0.050 < dt < 0.051 else dt**2)
     assert verdict.recommended <= 0.05
 
 
 def test_errors_that_scatter_keep_a_larger_distance():
-    """One error in a hundred exceeds five times the median, so some fresh steps have larger errors than steps tried."""
+    """One error in a hundred exceeds five times the median, yet less than one new step in a thousand fails."""
 
     def error(dt, start):
         return dt * np.random.default_rng(int(dt * 2**60)).lognormal(sigma=0.7)
@@ -107,7 +107,7 @@ def test_the_ends_of_a_search_are_said_as_such():
     allowed=st.lists(st.floats(1e-3, 0.3), min_size=1, max_size=3),
 )
 def test_all_that_was_tried_below_a_recommended_step_keeps_the_error(order, bumps, allowed):
-    """The verdict follows from the runs alone, whatever the errors between the steps and the other allowed errors."""
+    """All runs at the recommended step and at finer steps keep the error, for any curve of errors."""
 
     def error(dt, start):
         factor = np.prod([size for place, size in bumps if abs(np.log2(dt) - place) < 0.1], initial=1.0)
@@ -149,9 +149,9 @@ def test_a_step_of_a_large_structure_is_confirmed_by_several_others():
 
 
 def test_stiff_modes_take_a_search_to_finer_steps_as_far_as_their_work_allows():
-    # 150 unknowns with periods of 3 to 0.03 s, over one period
+    # 150 unknowns with periods from 3 s to 0.03 s, over the longest period
     assert finest_step(3.0, 3.0, 200.0, 150) == pytest.approx(0.03 / 200)
-    # an oscillator, and a mode that is too stiff for any of these steps
+    # with one unknown, and with modes too stiff for any of these steps, a cap on steps × unknowns decides
     assert finest_step(3.0, 3.0, 2.0, 1) == finest_step(3.0, 3.0, 1e6, 1) == 3.0 / 250_000
     assert finest_step(3.0, 3.0, 1e6, 1000) == 3.0 / 4000
 

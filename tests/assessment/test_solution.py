@@ -1,4 +1,4 @@
-"""The solution by a route: the grid, the interpolation, the choice of routes."""
+"""Reference solutions of assessments: their time grid, their interpolation, and the choice of solvers (routes)."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -72,14 +72,14 @@ def test_both_routes_solve_a_kinked_load(shaken):
 
 @pytest.mark.parametrize("stiffness", [1e2, 1e6])
 def test_contacts_are_stepped_on_and_interpolated_between(stiffness):
-    """The exact motion is a sine in every half-wave, in free flight and in contact with the stop."""
+    """Both routes meet the exact motion, which is harmonic in free flight and in contact with the stop."""
     omega, opening, duration = 2 * np.pi, 0.5, 3.0
     stop = study.materials.gap(stiffness, opening=opening)
     problem = study.Problem(lambda u: omega**2 * u + stop(u), 0.0, 5.0, title="stop")
     reference = Reference(problem, duration)
 
     contact = np.sqrt(omega**2 + stiffness)
-    centre = stiffness * opening / contact**2  # of the oscillation in contact
+    centre = stiffness * opening / contact**2  # equilibrium of the oscillation in contact
     speed = np.sqrt(25 - (omega * opening) ** 2)
     reach = np.hypot(opening - centre, speed / contact)
     touch = np.arcsin(opening * omega / 5) / omega
@@ -136,7 +136,7 @@ def test_both_routes_reach_the_exact_motion_of_a_spring_that_yields():
 
 
 def test_both_routes_follow_elements_that_turn_back_apart_from_each_other():
-    """The exact motion comes from the rate equation of Bouc and Wen, which commits no history."""
+    """Both routes agree with SciPy's solution of Bouc and Wen's rate equation, which needs no committed history."""
     k, bound = np.array([40.0, 25.0]), np.array([0.05, 0.04])
     springs = study.materials.elements(study.materials.bouc_wen(k, k * bound), lambda u: jnp.diff(u, prepend=0.0), 2)
     problem = study.Problem(springs, np.zeros(2), np.array([1.0, -0.5]), title="two springs")

@@ -1,4 +1,4 @@
-"""Tolerances that keep an error, and what controlled steps cost."""
+"""Tolerances that keep an error, and the cost of runs with step size control."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def assessed(duffing):
 
 @pytest.mark.parametrize("scheme", ["average_acceleration", "dormand_prince6"])
 def test_fresh_tolerances_below_the_recommended_one_keep_the_error(duffing, assessed, scheme):
-    """Against heyoka, which is not the reference of the assessment's runs."""
+    """Errors refer to heyoka's trajectory at the times of each run, not to the assessment's interpolated reference."""
     one = assessed.sel(scheme=scheme, quantity="displacement", allowed_error=ALLOWED)
     assert one.tolerance_verdict == FOUND and one.tolerances_tried > 32 and one.tolerance_worst_error <= 1
     rng = np.random.default_rng(7)
@@ -64,7 +64,7 @@ def test_recommend_states_whether_equal_steps_are_cheaper(assessed):
 
 
 def test_the_report_lists_the_tolerances(assessed):
-    assert page(assessed).count("controlled steps") == 4  # of displacement, velocity, acceleration and energy
+    assert page(assessed).count("controlled steps") == 4  # for displacement, velocity, acceleration and energy
 
 
 @pytest.mark.parametrize("largest, expected", [(0.1, 0.1), (0.0999, 0.05), (3e-4, 2e-4), (5e-7, 5e-7), (1.01e-3, 1e-3)])

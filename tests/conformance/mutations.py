@@ -1,4 +1,4 @@
-"""Mistakes for the programs in NumPy and C: a text of the source, its replacement, and the cause to report."""
+"""Mistakes for the programs in NumPy and C: a text of the source, its replacement, and words of the reported cause."""
 
 PYTHON = [
     ('numbers["beta"] if', '1e-3 + numbers["beta"] if', "beta is off by about 0.001"),
@@ -66,7 +66,8 @@ PYTHON = [
     ("- sizes, sizes, strict=True)", "- sizes, [sizes[0], *sizes[:-1]], strict=True)", "size of the one before"),
 ]
 
-#: Not a mistake: a change that keeps the generalized-α method of second order on unequal steps.
+#: Source text and replacement of a valid change: the carried acceleration is moved to each new step, so that the
+#: generalized-α method stays of second order on unequal steps.
 MOVED = (
     "        tau = theta * dt\n",
     """        if t > 0:

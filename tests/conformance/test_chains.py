@@ -1,4 +1,4 @@
-"""Input files of Abaqus and code_aster: they state the case, and a case that they cannot state has no file."""
+"""Input files for Abaqus and code_aster state a case; a case that they cannot state has no input file."""
 
 import builtins
 from functools import partial
@@ -23,7 +23,7 @@ def _written(write, case) -> str:
 
 
 def _assembled(n, links):
-    """Matrix of springs or dashpots between nodes; node 0 is fixed."""
+    """Assembled matrix of springs or dashpots (node, node, value); node 0 is fixed."""
     matrix = np.zeros((n + 1, n + 1))
     for i, j, value in links:
         matrix[np.ix_([i, j], [i, j])] += value * np.array([[1, -1], [-1, 1]])
@@ -31,13 +31,13 @@ def _assembled(n, links):
 
 
 def _elements(lines, kind, values_after):
-    """Nodes, numbered from 0, and value of each element of a type in a file of Abaqus."""
+    """Yield the nodes, numbered from 0, and the value of each element of a type in an Abaqus file."""
     for at in (i for i, line in enumerate(lines) if line.startswith(f"*ELEMENT, TYPE={kind},")):
         yield *(int(word) - 1 for word in lines[at + 1].split(",")[1:]), float(lines[at + values_after])
 
 
 def _force(lines, i, t):
-    """Force on an unknown at a time, from its amplitude in a file of Abaqus."""
+    """Force on unknown i at time t, from its amplitude in an Abaqus file."""
     at = next(place for place, line in enumerate(lines) if line.startswith(f"*AMPLITUDE, NAME=FORCE{i + 1}"))
     if "PERIODIC" in lines[at]:
         (_, w, _, constant), (cosine, sine) = (map(float, lines[at + k].split(",")) for k in (1, 2))
@@ -68,7 +68,7 @@ def test_a_file_of_abaqus_states_the_case(name):
 
 
 class Commands(dict):
-    """Names for a program of code_aster; the entry ``called`` stores the arguments of its commands."""
+    """Namespace for a program of code_aster; its entry ``called`` stores the arguments of the program's commands."""
 
     def __missing__(self, name):
         if hasattr(builtins, name):
@@ -89,7 +89,7 @@ class Commands(dict):
 )
 def test_commands_of_code_aster_state_the_case(name, scheme):
     case, problem, names = BY_NAME[name], Problem(BY_NAME[name]["problem"]), Commands()
-    exec(_written(chains.code_aster, case).partition("u1 = ")[0], names)  # the rest reads the motion
+    exec(_written(chains.code_aster, case).partition("u1 = ")[0], names)  # the program after this text reads the motion
     called: dict[str, Any] = names["called"]
     parts, n = called["AFFE_CARA_ELEM"].DISCRET, len(problem.u0)
     np.testing.assert_allclose(np.diag([one.VALE for one in parts if one.CARA == "M_T_D_N"]), problem.mass)
@@ -100,7 +100,7 @@ def test_commands_of_code_aster_state_the_case(name, scheme):
     assert all(" ".join([one.GROUP_MA, *(f"N{digit}" for digit in one.GROUP_MA[1:])]) in mesh for one in parts)
     assert [one.VALE for one in called["CREA_CHAMP"].AFFE[1:]] == problem.u0.tolist()
     motion = called["DYNA_NON_LINE"]
-    # a relative tolerance refers to the external force, which is zero in a free motion
+    # no relative tolerance, because it refers to the external force, which is zero in a free motion
     assert vars(motion.CONVERGENCE).keys() == {"RESI_GLOB_MAXI", "ITER_GLOB_MAXI"}
     assert 0 < motion.CONVERGENCE.RESI_GLOB_MAXI < 1e-6
     assert scheme.items() <= vars(motion.SCHEMA_TEMPS).items()
@@ -127,10 +127,10 @@ def test_the_table_of_code_aster_is_the_motion_that_it_reads(tmp_path, monkeypat
 
 
 def test_what_cannot_be_stated_has_no_file():
-    """A spring that is not linear, coupled masses, and a scheme of another family."""
+    """A nonlinear spring, coupled masses, and a scheme that the codes lack have no input files."""
     for name in ("A-CUB-AVG", "F-MASS-AVG", "A-LIN-BAT"):
         assert not any(write(BY_NAME[name]) for write in (chains.abaqus, chains.code_aster, chains.mesh))
-    # the HHT method of code_aster derives β from α, and takes no other
+    # the HHT method of code_aster derives β from α, and accepts no other β
     case = BY_NAME["A-LIN-HHT"]
     other = case | {"scheme": case["scheme"] | {"beta": "0.3"}}
     assert chains.code_aster(other) is None and "BETA=0.3" in _written(chains.abaqus, other)

@@ -1,4 +1,4 @@
-"""The conformance kit: its cases, its runners, and whether it finds mistakes."""
+"""The conformance kit: its cases, its runners, and the mistakes that it finds."""
 
 import json
 import shutil
@@ -30,7 +30,7 @@ from tests.conformance import mutations
 PROJECT = Path(__file__).parents[2]
 TOOLS = PROJECT / "conformance" / "tools"
 ALL = list(cases())
-#: Fast cases on which mutations are run; together they reach every line of the examples.
+#: Fast cases for the programs with mistakes; together the cases reach every line of the example programs.
 QUICK = [case for case in ALL if case["expect"][0]["kind"] == "identical" and case["name"][0] in "ADEFG"]
 QUICK = [case for case in QUICK if not case["name"].startswith(("E-GAP", "F-SINE", "F-FRAME"))]
 
@@ -62,7 +62,7 @@ def test_every_case_follows_the_schema_and_is_small():
 
 
 def test_a_case_never_changes():
-    """The SHA-256 of all cases of a version changes only if one of these cases retires."""
+    """The SHA-256 of all cases of a version is fixed, unless one of these cases is removed."""
     digests: defaultdict[str, Any] = defaultdict(sha256)
     for file in sorted(generate.CASES.glob("*.json")):
         text = file.read_bytes()
@@ -86,7 +86,7 @@ def test_a_case_is_what_the_generator_makes(place):
 
 
 def test_the_stored_end_of_a_case_of_order_is_exact():
-    """It agrees with SciPy's pair of order eight, which shares nothing with the Taylor series of the generator."""
+    """The stored value agrees with SciPy's DOP853, which is independent of the Taylor series of the generator."""
     from scipy.integrate import solve_ivp
 
     from conformance.problem import Problem
@@ -103,7 +103,7 @@ def test_the_stored_end_of_a_case_of_order_is_exact():
 
 
 def test_the_study_passes():
-    """All cases of levels A to D and G; the cases of E and F, each of which compiles a program, for four schemes only.
+    """Run all cases of levels A to D and G. Cases of E and F compile a program each; they run for four schemes only.
 
     On unequal steps the study's α-methods move the carried acceleration, which the kit lists as an alternative.
     """
@@ -131,7 +131,7 @@ def _mutated(text, change):
 
 
 def _caught(found, cause):
-    """Whether a mistake is caught, and whether its cause is reported."""
+    """Whether a case fails or differs, and whether such a case reports the expected cause."""
     failed = [one for one in found if one.verdict in ("fail", "differs")]
     return bool(failed), bool(cause) and any(cause in one.cause for one in failed)
 
@@ -220,7 +220,7 @@ def test_the_reader_in_javascript_judges_a_case(tmp_path):
 
 
 def test_the_zip_works_without_the_study(tmp_path):
-    """It runs in a Python that finds NumPy but not the project."""
+    """The kit runs in a Python that has NumPy, but neither this project nor JAX nor mpmath."""
     subprocess.run(
         ["make", "conformance", f"CONFORMANCE={tmp_path / 'kit.zip'}"], cwd=PROJECT, check=True, capture_output=True
     )
@@ -244,7 +244,7 @@ def test_stored_verdicts_are_those_of_these_cases_and_on_the_page():
         code["tool"] for code in codes
     }
     for code in codes:
-        # results of an older version of the kit have no newer cases
+        # verdicts of an older kit lack the cases that were added later
         names = {case["name"] for case in ALL if _number(case["version"]) <= _number(code["kit"])}
         assert {case["name"] for case in code["cases"]} == names and code["version"]
         assert code["counts"] == {verdict: counted_in(code, verdict) for verdict in code["counts"]}
@@ -280,7 +280,7 @@ def test_the_third_set_of_opensees_moves_from_rest_as_the_schemes_do_and_not_fro
 
 
 def test_diffrax_has_average_acceleration_as_the_trapezoidal_rule():
-    """Also on unequal steps."""
+    """The runner of diffrax passes the case of average acceleration on unequal steps."""
     pytest.importorskip("diffrax")
     (case,) = [case for case in ALL if case["name"] == "G-LIN-AVG"]
     with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):

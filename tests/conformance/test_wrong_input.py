@@ -1,4 +1,4 @@
-"""Wrong calls and broken codes: each gets one sentence that names the culprit."""
+"""Wrong calls and faulty codes: each gets one sentence that names the cause."""
 
 import sys
 import time

@@ -1,4 +1,4 @@
-"""Estimators against closed forms, and against local errors: errors of one step from the numerical state."""
+"""Estimators compared with closed forms and with local errors, the errors of one step from the numerical state."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -13,7 +13,7 @@ DT = 0.05
 
 
 def march(scheme, estimator, dt=DT, problem=OSCILLATOR):
-    """Two periods with equal steps and their estimates; the largest displacement is one."""
+    """A run of two periods with equal steps and the estimate of each step; the largest displacement is one."""
     steps = round(4 * np.pi / dt)
     return study.run(
         problem, scheme, controller=study.Prescribed([dt]), duration=steps * dt, tolerance=1.0, estimator=estimator
@@ -21,7 +21,7 @@ def march(scheme, estimator, dt=DT, problem=OSCILLATOR):
 
 
 def local_errors(ds):
-    """Errors of displacement and velocity of each step, against the exact motion from its start."""
+    """Errors of displacement and velocity in each step, against the exact motion from the state at its start."""
     u, v = ds.u.values, ds.v.values
     h = ds.step_size.values[1:]
     exact = u[:-1] * np.cos(h) + v[:-1] * np.sin(h), v[:-1] * np.cos(h) - u[:-1] * np.sin(h)
@@ -37,7 +37,7 @@ def test_zienkiewicz_and_xie_for_newmark(name):
 
 @pytest.mark.parametrize("name", ["average_acceleration", "hht_alpha", "wbz_alpha", "generalized_alpha", "bathe"])
 def test_zienkiewicz_and_xie_where_the_motion_is_fast(name):
-    """The estimate is the error of the displacement where u''' is large, and small at the turning points."""
+    """Where u''' is large, the estimate equals the local error of the displacement; at turning points it is small."""
     ds = march(name, "zienkiewicz_xie")
     fast = abs(ds.u.values[1:]) < 0.3
     ratio = ds.estimate.values[1:] / local_errors(ds)[0]
@@ -62,7 +62,7 @@ def test_step_doubling_is_the_error_of_the_finer_steps(name):
 
 
 def test_an_embedded_pair_estimates_the_error_of_its_lower_order():
-    """The estimate falls with the fifth power of the step, and the error of the displacement with the tolerance."""
+    """The estimate falls with the fifth power of the step size; the error at the end falls with the tolerance."""
     coarse, fine = (march("dormand_prince6", "embedded_pair", dt).estimate.max() for dt in (0.4, 0.2))
     assert np.log2(coarse / fine) == pytest.approx(5, abs=0.3)
     spring = study.Problem(lambda u: u + u**3, u0=1.0)
@@ -75,7 +75,7 @@ def test_an_embedded_pair_estimates_the_error_of_its_lower_order():
 
 @pytest.mark.parametrize("name", ["average_acceleration", "hht_alpha", "wbz_alpha", "generalized_alpha"])
 def test_the_half_step_residual_falls_with_the_square_of_the_step(name):
-    """With average acceleration the residual is Δt²/8."""
+    """With average acceleration the largest residual is Δt²/8."""
     first, second = (march(name, "half_step_residual", dt).estimate[5:].max().item() / dt**2 for dt in (0.02, 0.01))
     assert first == pytest.approx(second, rel=0.03)
     if name == "average_acceleration":
@@ -95,7 +95,7 @@ def test_the_iterations_are_those_that_an_observer_counts():
 
 
 def test_an_estimate_is_relative_to_the_motion():
-    """Units of displacement and time change no step of a linear structure with several unknowns."""
+    """Other units of displacement and time leave all steps of a linear structure the same."""
     stiffness = np.array([[3.0, -1.0], [-1.0, 2.0]])
     for name in estimators:
         if name in ("iterations", "embedded_pair"):

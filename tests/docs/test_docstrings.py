@@ -11,7 +11,7 @@ from docs.docstrings import parsed, references_of, restructured
 from docs.mathml import mathml
 
 PROJECT = Path(__file__).parents[2]
-#: Formulas of a docstring: blocks, and formulas within a line.
+#: Pattern of the formulas of a docstring: blocks, and formulas within a line.
 FORMULA = re.compile(r"^( *)\.\. math::\n\n((?:\1 +.*\n|\n)+)|:math:`([^`]*)`", re.MULTILINE)
 
 

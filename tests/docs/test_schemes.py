@@ -74,7 +74,7 @@ def test_orders_come_from_the_errors():
 
 
 def _kinks(*needed, first_order=0):
-    """A yielding oscillator: central difference and Runge-Kutta need the given steps a period for an error of 1 %."""
+    """Runs on a yielding oscillator; for 1 % central difference and Runge-Kutta need ``needed`` steps a period."""
     steps, names = np.array([16, 32, 64]), ["central_difference", "rk4"]
     dims = ("problem", "scheme", "steps_per_period")
     error = np.where(steps < np.array(needed)[:, None], 0.02, 0.005)[None]
@@ -116,7 +116,8 @@ def test_the_better_scheme_is_as_good_in_all():
     names = ("houbolt", "park", "average_acceleration")
     library = Library(Empty(), {name: study.schemes[name] for name in names}, {})
     pages = {name: verdict(library.subject(name), library) for name in names}
-    assert '<a href="park.html">Park</a>' in pages["houbolt"]  # average acceleration damps no high frequencies
+    # average acceleration is not better than Houbolt's method, because it damps no high frequencies
+    assert '<a href="park.html">Park</a>' in pages["houbolt"]
     assert "none in linear theory" in pages["park"] and "none in linear theory" in pages["average_acceleration"]
 
 

@@ -1,4 +1,4 @@
-"""The table of schemes in a browser, by the keyboard alone."""
+"""The tables of schemes and of claims in a browser; the table of schemes is operated by the keyboard alone."""
 
 import shutil
 
@@ -22,7 +22,7 @@ return rows.filter((row) => !row.hidden).map((row) => row.cells[1].innerText)
 
 @pytest.fixture
 def show(tmp_path):
-    """A function that shows a table in a browser."""
+    """Function that opens a table in a browser, and returns the browser."""
     from selenium import webdriver
 
     options = webdriver.ChromeOptions()
@@ -70,15 +70,16 @@ def test_the_keyboard_sorts_and_narrows_the_table(browser):
     assert browser.execute_script(SHOWN) == ["Houbolt"]
     press(*[Keys.BACKSPACE] * len("Houbolt OpenSees"))
     sorted_by = {}
-    for _ in range(16):  # past the box, the region that scrolls, and all headings
+    for _ in range(16):  # the search box, the scrolling region, and all headings
         press(Keys.TAB)
         if browser.execute_script("return document.activeElement.tagName") == "BUTTON":
             press(Keys.ENTER)
             sorted_by[heading()] = browser.execute_script(SHOWN)
     assert sorted_by["order"] == ["Central difference", "Houbolt", "Runge-Kutta"]
     assert sorted_by["largest stable ωΔt"] == ["Central difference", "Runge-Kutta", "Houbolt"]
-    assert sorted_by["period, %"] == ["Runge-Kutta", "Central difference", "Houbolt"]  # by size; the second is negative
-    assert sorted_by["time, ns"] == ["Runge-Kutta", "Houbolt", "Central difference"]  # a missing value is last
+    # period errors are sorted by absolute value; that of central difference is negative
+    assert sorted_by["period, %"] == ["Runge-Kutta", "Central difference", "Houbolt"]
+    assert sorted_by["time, ns"] == ["Runge-Kutta", "Houbolt", "Central difference"]  # missing values are last
     (last,) = browser.execute_script("return [...document.querySelectorAll('[aria-sort]')].map((one) => one.ariaSort)")
     assert last == "ascending"
     browser.execute_script("document.querySelectorAll('thead button')[10].focus()")
@@ -92,7 +93,7 @@ def test_the_keyboard_sorts_and_narrows_the_table(browser):
 
 @pytest.fixture
 def results(tmp_path):
-    """Tables of two rows, and a ledger of three claims."""
+    """Folder of results with tables of two rows, and a ledger of three claims."""
     ledger = pd.DataFrame({"No.": ["1", "2", "3"], "Claim": ["A < B.", "C.", "D of A."]}).assign(Whose="Xie, 2")
     ledger = ledger.assign(**{"Decided by": "runs", "Printed": "", "Ours": "1"})
     verdicts = ["reproduced", "not reproduced; by far", "reproduced"]

@@ -10,7 +10,7 @@ from study import io
 
 @pytest.fixture
 def cosine() -> xr.Dataset:
-    """Reference of cos(2πt) as the pipeline writes it."""
+    """Reference dataset of cos(2πt), in the format of the pipeline."""
     phase = np.linspace(0, 1, 64 * 8 + 1)
     return xr.Dataset(
         {
@@ -33,7 +33,7 @@ def exact() -> xr.Dataset:
 
 @pytest.fixture
 def springs(exact, tmp_path, monkeypatch):
-    """The exact periods, in the folder where experiments look for them."""
+    """The exact periods, also in the file that experiments read."""
     monkeypatch.chdir(tmp_path)
     io.write(exact, "results/reference/amplitudes.nc")
     return exact

@@ -9,7 +9,7 @@ from study.experiments.accuracy import accuracy
 
 
 def test_errors_below_the_uncertainty_of_the_reference_are_flagged(cosine, monkeypatch):
-    """Each measure has its own uncertainty: a coarse reference flags errors of the trajectory, not of the energy."""
+    """An uncertain displacement of the reference flags errors of the trajectory, but not errors of the energy."""
     reference = cosine
     doubts = {"u_uncertainty": 1e-3, "period_uncertainty": 1e-12, "energy_drift": 1e-15}
     reference = reference.assign(doubts)

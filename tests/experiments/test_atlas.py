@@ -14,7 +14,7 @@ GRID = {"first": -1.5, "last": 0.0, "count": 7}
 
 @pytest.fixture(scope="module")
 def many():
-    """Exact periods at so many amplitudes that an ensemble needs more than two tiles of lanes."""
+    """Exact periods of two springs at 150 amplitudes each, more than two tiles of lanes."""
     dataset = amplitudes(["softening", "double_well"], {"first": -1.0, "last": 1.0, "count": 150})
     return dataset.assign_attrs(source=study.io.SOURCE)
 
@@ -44,5 +44,5 @@ def test_a_map_shows_the_linear_limit_at_small_amplitude(springs):
     lost = one.outcome.values >= Outcome.GROWING
     first = one.dt_over_period.values[lost.argmax()]
     limit = 2 / (one.highest_frequency * one.period).item()
-    # the tangent has this frequency only at the turning points, so that longer steps may be stable too
+    # the tangent has its highest frequency only at the turning points, so that longer steps may be stable too
     assert limit * 0.9 < first < 1.15 * limit

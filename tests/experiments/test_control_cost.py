@@ -25,7 +25,7 @@ def test_control_reaches_the_exact_motion_of_a_bouncing_mass(reference, monkeypa
     ds = control_cost(["bouncing"], schemes, "pi", [1e-2, 1e-4, 1e-6], [8, 16, 32]).squeeze("problem")
     controlled, multistep = (ds.sel(scheme=one) for one in schemes)
     assert (controlled.status == 0).all() and controlled.error[-1] < 1e-4 < controlled.error[0]
-    # five forces a step, accepted or rejected: the first of six stages is the last stage of the previous step
+    # an accepted or rejected step takes five forces: its first of six stages is the last stage of the previous step
     np.testing.assert_array_equal(controlled.forces, 5 * (controlled.steps + controlled.rejected))
     np.testing.assert_array_equal(controlled.equal_forces, 5 * 16 * ds.steps_per_sample)
     assert (controlled.equal_error.diff("steps_per_sample") < 0).all()
@@ -63,9 +63,9 @@ def test_rules_of_codes_on_the_hardening_spring(monkeypatch):
     monkeypatch.setattr(io, "open_dataset", lambda name: xr.Dataset({"period": period}))
     ds = control_of_codes(["hardening"], [20], 10).squeeze()
     steps = ds.steps_per_period
-    # Nastran takes 40, 20 or 10 steps in the apparent period, and changes the step by factors of two
+    # Nastran aims at 40, 20 or 10 steps in the apparent period, and changes the step size by factors of two only
     assert (steps.sel(code="Nastran") > [20, 10, 5]).all() and (steps.sel(code="Nastran") < [80, 40, 20]).all()
     assert (steps.sel(code="Abaqus").diff("class") < 0).all() and steps.sel(code="Abaqus").max() < 20
     assert ds.halved_energy_error == pytest.approx(1, abs=0.01)
-    # the tests of SciML's package OrdinaryDiffEqNewmark require a ratio between 0.2 and 3
+    # the tests of SciML's package OrdinaryDiffEqNewmark require a ratio of error to tolerance between 0.2 and 3
     assert (ds.error_in_tolerances > 0.2).all() and (ds.error_in_tolerances < 3).all()

@@ -1,4 +1,4 @@
-"""Estimates and true errors under a load and with a stiff mode, with steps that are restarted at later times."""
+"""Estimates and true errors of steps, under a load and with a stiff mode."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ SCHEMES = ["average_acceleration", "generalized_alpha"]
 
 
 def test_true_errors_under_a_load_are_those_of_the_closed_form():
-    """A forced oscillator, whose motion from any state and time is known."""
+    """The exact motion of the forced oscillator is known from any state and start time."""
     problem = study.Problem(lambda u: u, 0.3, 0.1, load=lambda t: t * t)
     ds = study.run(problem, "average_acceleration", controller=study.Prescribed([0.2]), duration=2.0)
     t, u, v, h = ds.t.values, ds.u.values, ds.v.values, 0.2

@@ -1,4 +1,4 @@
-"""The order of schemes on forces with kinks, from references that a test makes itself."""
+"""The order of schemes on forces with kinks; the test computes the references."""
 
 import numpy as np
 import pytest
@@ -22,13 +22,13 @@ def test_a_kink_costs_the_order(reference, monkeypatch):
     smooth, yielding, shaken = ds.observed_order.sel(scheme="gauss4").values
     assert smooth == pytest.approx(4.0, abs=0.2) and yielding < 3.0 and shaken < 3.0
     assert ds.observed_order.sel(scheme="average_acceleration").values == pytest.approx(np.full(3, 2.0), abs=0.4)
-    # the balance of energies does not show errors of average acceleration, however large they are
+    # average acceleration balances the energies to round-off, although its error exceeds 1e-3
     blind = ds.sel(scheme="average_acceleration", problem="yielding").isel(steps_per_period=0)
     assert float(blind.error) > 1e-3 and float(blind.max_energy_imbalance) < 1e-12
-    # a method that takes its force from a potential is left out where the force dissipates
+    # the energy-momentum method takes its force from a potential, so it is left out if the force dissipates
     left_out = ds.sel(scheme="energy_momentum", problem="yielding")
     assert np.isnan(left_out.error).all() and (left_out.status == STATUSES_OR_NOT_RUN.index("not_run")).all()
     assert ((ds.status == 0) == ds.error.notnull()).all()
     assert np.isfinite(ds.error.sel(scheme="energy_momentum", problem="shaken")).all()
-    # the hardening spring is stiffest at its start; the others where they do not yield, with the period of one second
+    # the hardening spring is stiffest at its start; before yielding, the other oscillators have a period of one second
     np.testing.assert_allclose(ds.highest_frequency, [10 * np.sqrt(1 + 30 * 1.5**2), 2 * np.pi, 2 * np.pi])

@@ -33,7 +33,7 @@ def test_a_law_of_growth_is_recovered_with_its_error(exponent):
 
 
 def test_the_error_of_an_exponent_is_its_scatter():
-    """The reported error is the scatter of the exponent over random walks, whose lengths contain each other."""
+    """The reported error is the scatter of the exponent over random walks; longer walks contain the shorter ones."""
     periods = np.array([10, 32, 100, 316, 1000])
     walks = np.random.default_rng(1).normal(size=(200, 1000, 32)).cumsum(axis=1)[:, periods - 1]
     found, error = growth(periods, walks)
@@ -50,7 +50,7 @@ def test_values_without_growth_have_no_law():
 
 @pytest.fixture
 def harmonic(monkeypatch, tmp_path) -> xr.Dataset:
-    """Dataset of the experiment on the harmonic oscillator."""
+    """Dataset that the experiment makes of runs on the harmonic oscillator."""
     phase = np.linspace(0, 1, 65)
     reference = xr.Dataset(
         {

@@ -26,10 +26,10 @@ def test_schemes_have_their_order_where_all_is_smooth(found):
 
 def test_circumstances_cost_the_order_of_theory(found):
     order = found.observed_order
-    # the carried acceleration belongs to a time within the step
+    # the carried acceleration of the generalized-α method belongs to a time within the step
     late = order.sel(scheme="generalized_alpha", quantity="acceleration", circumstance=["damping", "load"])
     np.testing.assert_allclose(late, 1.0, atol=0.35)
-    # a wrong initial acceleration causes an error of the velocity that is proportional to the first step
+    # a wrong initial acceleration causes an error of the velocity that is proportional to the size of the first step
     wrong = order.sel(scheme="average_acceleration", circumstance="inconsistent_start", quantity="velocity")
     assert wrong == pytest.approx(1.0, abs=0.1)
     # a kink costs the Runge-Kutta method two orders
@@ -56,7 +56,7 @@ def test_references_are_those_of_a_fine_run_of_another_method():
     for name, circumstance in circumstances_with([100.0]).items():
         if circumstance.inconsistent or circumstance.unequal:
             continue
-        # kinks leave an error of second order
+        # at kinks the error of the fine run is of second order
         allowed = 1e-5 if name in ("hysteresis", "contact") else 1e-9
         assert circumstance.errors(schemes["rk4"], [4096]).max() < allowed, name
 

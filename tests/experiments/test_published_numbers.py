@@ -1,4 +1,4 @@
-"""Errors at times with a known displacement, and the Lyapunov exponent of Ueda's oscillator."""
+"""Errors at times at which the displacement is known, and the Lyapunov exponent of Ueda's oscillator."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Number of steps that keep the energy."""
+"""Number of steps per period that keeps the energy."""
 
 import xarray as xr
 
@@ -25,7 +25,7 @@ def test_the_steps_that_are_enough_are_enough(springs):
 
 
 def test_how_many_steps_are_enough_does_not_depend_on_longer_runs(springs):
-    """The number for short runs stays the same if longer runs are made too, even if these fail."""
+    """The number of steps for short runs stays the same if longer runs are added, even if the longer runs fail."""
     short = robustness(["double_well"], ["average_acceleration"], [3, 4, 5, 20], [20])
     both = robustness(["double_well"], ["average_acceleration"], [3, 4, 5, 20], [20, 200])
     xr.testing.assert_equal(short.steps_needed.isel(periods=0, drop=True), both.steps_needed.isel(periods=0, drop=True))

@@ -1,4 +1,4 @@
-"""Which root Newton's iteration finds."""
+"""Roots that Newton's iteration finds from several first guesses."""
 
 import numpy as np
 
@@ -9,6 +9,6 @@ def test_newton_finds_the_root_that_its_start_is_near():
     grid = {"first": -2.0, "last": 2.0, "count": 9}
     ds = roots("double_well", ["houbolt"], {"first": 1, "last": 3, "count": 5}, grid, 2.5, [1e-3], steps=20)
     at_rest = ds.root.sel(scheme="houbolt", predictor=0.0)
-    # u + c p(u) = 0 with c = 3.125: 0 and ±√(1 − 2/c)
+    # the roots of u + c p(u) = 0 with c = 3.125 are 0 and ±√(1 − 2/c)
     assert set(np.round(at_rest.dropna("guess").values, 9)) == {-0.6, 0.0, 0.6}
     assert (ds.number_of_roots.sel(scheme="houbolt", predictor=0.0, dt=[1.0, 3.0]) == [1, 3]).all()

@@ -1,4 +1,4 @@
-"""Step sizes that keep the error of the peak drift under records, with a reference that the test makes itself."""
+"""Step sizes that keep the error of the peak drift under records; the test computes the reference."""
 
 import numpy as np
 import pytest

@@ -37,7 +37,7 @@ def test_energy_errors_are_the_printed_ones(monkeypatch):
 def test_only_houbolts_own_start_gives_the_printed_error():
     error = houbolt_start(["hardening"], [20], periods=100).max_energy_error.squeeze()
     printed = PRINTED.sel(problem="hardening", scheme="houbolt", steps_per_period=20).item()
-    # rounded to two decimals and then to one, as the numbers of 1996 were
+    # ``twice`` rounds to two decimals and then to one, as the numbers of 1996 were rounded
     met = error.start[same(twice(error), printed)]
     assert met.values.tolist() == ["linear_acceleration"] and error.sizes["start"] == 4
 
@@ -74,8 +74,8 @@ def test_a_resonance_holds_runge_kutta_at_a_whole_number_of_steps():
     parts = {"first": 20, "last": 25, "step": 5}
     drift = energy_drift("softening", "rk4", parts, periods=100, oscillations=20)
     printed = PRINTED.sel(problem="softening", scheme="rk4", steps_per_period=[20, 25])
-    # with 20 steps the resonance holds the orbit, so the final drift is less than the largest error; with 25 they are
-    # equal
+    # with 20 steps a resonance holds the orbit, so the final drift is less than the printed largest error; with 25
+    # steps the drift equals the largest error
     held, free = -100 * drift.energy_drift.values
     assert 0 < held < printed[0] and free == pytest.approx(printed[1].item(), abs=0.06)
     count = drift.steps_per_oscillation.values
@@ -96,7 +96,7 @@ def test_neighbours_part_only_where_the_motion_is_chaotic():
     assert parted.separation.isel(t=0).values == pytest.approx(perturbation, rel=1e-3)
     assert last.sel(scheme="average_acceleration") > 0.1
     assert last.sel(scheme="newmark_dissipative") < 1e-3
-    assert APART == terms.APART  # the claims name this distance
+    assert APART == terms.APART  # the texts of the claims state this distance
     chaotic, damped = (parted.sel(scheme=name) for name in ("average_acceleration", "newmark_dissipative"))
     assert (chaotic.parted_at_step[1:] > 40).all() and len(set(chaotic.changes_of_sign.values)) > 3
     assert (damped.parted_at_step == -1).all() and len(set(damped.changes_of_sign.values)) == 1

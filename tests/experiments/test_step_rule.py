@@ -1,4 +1,4 @@
-"""Errors against the product of the step and the highest frequency of the motion."""
+"""Errors against the product of the step size and the highest frequency of the motion."""
 
 import numpy as np
 import pytest
@@ -27,6 +27,6 @@ def test_errors_are_those_of_a_run(springs):
 
 def test_the_energy_of_a_well_is_measured_from_its_bottom(springs):
     ds = step_rule(["rk4"], {"first": -1, "last": -0.5, "count": 2}, 10).sel(problem="double_well").isel(scheme=0)
-    # the energy error is of fifth order: it is some 300 times as large at a step three times as large
+    # the energy error is of fifth order, so that a step size √10 times as large makes it some 300 times as large
     assert ((ds.energy_error[:, 1] / ds.energy_error[:, 0]) > 100).all()
     assert (ds.energy_error[:, 0] < 1e-2).all()

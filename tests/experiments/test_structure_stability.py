@@ -16,9 +16,9 @@ def test_structures_end_as_their_energies_say():
     one = [{"problem": "pendulum", "periods": 20}]
     ds = structure_stability(one, ["central_difference", "energy_momentum"], [0.5, 1], [4, 320]).squeeze()
     outcome = ds.outcome.values
-    # with four steps in its time scale, ωΔt of small oscillations is beyond the stability limit of 2
+    # with four steps in the time scale of the pendulum, ωΔt of small oscillations is beyond the stability limit of 2
     assert (outcome[0, :, 0] == Outcome.GROWING).all() and (outcome[:, :, 1] == Outcome.ACCURATE).all()
-    # the energy-momentum method keeps the energy at this step too, but its Newton iteration needs a bracket
+    # the energy-momentum method keeps the energy at this step size too, but its Newton iteration needs a bracket
     assert (outcome[1, :, 0] == Outcome.ACCURATE).all() and not ds.status.any()
     iterations = ds.max_newton_iterations
     assert (iterations.sel(scheme="central_difference") == 0).all()

@@ -1,4 +1,4 @@
-"""The compiled march of a single run: what it observes, and how it fails."""
+"""The compiled march of a single run: its observations, its pauses and its failures."""
 
 import signal
 import subprocess
@@ -64,7 +64,7 @@ def test_a_number_of_samples_fits_runs_of_every_length(u0):
 
 @pytest.mark.parametrize("every", [1, 10, 1000])
 def test_a_pause_changes_nothing(monkeypatch, every):
-    """The march may pause between two samples."""
+    """A march that pauses, even between two samples, gives the same results."""
     arguments = {"dt": 0.002, "steps": 3000, "every": every, "observe": ["trajectory", "max_energy_error"]}
     at_once = study.run("softening", "houbolt", **arguments)
     monkeypatch.setattr(program, "PAUSE", 257)
@@ -81,7 +81,7 @@ def test_a_failure_ends_a_run_at_its_pause(monkeypatch):
 def test_a_long_run_can_be_interrupted(tmp_path, u0):
     """Ctrl-C ends a run of 10¹² steps, and files that were written before it are kept."""
     code = (
-        # a shell that starts the tests in the background makes them ignore interrupts
+        # interrupts are enabled, because a shell disables them in tests that it runs in the background
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
         "import study; study.io.write(study.run('hardening', 'rk4', dt=1e-4, steps=10), 'kept.nc'); "
         "print('ready', flush=True); "
@@ -95,7 +95,7 @@ def test_a_long_run_can_be_interrupted(tmp_path, u0):
             process.send_signal(signal.SIGINT)
             _, error = process.communicate(timeout=60)
         finally:
-            process.kill()  # otherwise it would run on for weeks after the test
+            process.kill()  # otherwise the run would go on for weeks after the test
     assert process.returncode != 0 and b"KeyboardInterrupt" in error
     assert xr.load_dataset(tmp_path / "kept.nc").status == 0
 
@@ -153,7 +153,7 @@ def test_the_bound_of_a_family_is_that_of_its_largest_lane():
 
 
 def _cubic(u):
-    """The restoring force of the double well."""
+    """Twice the restoring force of the double well."""
     return u**3 - u
 
 
@@ -166,7 +166,7 @@ def test_a_step_without_a_solution_is_recorded():
 
 
 def test_step_size_and_count_share_one_compilation(caplog):
-    problem = study.Problem(lambda u: u, u0=1.0, potential=lambda u: u**2 / 2)  # compiled by no other test
+    problem = study.Problem(lambda u: u, u0=1.0, potential=lambda u: u**2 / 2)  # no other test compiles it
     with jax.log_compiles():
         for dt, steps in ((0.01, 10), (0.02, 20), (0.03, 30)):
             study.run(problem, "houbolt", dt=dt, steps=steps, observe=["max_energy_error"])
@@ -174,7 +174,7 @@ def test_step_size_and_count_share_one_compilation(caplog):
 
 
 def test_labels_and_samples_share_one_compilation(caplog):
-    """Titles of problems and schemes, and the number of samples, are not compiled into a program; parameters are."""
+    """Programs are compiled for parameters, but not for titles of problems and schemes or the number of samples."""
 
     def times_compiled(*variants):
         caplog.clear()
@@ -193,7 +193,7 @@ def test_labels_and_samples_share_one_compilation(caplog):
 
 
 def test_a_word_in_a_force_is_no_label():
-    """A field ``source`` of a user's module may decide its force, so it must not be removed like a label."""
+    """A field ``source`` of a user's force may decide its values, so the field must not be removed like a label."""
 
     class Spring(eqx.Module):
         source: str = eqx.field(static=True)
@@ -208,7 +208,7 @@ def test_a_word_in_a_force_is_no_label():
 
 
 def _compiled(definition, u0, dt):
-    """The program of a march of any number of steps."""
+    """The compiled program of a march; the number of steps is an argument."""
 
     @eqx.filter_jit
     def march(definition, u0, dt, until):
@@ -221,7 +221,7 @@ def _compiled(definition, u0, dt):
 
 
 def test_what_a_problem_lacks_is_not_in_the_loop():
-    """No load, no damping, no mass: nothing of time or of a linear solve is computed in the compiled loop."""
+    """Without load, damping and mass, the compiled loop evaluates no function of time and solves no linear system."""
     problem, scheme = study.problems["hardening"], study.schemes["central_difference"]
 
     def text_of(problem):
@@ -235,17 +235,17 @@ def test_what_a_problem_lacks_is_not_in_the_loop():
 
 
 def test_time_does_not_drift_over_many_steps():
-    """The load of the last step is f(n Δt) to round-off, as time is a product and not a sum."""
+    """The load of the last step is f(n Δt) to round-off, because time is the product n Δt and not a sum."""
     steps = 10**6
     problem = study.Problem(lambda u: 0.0 * u, u0=0.0, load=lambda t: t)
     ds = study.run(problem, "central_difference", dt=0.1, steps=steps, every=steps)
     end = 0.1 * steps
-    # ü = t: velocity by the trapezoidal rule, exact for a linear function
+    # ü = t: the trapezoidal rule for the velocity is exact for a linear function
     assert ds.v[-1].item() == pytest.approx(end**2 / 2, rel=1e-12)
 
 
 def test_memory_grows_with_the_unknowns_and_no_faster():
-    """The compiled march of a bar keeps as many numbers per unknown for a long bar as for a short one."""
+    """The compiled march needs the same memory per unknown for bars of 1,000 and of 100,000 unknowns."""
 
     def kept(n):
         definition = March(chains.impact_bar(n), study.schemes["average_acceleration"], (), ())

@@ -1,4 +1,4 @@
-"""A run as a pure function: its derivatives against multiprecision finite differences, its memory, its refusals."""
+"""A run as a pure function: its derivatives, compared with multiprecision differences, its memory, and its refusals."""
 
 import jax
 import jax.numpy as jnp
@@ -9,7 +9,7 @@ import study
 
 
 def _average_acceleration(stiffness, cubic, steps=40, dt="0.05"):
-    """Last displacement of ü + k u + c u³ = 0 from u₀ = 1 at rest, in multiple precision, by plain Newton iteration."""
+    """Last displacement of ü + k u + c u³ = 0 from u₀ = 1 at rest, by average acceleration in multiple precision."""
     u, v, dt = mpmath.mpf(1), mpmath.mpf(0), mpmath.mpf(dt)
     a = -stiffness * u - cubic * u**3
     for _ in range(steps):
@@ -61,7 +61,7 @@ def test_hysteresis_and_its_dissipation_are_differentiated():
 
 
 def test_backward_derivatives_keep_few_states():
-    """The memory of the compiled derivative grows far less than the number of steps."""
+    """For a hundred times as many steps, the compiled derivative needs less than 15 times the memory."""
 
     def needed(steps):
         def end(u0):

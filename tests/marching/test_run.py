@@ -1,4 +1,4 @@
-"""``study.run`` as a user calls it: labels, and a sentence for every mistake."""
+"""``study.run`` as a user calls it: the labels of its results, and a sentence for every mistake."""
 
 from concurrent.futures import ThreadPoolExecutor
 

@@ -14,7 +14,7 @@ def test_schemes_run_in_single_precision(kind):
         single = study.run("hardening", kind, **arguments)
     assert single.u.dtype == np.float32 and single.status == 0
     difference = np.abs(single.u - double.u).max().item()
-    # more than zero, and at most a few hundred round-offs; schemes with differences divided by Δt² lose more
+    # the difference is above zero and at most a few hundred round-offs; Houbolt's method divides by Δt², and loses more
     assert 1e-8 < difference < (2e-3 if kind == "houbolt" else 5e-5)
 
 
@@ -38,14 +38,14 @@ def test_steps_that_single_precision_cannot_count_are_refused():
 
 
 def test_a_structure_in_single_precision():
-    """Tolerances for several unknowns depend on the precision too."""
+    """The tolerances of Newton's iteration for several unknowns depend on the precision, so that the run succeeds."""
     with jax.enable_x64(False):
         ds = study.run("fpu_chain", "energy_momentum", dt=0.01, steps=100, observe=["max_energy_error"])
     assert ds.status == 0 and ds.max_energy_error < 1e-2
 
 
 def _single_round_off(scheme, dt, steps):
-    """Round-off of the mean energy error against compensated double precision, as the root mean square of all runs."""
+    """Round-off of the mean energy error: its root mean square deviation from runs in compensated double precision."""
     observed = []
     for double, method in ((False, scheme), (True, study.Compensated(scheme))):
         with jax.enable_x64(double):
@@ -55,7 +55,7 @@ def _single_round_off(scheme, dt, steps):
 
 
 def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
-    """The energy drifts with Newmark's form of central difference, but not with its kick-drift-kick form."""
+    """The energy drifts with Newmark's form of central difference, which uses Δt², but not with kicks and drifts."""
     short = np.ldexp(np.arange(3936, 4064), -19)
     long = short + np.ldexp(1365, -31)
     newmark, verlet = study.schemes["central_difference"], study.Composition((1.0,), of_order=2)
@@ -65,7 +65,7 @@ def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
 
 
 def test_single_precision_comes_back_bit_for_bit():
-    """Without a drift of the energy the run becomes periodic, since few numbers lie near the orbit."""
+    """Without an energy drift the run becomes periodic, because few single-precision numbers lie near the orbit."""
     with jax.enable_x64(False):
         ds = study.run("hardening", "yoshida4", dt=np.ldexp(3972, -19), steps=200_000)
     states = list(zip(ds.u.values.tolist(), ds.v.values.tolist(), strict=True))

@@ -1,4 +1,4 @@
-"""The balance of forces, against an independent root finder and dense NumPy matrices."""
+"""The balance of forces, compared with an independent root finder and with dense NumPy matrices."""
 
 import equinox as eqx
 import jax
@@ -23,7 +23,7 @@ def _cubic(coefficient, x):
 @given(u=finite, v=finite, rhs=finite, c_u=st.floats(1e-6, 1.0), weight=st.floats(0.5, 1.0), cubic=st.floats(0.0, 10.0))
 def test_newton_finds_the_root(u, v, rhs, c_u, weight, cubic):
     problem = study.Problem(eqx.Partial(_cubic, np.float64(cubic)), u0=0.0, mass=2.0, damping=0.3)
-    # arrays, because a new program would be compiled for every value of a Python number
+    # arrays, because every value of a Python number would be compiled into a new program
     numbers = [jnp.asarray(number) for number in (rhs, u, v, c_u, 0.5, 0.0, weight)]
     a, effort = eqx.filter_jit(balance)(problem, *numbers)
 
@@ -79,13 +79,13 @@ def _linear_springs(moduli, e):
 @pytest.mark.parametrize("stiffness", [1e3, 1e7, 1e9, 1e11])
 @pytest.mark.parametrize("scheme", ["average_acceleration", "bathe", "energy_momentum", "gauss4"])
 def test_stiff_links_are_no_failure_of_newton(scheme, stiffness):
-    """The round-off of the displacement times the stiffness limits the accuracy of the force in a stiff link."""
+    """Runs succeed although the force in a stiff link has the round-off of the displacement times the stiffness."""
     moduli = np.array([0.5, 0.5 * stiffness, 0.5 * stiffness])
     # the moduli are arguments of the energy, so that all stiffnesses share one program
     energy = study.StrainEnergy(_along, eqx.Partial(_linear_springs, moduli))
     ds = study.run(study.Problem(potential=energy, u0=np.ones(3)), scheme, dt=0.1, steps=50)
     assert ds.status == 0
-    # the stiff links make the three masses one, which swings on the soft spring
+    # the stiff links join the three masses to one, which oscillates on the soft spring
     np.testing.assert_allclose(ds.u[:, 0], np.cos(ds.t / np.sqrt(3)), atol=2e-2)
 
 
@@ -96,7 +96,7 @@ def _dense(x, default):
 
 @pytest.mark.parametrize("name", ["average_acceleration", "gauss4", "energy_momentum"])
 def test_steps_are_vectorised_and_differentiated_twice(name):
-    """Steps are vectorised without compilation too. The Lyapunov exponent needs the first derivative only."""
+    """Vectorised steps and first derivatives, which the Lyapunov exponent needs, also work without compilation."""
     scheme, problem, dt = study.schemes[name], study.problems["hardening"], jnp.asarray(0.01)
 
     def moved(u0):

@@ -1,4 +1,4 @@
-"""Arguments of a problem with several unknowns, their detection, and the errors for invalid ones."""
+"""Arguments of problems, the properties that problems detect, and the errors for invalid arguments."""
 
 import equinox as eqx
 import jax
@@ -17,7 +17,7 @@ ZERO = np.zeros(N)
 
 
 def _chain(u):
-    """Springs r + r³ in a row; the first one is fixed to a wall."""
+    """Forces on masses between springs of force r + r³ in a row; the first spring is fixed to a wall."""
     stretch = jnp.concatenate([u[:1], jnp.diff(u)])
     pull = stretch + stretch**3
     return pull - jnp.concatenate([pull[1:], jnp.zeros(1)])
@@ -162,7 +162,7 @@ def test_neither_force_nor_potential_is_refused():
         (np.arange(1.0, 6.0), False),
         (np.arange(5.0), True),
         (np.diag([1.0, 1.0, 0.0, 1.0, 1.0]), True),
-        # singular: a uniform acceleration needs no force, but round-off hides it
+        # singular, because a uniform acceleration needs no force; round-off makes the smallest eigenvalue non-zero
         (np.eye(5) - np.full((5, 5), 0.2), True),
         (np.eye(5) - np.full((5, 5), 0.19), False),
     ],

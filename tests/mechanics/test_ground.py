@@ -150,7 +150,7 @@ def test_unfit_grounds_get_a_sentence():
 
 
 def test_a_place_that_rounds_to_either_side_of_a_sample_is_looked_up_once():
-    """In a loop over lanes XLA computes t/Δt twice, with different round-off; Runge-Kutta's stages meet the samples."""
+    """Lanes equal single runs at samples, although XLA computes t/Δt twice there, with different round-off."""
 
     def shaken(intensity):
         ground = study.GroundMotion.el_centro().scaled(intensity)

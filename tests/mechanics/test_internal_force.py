@@ -1,4 +1,4 @@
-"""Detected properties of a force: its arguments, whether it uses them, and whether its slope may jump."""
+"""Detected properties of a force: its number of arguments, whether it uses them, and its kinks."""
 
 import functools
 
@@ -53,9 +53,9 @@ def test_switches_change_their_sign_at_kinks(force, arguments, expected):
 
 
 def test_smooth_problems_of_the_study_are_seen_as_smooth():
-    """Their iterations need no safeguard, which would cost compilation."""
+    """Problems without kinks need no safeguard in Newton's iteration, which would take time to compile."""
     kinked = [name for name in study.problems if study.problems[name].kinked]
-    # the load on the beam ends smoothly, but with a branch
+    # the load on the beam ends smoothly, but its formula has a branch
     assert sorted(kinked) == ["belt", "bouncing", "elastic_beam", "hysteretic", "yielding"]
 
 

@@ -1,4 +1,4 @@
-"""Newton's iteration where the slope of the force jumps, against bisection."""
+"""Newton's iteration for forces with jumps of the slope, compared with a bracketing root finder."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -17,7 +17,7 @@ kinks = st.lists(st.floats(-2.0, 2.0), min_size=3, max_size=3)
 
 
 class PieceByPiece(eqx.Module):
-    """A continuous, rising force, with a given slope between any two kinks."""
+    """A continuous force that is linear between kinks, with a given slope of at least zero in each interval."""
 
     slopes: np.ndarray
     kinks: np.ndarray
@@ -40,7 +40,7 @@ def test_random_pieces_are_solved_as_by_bisection(slopes, kinks, rhs, u, c_u):
 
 
 def test_two_branches_do_not_take_turns():
-    """Plain Newton's iteration cycles between the outer branches of this force."""
+    """The balance is found in a few iterations, although plain Newton iteration cycles between the outer branches."""
     force = PieceByPiece(np.array([1.0, 100.0, 1.0]), np.array([-1.0, 1.0]))
     plain = 3.0
     for _ in range(20):
@@ -61,7 +61,7 @@ def test_a_force_that_jumps_is_met_in_the_jump():
 
 
 class RowWithStops(eqx.Module):
-    """Four masses in a row of springs, each with a stop that is a hundred times as stiff."""
+    """Force on four masses in a row of springs; the stop at each mass is a hundred times as stiff as a spring."""
 
     openings: np.ndarray
 
@@ -95,7 +95,7 @@ def test_uncoupled_springs_that_soften_run_as_each_of_them_alone(v0, dt):
         study.Problem(_softened, np.zeros(len(v0)), v0), "average_acceleration", dt=dt, steps=100, on_failure="raise"
     )
     alone = study.run(study.Problem(_softened, 0.0, v0[0]), "average_acceleration", dt=dt, steps=100)
-    # later the runs diverge from round-off, because the step is too long for the spring
+    # compared over 20 steps; later, round-off makes the runs diverge, because the step is too long for the spring
     np.testing.assert_allclose(together.u[:20, 0], alone.u[:20], atol=1e-6)
 
 
@@ -119,7 +119,7 @@ def test_fluid_dampers_of_small_exponent_run(exponent):
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e9])
 def test_several_unknowns_do_not_swing_between_sticking_and_slipping(stiffness):
-    """The balance of a contact far stiffer than its neighbours, the minimum of a convex function, is always found."""
+    """The balance with a contact far stiffer than its neighbours minimises a convex function, and is always found."""
     contact = study.materials.elements(study.materials.friction(20.0, stiffness), lambda u: u[:-1] - u[1:], 1)
 
     def force(u, v, history):

@@ -1,4 +1,4 @@
-"""Newton's iteration: how fast it converges, and what it reports when it fails."""
+"""Newton's iteration: its convergence, its failures, and its safeguard."""
 
 import jax
 import jax.numpy as jnp
@@ -28,7 +28,7 @@ def test_a_far_guess_is_given_the_iterations_that_it_needs():
 
 
 def _corrected(spring, u, c_u, a):
-    """Result of one more Newton iteration, and its correction relative to the displacement."""
+    """Accelerations after one more Newton iteration, and its corrections relative to the displacement."""
     force, tangent = jax.jvp(jax.vmap(spring.force), (u + c_u * a,), (jnp.ones_like(u),))
     correction = (a + force) / (1 + c_u * tangent)
     a = a - correction
@@ -50,7 +50,7 @@ def test_no_third_correction_if_it_is_predicted_to_be_round_off(problem, steps_p
 
 
 def test_failure_is_reported_within_the_bound():
-    """Under the cube root of the displacement as a force, Newton's iteration does not converge."""
+    """For the cube root of the displacement as the force, Newton's iteration fails within its bound on iterations."""
     problem = study.Problem(lambda u: jnp.cbrt(u), u0=1.0)
     _, effort = balance(problem, 0.0, jnp.asarray(1.0), jnp.asarray(0.0), 1e9, 1.0, jnp.asarray(1.0))
     assert not effort.converged
@@ -68,7 +68,7 @@ def test_a_safeguard_finds_the_root_where_newton_jumps_from_side_to_side(u, gues
 
 @pytest.mark.parametrize("scheme", ["average_acceleration", "wilson_theta", "houbolt", "bathe", "energy_momentum"])
 def test_every_step_of_a_rising_force_has_its_root(scheme):
-    """Plain Newton fails on the softening spring at these steps, though each equation has one root."""
+    """Restarts find the root of each step; plain Newton iteration fails on the softening spring at these step sizes."""
     dt = 1.79 * np.logspace(-1, 0, 24)
     ds = study.run("softening_large", scheme, dt=dt, steps=200, observe=["max_energy_error"])
     assert not ds.status.any() and ds.newton_restarts.max() > 0

@@ -11,7 +11,7 @@ from study.mechanics.sparse_tangent import SparseTangent
 
 
 def _chain(u):
-    """Springs r + r³ in a row; the first one is fixed to a wall."""
+    """Forces on masses between springs of force r + r³ in a row; the first spring is fixed to a wall."""
     stretch = jnp.concatenate([u[:1], jnp.diff(u)])
     pull = stretch + stretch**3
     return pull - jnp.concatenate([pull[1:], jnp.zeros(1)])
@@ -28,7 +28,7 @@ def _all_to_all(u):
         (lambda u: u * u * u, 0),
         (_chain, 1),
         (_all_to_all, "dense"),
-        # half of the unknowns lie between coupled ones, so elimination of a band would gain nothing
+        # coupled unknowns are half of all unknowns apart, so that elimination of a band would gain nothing
         (lambda u: u + jnp.roll(u, 4) + jnp.roll(u, -4), "dense"),
     ],
     ids=["uncoupled", "zero at the start", "chain", "all", "far"],
@@ -38,7 +38,7 @@ def test_the_structure_of_the_tangent_is_found(force, structure):
 
 
 def test_an_unknown_without_mass_and_stiffness_needs_pivots():
-    """The unknown has no diagonal entry: elimination of a band without pivoting would divide by zero."""
+    """The tangent is dense, because elimination of a band without pivots would divide by the zero on the diagonal."""
     stiffness = 2 * np.eye(8) - np.eye(8, k=1) - np.eye(8, k=-1)
     stiffness[0, 0] = 0
     mass = np.ones(8)
@@ -75,7 +75,7 @@ def test_of_many_unknowns_the_places_of_the_tangent_are_found():
 
 
 def test_a_structure_is_sought_where_the_force_has_a_derivative():
-    """The potential is real near the start only. Its far coupling is found there, and a narrow band is refused."""
+    """The potential is real only near the start, where its far coupling is found; a narrow band is refused."""
     n = 200
 
     def potential(u):
@@ -88,7 +88,7 @@ def test_a_structure_is_sought_where_the_force_has_a_derivative():
 
 @pytest.mark.parametrize("slip", [2e5, 2.0])
 def test_the_coupling_of_contacts_that_slip_near_the_start_is_found(slip):
-    """Even a small motion makes all contacts slip; the tangent is then diagonal, but the coupling is found."""
+    """Even a small motion makes all contacts slip. The tangent is then diagonal, but their coupling is found."""
     contacts = study.materials.elements(study.materials.friction(slip, 1e9), lambda u: u - jnp.pad(u[:-1], (1, 0)), 8)
 
     def force(u, v, history):

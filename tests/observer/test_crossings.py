@@ -38,7 +38,7 @@ def test_the_period_is_that_of_linear_theory(scheme, double, accuracy):
 
 def test_steps_beyond_the_digits_of_single_precision_are_counted():
     steps = 2**24 + 5
-    # at the limit of stability, ωΔt = 2, central difference goes from −½ to ½ and back, without round-off
+    # at its stability limit, ωΔt = 2, central difference alternates between −½ and ½ without round-off
     problem = study.Problem(lambda u: 4.0 * u, u0=-0.5, v0=0.0)
     with jax.enable_x64(False):
         ds = study.run(problem, "central_difference", dt=1.0, steps=steps, observe=["oscillations"])
@@ -70,7 +70,7 @@ def test_a_level_that_is_crossed_once_has_no_mean_period():
 
 
 def test_a_crossing_never_leaves_its_step():
-    """The velocities at both ends may contradict the crossing: they are zero, backwards, or far too large."""
+    """The crossing lies within its step, even if the velocities at its ends are zero, negative, or far too large."""
     for start in (0.0, -5.0, 1e9, 1e-300):
         for end in (0.0, -5.0, 1e9, 1e-300):
             part = _crossing((jnp.asarray(-0.2), jnp.asarray(start)), (jnp.asarray(0.3), jnp.asarray(end)), 0.1, 0.0)

@@ -9,11 +9,11 @@ from study.analysis.linear_theory import LinearTheory, oscillator
 
 
 def test_a_stretched_linear_map_grows_by_its_spectral_radius():
-    dt = 1.1 * 2  # ωΔt beyond the limit of central difference
+    dt = 1.1 * 2  # ωΔt, beyond the stability limit of central difference
     rho = LinearTheory("central_difference", np.array([dt / (2 * np.pi)])).spectral_radius[0]
     ds = study.run(oscillator(), "central_difference", dt=dt, steps=400, observe="lyapunov_exponent", bound=np.inf)
     assert ds.lyapunov_exponent.item() * dt == pytest.approx(np.log(rho), rel=0.01)
-    # δ reaches 2³³, which `apart_from` marks, after about ln 2³³ / ln ρ steps
+    # `apart_from` is the time at which a perturbation has grown by 2³³, after about ln 2³³ / ln ρ steps
     assert ds.apart_from.item() / dt == pytest.approx(np.log(2.0**33) / np.log(rho), abs=3)
 
 
@@ -29,7 +29,7 @@ def test_neighbours_part_as_two_runs_do():
     met = int(np.argmax(np.abs(pair[1] - pair[0]).values > 1e-2))
     alone = study.run("double_well", "average_acceleration", dt=dt, steps=met, observe=["lyapunov_exponent"])
     assert ds.lyapunov_exponent.item() * dt > 0.1
-    # logarithm of the growth, which the pair of runs shows as long as their distance is small
+    # exponent × time is the logarithm of the growth, which two runs show while their distance is small
     assert alone.lyapunov_exponent.item() * met * dt == pytest.approx(np.log(1e-2 / 1e-10), abs=2.5)
 
 
@@ -37,7 +37,7 @@ def test_neighbours_part_as_two_runs_do():
 def test_equal_unknowns_have_the_exponent_of_one(n):
     problem = study.Problem(lambda u: -2 * u, np.ones(n), np.zeros(n))
     ds = study.run(problem, "rk4", dt=0.01, steps=2000, observe="lyapunov_exponent", bound=np.inf)
-    # √2, and the logarithm of the growing part of a perturbation of length one
+    # √2, and ln(√3/2) over 20 s, because √3/2 is the growing part of a perturbation of length one
     assert ds.lyapunov_exponent.item() == pytest.approx(np.sqrt(2) + np.log(np.sqrt(3) / 2) / 20, rel=1e-4)
 
 

@@ -1,4 +1,4 @@
-"""Trajectories, and a user's quantities."""
+"""Observed trajectories and quantities that a user defines."""
 
 from functools import partial
 

@@ -1,4 +1,4 @@
-"""Where a problem is at rest, and when a run crosses the hill of its potential."""
+"""The rest position of a problem, and the times at which a run crosses the potential barrier or has grown."""
 
 import numpy as np
 import pytest
@@ -46,7 +46,7 @@ def test_a_run_from_above_the_hill_is_in_no_wrong_well():
 
 
 def test_a_run_has_grown_once_it_keeps_a_hundred_times_the_energy():
-    """With γ < ½, average acceleration multiplies the energy of a linear spring by a constant factor each step."""
+    """Newmark's method with γ < ½ multiplies the energy of a linear spring by nearly the same factor in each step."""
     spring = study.Problem(lambda u: u, 1.0, potential=lambda u: u * u / 2, title="linear")
     scheme, dt = study.Newmark(beta=0.25, gamma=0.25), 0.2
     theory = study.LinearTheory(scheme, np.array([dt / (2 * np.pi)])).spectral_radius.item()

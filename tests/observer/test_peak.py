@@ -1,4 +1,4 @@
-"""The largest displacement, between the steps too."""
+"""The largest displacement, also between the steps."""
 
 import jax.numpy as jnp
 import numpy as np

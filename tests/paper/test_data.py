@@ -7,7 +7,7 @@ from paper.data import loss_of_amplitude, of_kinds
 
 
 def test_a_ripple_of_the_amplitude_is_no_loss():
-    """A true loss per period is the same for all lengths of runs; a ripple divided by the length is not."""
+    """A true loss per period does not depend on the length of runs; a ripple divided by this length does."""
     steps = np.array([8, 16, 32, 64, 128, 256, 512])
     loss = 1.0 / steps**3
     ripple = np.array([3.0, -2.0, 1.0, -1.0, 0.5, 0.3, 0.2])

@@ -118,12 +118,12 @@ def test_a_fact_must_be_true_or_false(tmp_path):
         _compiled(tmp_path, {"yes": "True", "no": False, "absent": None, "number": "3"})
 
 
-#: A key of a mapping at the start of a line, in a comprehension or in an assignment; other keys within a line select.
+#: Pattern of the keys of returned mappings: at the start of a line, in a comprehension, or in an assignment.
 _KEY = re.compile(r'^ +f?"([^"]+)": |\{f"([^"]+)": |^ +\w+\[f?"([^"]+)"\] = ', re.MULTILINE)
 
 
 def _keys(function):
-    """Patterns of the names that a function of numbers gives."""
+    """Patterns of the names of the numbers that a function returns."""
     body = inspect.getsource(function).partition("\ndef ")[2]
     body = re.sub("^ +return .*", lambda line: re.sub(r'[{,] ?(?="\w+": )', "\n ", line[0]), body, flags=re.MULTILINE)
     keys = (next(filter(None, match.groups())) for match in _KEY.finditer(body))

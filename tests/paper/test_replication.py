@@ -12,7 +12,7 @@ from paper.manuscript import LAYOUT
 PROJECT = Path(__file__).parents[2]
 ABOUT = yaml.safe_load(LAYOUT.with_name("metadata.yaml").read_text())
 CITATION = yaml.safe_load((PROJECT / "CITATION.cff").read_text())
-#: Keys of the template of ReScience C.
+#: Keys of the metadata in the template of ReScience C.
 KEYS = """
 title authors affiliations keywords code data replication abstract bibliography type domain language review contributors
 dates article journal

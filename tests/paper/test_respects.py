@@ -10,7 +10,7 @@ STEPS = [10, 20, 40]
 
 
 def _runs(problem, name, errors, schemes=("one", "two")):
-    """Runs with errors by scheme and step. A step takes one force, or two iterations with one force each."""
+    """Runs with errors by scheme and step; the first scheme takes one force a step, the second two iterations."""
     data = filled(0.0, problem=[problem], scheme=list(schemes), steps_per_period=STEPS).to_dataset(name=name)
     data[name][0] = errors
     data["iterations_per_step"] = data[name] * 0 + [[0.0], [2.0]]
@@ -38,7 +38,7 @@ def test_a_scheme_dominates_if_it_is_worse_in_nothing_and_better_in_something():
     forces = xr.DataArray([[10.0, 20.0], [5.0, 5.0]], {"scheme": ["one", "two"]}, ["problem", "scheme"])
     assert dominated_by(respects(forces, _spectral([0.5, 0.5])), "two") == ["one"]
     assert dominated_by(respects(forces, _spectral([0.5, 0.5])), "one") == []
-    # a scheme with a smaller radius, or without the stability limit of the other scheme, is not dominated
+    # a scheme that has a smaller radius, or lacks the stability limit of the other scheme, is not dominated
     assert dominated_by(respects(forces, _spectral([0.5, 0.4])), "two") == []
     assert dominated_by(respects(forces, _spectral([0.5, 0.5], (2.0, np.inf))), "two") == []
     equal = xr.DataArray([[10.0, 10.0]], {"scheme": ["one", "two"]}, ["problem", "scheme"])

@@ -1,4 +1,4 @@
-"""A file for each kind of addition that a reader may make."""
+"""One source file for each kind of addition that a user may make to the project."""
 
 #: Text of each file, by its path in the project.
 ADDED = {

@@ -1,4 +1,4 @@
-"""Small configurations with random changes."""
+"""Random changes of the small configuration."""
 
 import copy
 import random
@@ -13,14 +13,14 @@ from pipeline import configuration
 from study.declaration.experiment import discover
 from tests.pipeline.pipeline import PROJECT, SMALL
 
-#: Sections on which most other sections depend; a change in them would make all datasets again.
+#: Sections on which most other sections depend; after a change in them all datasets would be made again.
 DEEP = {"references", "agreement", "accuracy", "work_precision", "assess", "structures"}
-#: Number of sections with changed values, and the factors by which values are multiplied.
+#: Number of sections with changed values, and the factors from which the factor of a value is drawn.
 NUMBERS, FACTORS = 5, (0.3, 0.5, 0.7, 1.4, 2.0)
 
 
 def _numbers(section: Any, above: tuple = ()) -> Iterator[tuple]:
-    """The keys that lead to each number of a section."""
+    """Yield the path of keys to each number of a section."""
     entries = section.items() if isinstance(section, dict) else enumerate(section) if isinstance(section, list) else ()
     for key, value in entries:
         if isinstance(value, int | float) and not isinstance(value, bool):
@@ -37,7 +37,7 @@ def _accepted(settings: dict) -> bool:
 
 
 def mutated(seed: int) -> dict:
-    """The sections of an accepted configuration in which some numbers differ from the small one."""
+    """Sections of the small configuration in which random factors multiply some numbers; they pass all checks."""
     chance, settings = random.Random(seed), yaml.safe_load((PROJECT / "config" / "study.yaml").read_text())
     update_config(settings, yaml.safe_load((PROJECT / SMALL).read_text()))
     changed: set[str] = set()

@@ -1,4 +1,4 @@
-"""The pipeline in copies of the project."""
+"""Calls of the pipeline in copies of the project."""
 
 import hashlib
 import os
@@ -9,13 +9,13 @@ from pathlib import Path
 
 PROJECT = Path(__file__).parents[2]
 SMALL = Path("tests", "pipeline", "small.yaml")
-#: Snakemake as a process that Ctrl-C ends, also if a shell runs the tests in the background, which ignores interrupts.
+#: Command of Snakemake with interrupts enabled, because a shell disables them in tests that it runs in the background.
 SNAKEMAKE = [
     sys.executable,
     "-c",
     "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from snakemake.cli import main; main()",
 ]
-#: Products with measured times, which differ from run to run, and products made from them.
+#: Names without suffix of products with measured times, which differ from run to run, and of products made from them.
 TIMED = {
     "cpu_time",
     "reference_agreement",
@@ -59,7 +59,7 @@ def make(folder: Path, *products: str, **options) -> None:
 
 
 def hashes_of(folder: Path) -> dict[str, str]:
-    """Digests of the products in a folder that do not depend on measured times, by their paths below the results."""
+    """Digests of products by path below the results of a folder, except products that depend on measured times."""
     files = (p for p in (folder / "results").rglob("*") if p.is_file())
     return {
         p.relative_to(folder / "results").as_posix(): hashlib.sha256(p.read_bytes()).hexdigest()

@@ -1,4 +1,4 @@
-"""Contents of an archive, and files that it cannot hold."""
+"""Contents of an archive, and files that an archive cannot hold."""
 
 import subprocess
 from pathlib import Path

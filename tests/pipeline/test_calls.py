@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    """A copy of the project where the datasets have been made."""
+    """A copy of the project in which the datasets have been made."""
     folder = copied(tmp_path_factory.mktemp("project"))
     make(folder, *TARGETS)
     return folder
@@ -34,7 +34,7 @@ def undisturbed(folder) -> dict[str, str]:
 
 @pytest.fixture
 def running(folder, undisturbed):
-    """A run that has begun to make the datasets again."""
+    """A process of Snakemake that has begun to make the datasets again."""
     for target in TARGETS:
         (folder / "results" / target).unlink(missing_ok=True)
     of_a_killed_run = folder / "results" / ".site.1.ab.unfinished"
@@ -65,7 +65,7 @@ def _wait(condition, seconds: float = 60.0) -> None:
 
 
 def test_a_second_run_ends_with_a_sentence_and_an_interrupt_the_first(folder, running):
-    # the first run is paused, because it might end before the second one checks
+    # the first run is paused; otherwise it might end before the second run checks for it
     os.killpg(running.pid, signal.SIGSTOP)
     done = call_snakemake(folder, *PATHS)
     assert done.returncode != 0 and f"another run is at work in '{folder}': wait for it, or end it." in done.stderr
@@ -84,7 +84,7 @@ def test_no_process_outlives_a_run_that_is_killed(folder, running):
 
 
 def test_the_pipeline_goes_on_without_its_worker_and_after_interrupts(folder, running, undisturbed):
-    """Without the worker, jobs run by themselves, and the datasets are those of an undisturbed run."""
+    """After the worker is killed, jobs run without it, and the datasets equal those of an undisturbed run."""
     _wait(lambda: any("pipeline.worker" in " ".join(one.cmdline()) for one in psutil.Process(running.pid).children()))
     (worker,) = (one for one in psutil.Process(running.pid).children() if "pipeline.worker" in one.cmdline())
     worker.kill()

@@ -1,4 +1,4 @@
-"""The configuration is refused with one sentence that names the key, before any work."""
+"""Invalid configurations are refused before any work, with one sentence that names the key."""
 
 import copy
 import json
@@ -26,7 +26,7 @@ PRODUCTS = products.discover()
 
 
 def _shipped(name: str) -> dict:
-    """The configuration of the study, overridden by another one as Snakemake does."""
+    """The configuration study.yaml, overridden by another file as Snakemake does."""
     settings = yaml.safe_load((PROJECT / "config" / "study.yaml").read_text())
     update_config(settings, yaml.safe_load((PROJECT / "config" / name).read_text()))
     return settings
@@ -185,7 +185,7 @@ def test_mistakes_get_a_sentence(config, change, sentence):
     assert sentence in str(caught.value)
 
 
-#: Values that a mistake may put into a configuration.
+#: Strategy for values that a user may put into a configuration by mistake.
 _ODD = st.one_of(
     st.sampled_from([None, True, -1, 0, 1, 7, 10**7, 10**30, 1e-12, 1e300, math.nan, math.inf, "", "all", "hardening"]),
     st.sampled_from(["rk4", "houbolt", "bdf2", "../up", "$(touch x)", [], {}, [1, 1], [[]], ["rk4", "rk4"], {1: 2}]),
@@ -197,7 +197,7 @@ _ODD = st.one_of(
 
 
 def _places(section, above=()):
-    """Places of all values of a configuration."""
+    """Yield the path of keys to every value of a configuration."""
     entries = section.items() if isinstance(section, dict) else enumerate(section) if isinstance(section, list) else ()
     for key, value in entries:
         yield (*above, key)
@@ -246,8 +246,8 @@ def test_any_configuration_is_accepted_or_refused_in_one_sentence(config, chance
     except ValueError as error:
         assert re.fullmatch(r"\S[^\n]*[.?]", str(error)), error
         return
-    # an accepted configuration names no file outside the results, and can be planned; the slow plan is tested at random
-    # only
+    # an accepted configuration names no file outside the results, and can be planned; the plan is slow, so that it is
+    # tested for a random tenth of the configurations
     names = configuration.datasets_of(EXPERIMENTS, whole)
     assert len(names) == len(set(names)) and not any(".." in name or name.startswith("/") for name in names)
     if chance == 1:
@@ -255,7 +255,7 @@ def test_any_configuration_is_accepted_or_refused_in_one_sentence(config, chance
 
 
 def test_the_page_of_the_keys_is_current():
-    """``python -m pipeline.keys > config/README.md`` writes it."""
+    """The command ``python -m pipeline.keys > config/README.md`` writes the current page."""
     assert keys.page() == (PROJECT / "config" / "README.md").read_text()
 
 

@@ -22,13 +22,13 @@ from tests.pipeline.report import check_contents, check_explorer
 from tests.pipeline.texts import check_latex, check_ledger, check_pages
 from tests.test_readme import check_the_results_of_the_readme
 
-# one worker runs this whole file, so that the pipeline runs once for all of it
+# one worker of pytest runs this whole file, so that the pipeline runs once for all tests in it
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory) -> Path:
-    """A copy of the project with everything made."""
+    """A copy of the project in which all products have been made."""
     folder = copied(tmp_path_factory.mktemp("project"))
     make(folder)
     return folder
@@ -36,7 +36,7 @@ def project(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def copy(project, tmp_path) -> Path:
-    """Another copy, with the same results."""
+    """A copy of ``project`` with its results, which a test may change."""
     return shutil.copytree(project, tmp_path / "copy")
 
 
@@ -90,7 +90,7 @@ def test_datasets_explain_themselves(project):
 
 
 def test_datasets_keep_the_cf_conventions(project, tmp_path):
-    """Checked on one file for every set of variables; files with the same variables differ only in their numbers."""
+    """One file for every set of variables is checked; files with the same variables differ only in their numbers."""
     of_kind = {}
     for path in sorted((project / "results").rglob("*.nc")):
         with xr.open_dataset(path) as ds:
@@ -186,7 +186,7 @@ def test_an_archive_alone_makes_a_figure_again(project, tmp_path):
 
 @pytest.fixture(scope="module")
 def report(project):
-    """The page of Snakemake's report, among its files."""
+    """Path of the page of Snakemake's report, in the unpacked report."""
     done = call_snakemake(project, "--report", "report.zip")
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
     shutil.unpack_archive(project / "report.zip", project / "unpacked")
@@ -213,7 +213,7 @@ def test_what_is_added_in_one_file_is_made(copy):
     assert "last_displacement" in json.loads((results / "numbers.json").read_text())
 
 
-#: Short runs, coarse grids and other values at which a product once failed.
+#: Configuration with short runs, coarse grids and other values at which a product once failed.
 UNUSUAL = {
     "phase_portrait": {"hardening": {"dt": 0.011, "duration": 0.5}},
     "sensitivity": {"duration": 5.0},

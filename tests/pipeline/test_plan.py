@@ -16,7 +16,7 @@ from tests.pipeline.pipeline import PROJECT
 
 @pytest.fixture(scope="module")
 def jobs() -> dict[tuple[str, str], Job]:
-    """The jobs of the default study by step and name."""
+    """The jobs of the default study, by the names of step and job."""
     planned = plan(Path(), yaml.safe_load((PROJECT / "config" / "study.yaml").read_text()))
     return {(step["name"], name): Job(**one) for step in planned["steps"] for name, one in step["jobs"].items()}
 

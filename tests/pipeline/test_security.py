@@ -43,7 +43,7 @@ def test_a_name_that_becomes_a_file_is_plain(name):
 
 @pytest.mark.parametrize("hostile", HOSTILE)
 def test_a_string_reaches_the_experiment_as_it_is(tmp_path, monkeypatch, hostile):
-    """The file of a problem may have any name; the shell only passes it on."""
+    """The file of a problem may have any name, which the shell passes on unchanged."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     file = Path("problems", f"{hostile.replace('/', '_')}.py")

@@ -1,4 +1,4 @@
-"""The ledger, the pages and the LaTeX sources of a finished study."""
+"""Checks of the ledger, the pages and the LaTeX sources of a finished study."""
 
 import csv
 import json
@@ -17,10 +17,10 @@ PDFLATEX = ["pdflatex", "-interaction=nonstopmode"]
 
 
 def check_latex(project: Path, folder: Path) -> None:
-    """Write and compile the sources: they have the figures, tables and citations of the texts, and all references."""
+    """Write and compile the LaTeX sources; check their figures, tables, citations and references."""
     subprocess.run([sys.executable, "-m", "paper.latex", project / "results", folder], cwd=project, check=True)
     for name in PAGES:
-        # repeated until references and the widths of tables are settled
+        # pdfLaTeX is repeated until references and the widths of tables are settled
         for command in ([*PDFLATEX, name], ["bibtex", name], *3 * [[*PDFLATEX, name]]):
             subprocess.run(command, cwd=folder, capture_output=True, check=False)
         log = (folder / f"{name}.log").read_text(errors="replace")
@@ -34,16 +34,16 @@ def check_latex(project: Path, folder: Path) -> None:
         assert set(cited.split(",")) <= set(re.findall(r"@([a-z]+\d{4}[a-z]*)", text))
 
 
-#: A word of a page, as Poppler finds it: its place from the left and the top, and its letters.
+#: Pattern of a word in the output of Poppler: its box, measured from the left and the top, and its letters.
 WORD = re.compile(r'<word xMin="(.+?)" yMin="(.+?)" xMax="(.+?)" yMax="(.+?)">(.*?)</word>')
-#: Lower and right margin in points, and how far a word may reach into it.
+#: Width of the lower and the right margin, and the part of it into which a word may reach, in points.
 MARGIN, INTO_MARGIN = 54, 6
 #: Largest number of pairs of overlapping words on a page; signs of an equation may overlap.
 OVERLAPS = 2
 
 
 def check_pages(results: Path) -> None:
-    """Check the number of pages; no page has many overlapping words, or words in its lower or right margin."""
+    """Check the number of pages, and that no page has many overlapping words, or words in its lower or right margin."""
     for name, (least, most) in PAGES.items():
         command = ["pdftotext", "-bbox", str(results / f"{name}.pdf"), "-"]
         stated = subprocess.run(command, capture_output=True, text=True, check=True).stdout
@@ -61,14 +61,14 @@ def check_pages(results: Path) -> None:
 
 
 def _overlap(one: tuple, other: tuple) -> bool:
-    """Whether two words share more than a point of their widths and half of the height of one."""
+    """Whether the boxes of two words share more than a point in width, and more than half of the smaller height."""
     across = min(one[2], other[2]) - max(one[0], other[0])
     down = min(one[3], other[3]) - max(one[1], other[1])
     return across > 1 and down > min(one[3] - one[1], other[3] - other[1]) / 2
 
 
 def check_ledger(results: Path) -> None:
-    """Every claim is decided, in words that can be printed."""
+    """Check that every claim has a verdict and, unless it is reproduced, a reason, in words that can be printed."""
     claims = list(csv.DictReader((results / "claims.csv").read_text().splitlines()))
     assert len(claims) >= 35
     assert {c["verdict"] for c in claims} <= {*Verdict}

@@ -1,4 +1,4 @@
-"""The mass on a belt against the harmonic pieces of its motion."""
+"""The mass on a belt, compared with the pieces of its motion in closed form."""
 
 import numpy as np
 

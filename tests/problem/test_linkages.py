@@ -10,7 +10,7 @@ from study.problem.named import known
 
 
 def _lagrangian(angle, rate):
-    """Kinetic less potential energy of two unit masses on unit rods, from their positions."""
+    """Kinetic minus potential energy of two unit masses on unit rods, from the positions of the masses."""
 
     def positions(angle):
         first = jnp.stack([jnp.sin(angle[0]), -jnp.cos(angle[0])])
@@ -22,7 +22,7 @@ def _lagrangian(angle, rate):
 
 @jax.jit
 def _rates(y):
-    """Lagrange's equations of second kind, solved for the acceleration."""
+    """Rates of angles and angular velocities, from Lagrange's equations of the second kind."""
     angle, rate = y[:2], y[2:]
     momentum = jax.grad(_lagrangian, 1)
     mass = jax.jacobian(momentum, 1)(angle, rate)

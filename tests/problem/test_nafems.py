@@ -1,4 +1,4 @@
-"""Benchmarks of NAFEMS, by modes in closed form."""
+"""Benchmarks of NAFEMS, whose modes have a closed form."""
 
 import numpy as np
 import pytest
@@ -9,14 +9,14 @@ from study.problem.named import known
 
 
 def _middle(name, u):
-    """Displacement in the middle."""
+    """Displacement in the middle of the structure."""
     weights = known[name].weights
     assert weights is not None
     return u @ weights[0]
 
 
 def _peak(name):
-    """Largest displacement in the middle, and its time."""
+    """Largest displacement in the middle of the structure, and the time at which it is reached."""
     ds = study.run(name, "gauss4", dt=known[name].time / 400, steps=600)
     middle = _middle(name, ds.u.values)
     return middle.max(), ds.t.values[middle.argmax()]
@@ -41,13 +41,16 @@ def test_the_printed_peak_of_the_thin_plate_is_that_of_its_first_mode():
     assert static == pytest.approx(1.817e-3, rel=3e-4)
     first = static * (1 + np.exp(-np.pi * ratio / np.sqrt(1 - ratio**2)))
     assert first == pytest.approx(at.u[0], rel=3e-4)
-    # times are printed with steps of 0.002
+    # the source prints times in steps of 0.002 s
     peak, when = _peak("thin_plate")
     assert peak == pytest.approx((1 - 0.018) * at.u[0], rel=1e-3) and when == pytest.approx(0.210, abs=1e-3)
 
 
 def test_static_deflections_are_those_of_all_modes():
-    """Of the beam 5qL⁴/(384EI) + qL²/(8κGA), of the plate 0.00406 qL⁴/D (Timoshenko and Woinowsky-Krieger)."""
+    """The beam deflects by 5qL⁴/(384EI) + qL²/(8κGA), and the plate by 0.00406 qL⁴/D.
+
+    The deflection of the plate is that of Timoshenko and Woinowsky-Krieger.
+    """
     young, length = nafems.YOUNG, nafems.LENGTH
     beam = study.problems["deep_beam"]
     middle = _middle("deep_beam", np.linalg.solve(np.asarray(beam.stiffness), np.asarray(beam.load(0.0))))

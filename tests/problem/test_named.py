@@ -10,7 +10,7 @@ import study
 
 @pytest.mark.parametrize("name", ["stiff_soft", "stiff_soft_sine", "elastic_pendulum", "fpu_chain", "impact_bar"])
 def test_forces_of_named_structures_are_slopes_of_their_energies(name):
-    """Compared with differences of the energy along a random direction."""
+    """The force along a random direction equals a central difference of the energy."""
     problem = study.problems[name]
     rng = np.random.default_rng(0)
     u, direction = rng.normal(size=(2, problem.u0.size)) / problem.u0.size

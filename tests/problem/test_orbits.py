@@ -13,7 +13,7 @@ def test_arenstorf_s_orbit_closes_after_the_printed_period():
     ds = study.run(problem, "dormand_prince6", dt=orbits.PERIOD / 2**19, steps=2**19, every=2**19)
     np.testing.assert_allclose(ds.u[-1], problem.u0, rtol=0, atol=1e-10)
     np.testing.assert_allclose(ds.v[-1], problem.v0, rtol=0, atol=1e-7)
-    # Coriolis' force does no work, so that Jacobi's constant stays
+    # Coriolis' force does no work, so that Jacobi's constant is conserved
     start, end = problem.energy(problem.u0, problem.v0), problem.energy(ds.u[-1].values, ds.v[-1].values)
     assert float(end) == pytest.approx(float(start), rel=1e-7)
 
@@ -29,7 +29,7 @@ def test_the_straight_motion_of_henon_and_heiles_turns_where_its_integral_says()
 
 
 def test_below_a_sixth_a_star_stays_in_the_triangle():
-    """At the energy 1/8 from a start of the chaotic sea; above 1/6 stars escape."""
+    """A star of the chaotic sea stays in the triangle with the energy 1/8, and escapes with 1/4."""
     problem = study.problems["henon_heiles"]
 
     def run(energy, steps):

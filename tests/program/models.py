@@ -1,4 +1,4 @@
-"""Oscillators as users write them, without this package, and programs whose runs fail or are wrong."""
+"""Programs that users might write without this package: oscillators, and programs whose runs fail or are wrong."""
 
 import os
 import signal
@@ -12,7 +12,7 @@ SCHEMES = ["average_acceleration", "central_difference"]
 
 
 def oscillator(hardening, scheme, dt):
-    """The oscillator ü + u + h u³ = 0 from u = 1 at rest."""
+    """A run of the oscillator ü + u + h u³ = 0 from u = 1 at rest."""
     u, v, a = 1.0, 0.0, -1.0 - hardening
     steps = int(np.ceil(DURATION / dt * (1 - 1e-9)))
     path = np.empty((steps + 1, 2))
@@ -37,7 +37,7 @@ linear, hardening = partial(oscillator, 0.0), partial(oscillator, 0.5)
 
 
 def fails(how, scheme, dt):
-    """The linear oscillator, with a scheme ``wrong`` whose runs fail in a given way."""
+    """The linear oscillator, with a scheme ``wrong`` whose runs fail in the way ``how``."""
     right = linear("central_difference" if scheme == "wrong" else scheme, dt)
     if scheme != "wrong":
         return right
@@ -60,7 +60,7 @@ def fails(how, scheme, dt):
 
 
 def ignores_the_step(scheme, dt):
-    """The linear oscillator, with a scheme ``wrong`` that always takes the same step."""
+    """The linear oscillator, with a scheme ``wrong`` that always takes the same step size."""
     if scheme != "wrong":
         return linear(scheme, dt)
     own = DURATION / 2048
@@ -80,5 +80,5 @@ class Remembers:
 
 
 def two_motions(scheme, dt):
-    """Two schemes, which solve different problems."""
+    """A program whose two schemes solve different problems."""
     return linear(scheme, dt) if scheme == "central_difference" else oscillator(0.02, scheme, dt)

@@ -1,4 +1,4 @@
-"""The assessment of a program: its steps, its reference, and its failures."""
+"""The assessment of a program: the recommended steps, the reference, and the failures of runs."""
 
 import math
 import time
@@ -29,7 +29,7 @@ def program(run, folder, schemes=models.SCHEMES, **options):
 
 @pytest.fixture(scope="module", autouse=True)
 def few_confirming():
-    """Cheap programs confirm their steps by as few runs as expensive ones, except in the test of this number."""
+    """Let cheap programs confirm their steps by as few runs as expensive ones, except in the test of this number."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
         yield
@@ -37,7 +37,7 @@ def few_confirming():
 
 @pytest.fixture(scope="module", params=[0.0, 0.5], ids=["linear", "hardening"])
 def spring(request, tmp_path_factory):
-    """A spring as a program, its assessment, and its hardening."""
+    """A spring as a program, the assessment of the program, and the hardening of the spring."""
     run = models.linear if request.param == 0 else models.hardening
     own = program(run, tmp_path_factory.mktemp("runs"))
     return own, study.assess(own), request.param
@@ -60,7 +60,7 @@ def test_the_truth_is_as_uncertain_as_it_says(spring):
 
 
 def test_its_steps_are_those_of_the_same_problem(spring):
-    """Up to the resolution of a search with few runs, and the rounding to two digits."""
+    """Recommended steps agree within a factor of 1.25, the resolution of few runs and of rounding to two digits."""
     _, ds, hardening = spring
     problem = study.Problem(lambda u: u + hardening * u**3, u0=1.0, title="spring")
     wanted = {"displacement": study.Quantity(lambda u: u), "velocity": study.Quantity(lambda v: v)}
@@ -180,7 +180,7 @@ def test_ctrl_c_answers_what_is_known_and_loses_no_run(tmp_path):
     made: list[tuple[str, float]] = []
 
     def interrupted(below, scheme, dt):
-        """A program that is interrupted at the first step below ``below`` that is not one of the halved steps."""
+        """A program that is interrupted at the first step size below ``below`` that does not come from halving 1.25."""
         if dt < below and math.log2(1.25 / dt) % 1:
             raise KeyboardInterrupt
         made.append((scheme, dt))
@@ -207,7 +207,7 @@ def test_ctrl_c_before_the_truth_is_known_ends_the_question(tmp_path):
 
 
 def _eight_seconds(run, scheme, dt, duration):
-    """A run whose time is eight seconds divided by its step in seconds."""
+    """A run whose computing time is eight seconds divided by its step size in seconds."""
     return Run(scheme, dt, "completed", "", 1.0, 8.0 / dt, np.empty(0), {"peak": np.array(1.0)})
 
 
@@ -219,7 +219,7 @@ def test_no_run_begins_that_would_end_late_on_its_own_worker(tmp_path, monkeypat
 
 
 def _scattered(scheme, dt):
-    """A number whose error scatters from step to step, as where a force has kinks."""
+    """A number whose error scatters from one step size to the next, as with forces that have kinks."""
     return {"drift": 1 + (dt if scheme == "a" else -dt) ** 2 * (1 + 0.9 * np.sin(1e3 * dt))}
 
 
@@ -265,7 +265,7 @@ def test_runs_are_known_by_the_source(tmp_path):
 
 
 def test_a_curve_at_its_steps_needs_no_spline():
-    """Only values between the steps need a spline."""
+    """Values at the steps are exact and need no spline; values between the steps come from a spline."""
     t = np.linspace(0, 1, 11)
     curve = Curve(t, np.stack([np.sin(t), np.cos(t)], axis=1))
     assert (curve.at(t[::2] + 1e-9) == curve.values[::2]).all() and "_spline" not in vars(curve)
@@ -275,7 +275,7 @@ def test_a_curve_at_its_steps_needs_no_spline():
 
 
 def _on_another_branch(scheme, dt):
-    """A number by two schemes that agree, one of them expensive, and by one that converges to another solution."""
+    """A number that tends to 1 with the schemes a and b, of which b is slow, and to 1.5 with the scheme stray."""
     time.sleep(0.01 if scheme == "b" else 0.0)
     return {"drift": {"a": 1 + dt**2, "b": 1 - dt**2 / 2, "stray": 1.5 + dt**2}[scheme]}
 

@@ -1,4 +1,4 @@
-"""Programs that are executables: what they write, how they end, and the example in C."""
+"""Programs that are executables: their output, their failures, and the example in C."""
 
 import contextlib
 import io
@@ -23,7 +23,7 @@ WORDS = "--dt {dt} --scheme {scheme} --output {output}"
 
 @pytest.fixture
 def script(tmp_path):
-    """A function that makes an executable from the lines of a shell script, whose output file is $6."""
+    """Function that makes a program from the lines of a shell script, in which $6 is the output file."""
 
     def made(lines, **options):
         path = tmp_path / "mycode"
@@ -62,7 +62,7 @@ def test_single_numbers_need_no_times(script):
 
 
 def test_a_scheme_that_hangs_is_run_once(script):
-    """It is run again if the limit of time is longer."""
+    """A run that was stopped is repeated only with a longer time limit."""
     own = script("sleep 60", time_limit=0.2)
     with pytest.raises(ValueError, match="no reference for 'mycode'.* 'a' ends at Δt = 0.25 s: it was stopped"):
         study.assess(own)
@@ -87,9 +87,9 @@ def test_an_unfit_command_is_refused():
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
 def test_the_example_in_c_is_assessed(tmp_path, monkeypatch):
-    """Its assessment equals that of the same oscillator in Python."""
+    """The assessment of the example equals that of the same oscillator in Python."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    # otherwise the number of confirming runs depends on the time of a run
+    # otherwise the number of confirming runs would depend on the computing time of a run
     monkeypatch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
     source, made = PROJECT / "examples" / "oscillator.c", tmp_path / "oscillator"
     subprocess.run(["cc", "-O2", "-Wall", "-Werror", "-o", made, source, "-lm"], check=True)

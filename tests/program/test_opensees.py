@@ -1,4 +1,4 @@
-"""Models of OpenSees in files; skipped where it is not installed."""
+"""Models of OpenSees in files; tests that run OpenSees are skipped if it is not installed."""
 
 import runpy
 from pathlib import Path
@@ -16,7 +16,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 @pytest.fixture
 def example(tmp_path):
-    """A function that makes a program of an example; tests are skipped where OpenSees is not installed."""
+    """Function that makes a program of an example; tests are skipped if OpenSees is not installed."""
     try:
         opensees_run.interpreter()
     except ImportError as reason:
@@ -25,7 +25,7 @@ def example(tmp_path):
 
 
 def _errors_against(found, finer):
-    """Largest differences from a finer run at the times of a run, relative to the largest values of the finer run."""
+    """Largest differences of a run from a finer run by quantity, relative to the largest value of the finer run."""
     every = round((len(finer["t"]) - 1) / (len(found["t"]) - 1))
     return {n: np.abs(found[n] - finer[n][::every]).max() / np.abs(finer[n]).max() for n in found}
 
@@ -53,7 +53,7 @@ def test_floors_that_pound_are_assessed(example):
     ds = study.assess(own, errors=[0.1])
     assert (ds.verdict == 0).all() and (ds.worst_error <= 1).all()
     beyond = ds.sel(scheme="central_difference", quantity="second floor").error.max()
-    assert not float(beyond) <= 1  # beyond its limit of stability
+    assert not float(beyond) <= 1  # steps beyond the stability limit
 
 
 def test_a_file_that_fails_says_why(example, tmp_path):
@@ -74,7 +74,7 @@ def test_a_scheme_that_is_no_name_is_refused():
 
 
 def test_integrators_are_those_that_agree_to_round_off():
-    """They are the integrators of the comparison with OpenSees step by step."""
+    """Programs use the integrators of the step-by-step comparison with the study in ``reference.opensees``."""
     for name, (words, algorithm) in reference.INTEGRATORS.items():
         one = opensees_run.INTEGRATORS.get(name)
         assert one is None or (one.words, one.algorithm) == (words, algorithm)

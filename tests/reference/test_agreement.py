@@ -1,4 +1,4 @@
-"""Every route to the reference against the others, and the arguments that routes refuse."""
+"""The solvers (routes) for references, compared with each other, and the arguments that they refuse."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -17,7 +17,7 @@ ROUTES = list(agreement.ROUTES)
 
 @pytest.fixture
 def duffing():
-    """A forced and damped Duffing oscillator before chaos sets in; its motion has no period."""
+    """A forced and damped Duffing oscillator without chaos; its motion has no period."""
     return study.Problem(
         CubicSpring(-1.0, -1.0).force,
         u0=0.5,
@@ -53,7 +53,7 @@ def test_errors_at_the_tightest_tolerance_over_a_hundred_periods(route, whole_pe
 
 
 def test_the_status_of_a_route():
-    """A route that reaches its limit of steps tries no smaller tolerance; its periods are found nevertheless."""
+    """A route that reaches its limit of steps tries no smaller tolerance; the periods are found nevertheless."""
     ds = agreement.agreement(["hardening"], [1e-9, 1e-13, 1e-15]).squeeze("problem")
     ended = [agreement.FINISHED, agreement.STEP_LIMIT, agreement.NOT_TRIED]
     np.testing.assert_array_equal(ds.status.sel(route="kvaerno5"), ended)

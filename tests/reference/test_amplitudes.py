@@ -28,5 +28,5 @@ def test_the_highest_frequency_is_that_of_the_tangent_on_the_way(springs):
     hard, soft, well = (one.sel(problem=name) for name in springs.problem.values)
     assert hard.highest_frequency.item() == pytest.approx(np.sqrt(100 * (1 + 30 * hard.u0.item() ** 2)))
     assert soft.highest_frequency.item() == pytest.approx(10.0)
-    # from u₀ < 1 the far turning point has u² = 2 − u₀²
+    # in the double well, the motion from u₀ < 1 has its far turning point at u² = 2 − u₀²
     assert well.highest_frequency.item() == pytest.approx(np.sqrt(-0.5 + 1.5 * (2 - well.u0.item() ** 2)))

@@ -1,4 +1,4 @@
-"""Exact peaks of many bilinear oscillators, against exact pieces of one."""
+"""Exact peaks of many bilinear oscillators, compared with the exact motion of each single oscillator."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def test_many_oscillators_have_the_peaks_of_one():
         exact = piecewise.trajectory(yielding_under_record(ground, period, strength), t)
         between = scipy.interpolate.CubicHermiteSpline(t, exact.u, exact.v)
         turns = between.derivative().roots(extrapolate=False)
-        largest = np.abs(np.append(exact.u, between(turns))).max()  # perhaps at the end
+        largest = np.abs(np.append(exact.u, between(turns))).max()  # the peak may be at the end
         assert peak == pytest.approx(largest, rel=1e-9)
 
 
@@ -33,7 +33,7 @@ def test_peaks_do_not_depend_on_the_places_where_events_are_looked_for():
 
 
 def test_an_oscillator_thrown_by_a_pulse_has_its_closed_peak():
-    # under constant acceleration: the static displacement times one plus the decay in half a period
+    # the peak under constant acceleration is the static displacement times one plus the decay in half a period
     peak = bilinear.peaks(np.full((1, 101), -3.0), 0.02, np.array([16.0]), np.array([0.8]), np.array([1e9]), 0.02, 3)
     damped = np.exp(-0.1 * np.pi / np.sqrt(1 - 0.1**2))
     assert peak[0] == pytest.approx(3 / 16 * (1 + damped), rel=1e-12)

@@ -27,7 +27,7 @@ def test_the_closed_form_is_the_reference(name):
 
 @pytest.mark.parametrize("name", list(printed_periods))
 def test_period_is_the_quadrature_of_the_energy(name):
-    """T = 2 ∫ du / √(2 (V(u₀) − V(u))) between the turning points, in double precision with another substitution."""
+    """T = 2 ∫ du / √(2 (V(u₀) − V(u))) between the turning points, in double precision by Gauss's quadrature."""
     problem = study.problems[name]
     u0 = float(problem.u0)
 
@@ -53,7 +53,7 @@ def test_small_amplitudes_have_the_linear_period():
 
 
 def test_duffing_period_is_that_of_the_complete_elliptic_integral():
-    """T = 4 K(m)/ω with m = S2 u₀²/(2 (1 + S2 u₀²)), SciPy's K."""
+    """T = 4 K(m)/ω with ω² = S1 (1 + S2 u₀²), m = S2 u₀²/(2 (1 + S2 u₀²)), and K from SciPy."""
     stiffness = 1 + 10 * 1.5**2
     expected = 4 * ellipk(22.5 / (2 * stiffness)) / np.sqrt(100 * stiffness)
     assert float(closed_form.period(study.problems["hardening"])) == pytest.approx(expected, rel=1e-14)

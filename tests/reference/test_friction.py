@@ -1,4 +1,4 @@
-"""Rigid Coulomb friction against its energy, and as the limit of a contact that grows stiff."""
+"""Rigid Coulomb friction: the balance of its energy, and the limit of an elastic contact of growing stiffness."""
 
 import numpy as np
 import pytest
@@ -15,8 +15,8 @@ def released(slip, u0, t):
 
         m ü + k u + F sgn u̇ = 0,    at rest where |k u| ≤ F
 
-    Each half swing is harmonic about ∓F/k and takes π/ω, so that the amplitude falls by 2 F/k in it, until the spring
-    no longer overcomes the friction.
+    Each half swing is harmonic about ∓F/k and takes π/ω. The amplitude falls by 2 F/k in each half swing, until the
+    spring no longer overcomes the friction.
 
     Source: J. P. Den Hartog, Mechanical Vibrations, 4th edition, McGraw-Hill, 1956, section 7.5.
     """
@@ -50,7 +50,7 @@ def test_without_friction_it_swings_for_ever():
 
 
 def contact(stiffness):
-    """The spring parallel to a contact that slips: together one elastoplastic spring."""
+    """Problem of the spring parallel to an elastic contact that slips; both are one elastoplastic spring."""
     both = STIFFNESS + stiffness
     spring = study.materials.elastoplastic(both, SLIP * both / stiffness, hardening=STIFFNESS / both)
     # the contact starts at its slip force, as if the mass had slipped to its start from farther out

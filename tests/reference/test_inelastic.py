@@ -1,4 +1,4 @@
-"""Smooth hysteresis and fluid dampers by diffrax and CVODE, against the rate equation, the schemes, and each other."""
+"""Smooth hysteresis and fluid dampers: diffrax and CVODE compared with SciPy, with the schemes, and with each other."""
 
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ def test_schemes_converge_to_the_motion_of_a_damper():
 
 
 def test_the_pulse_has_a_closed_form():
-    """The motion is forced up to the end of the half sine, and free afterwards."""
+    """The reference equals the forced motion up to the end of the half sine, and the free motion afterwards."""
     omega, end = 2 * np.pi / PERIOD, 0.2
     r = np.pi / (omega * end)
 

@@ -1,4 +1,4 @@
-"""The schemes against those of OpenSees, an independent finite element code."""
+"""The schemes, compared with the integrators of OpenSees, an independent finite element code."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -15,7 +15,7 @@ DT, STEPS = printed_periods["hardening"] / 20, 200
 
 @pytest.fixture
 def theirs():
-    """Trajectory of OpenSees by scheme; tests are skipped with a sentence where it is not installed."""
+    """Function that returns the trajectory of OpenSees for a scheme; tests are skipped if OpenSees is not installed."""
     try:
         opensees.load()
     except opensees.NotInstalled as reason:
@@ -58,7 +58,7 @@ def test_the_stiff_and_soft_springs_agree(theirs, scheme):
 
 @pytest.mark.parametrize("scheme", [name for name in opensees.INTEGRATORS if name not in ("houbolt", "hht_alpha_1996")])
 def test_a_truss_that_spins_agrees(theirs, scheme):
-    """Large rotations: two cells with both diagonals, six joints, eleven bars."""
+    """The truss rotates by large angles; it has two cells with both diagonals, six joints and eleven bars."""
     joints = np.array([[x, y] for x in (-1.0, 0.0, 1.0) for y in (-0.5, 0.5)])
     first, second = np.triu_indices(6, 1)
     near = np.linalg.norm(joints[second] - joints[first], axis=1) < 1.5
@@ -96,7 +96,7 @@ def test_an_oscillator_that_yields_agrees_step_by_step(theirs, scheme):
 @pytest.mark.parametrize("scheme", IMPLICIT)
 @pytest.mark.parametrize("exponent", [None, 1.0, 0.5])
 def test_a_yielding_frame_under_the_record_agrees_step_by_step(theirs, scheme, exponent):
-    """The three storeys of the example, without and with dampers: stiffness in N/m, yield force in N, mass in kg."""
+    """Three storeys as in the example, without or with dampers; stiffness in N/m, yield force in N, mass in kg."""
     dt = 0.01
     ground = study.GroundMotion.el_centro()
     storey = study.materials.elastoplastic([4.0e7, 3.5e7, 3.0e7], [4.0e5, 3.0e5, 2.0e5], hardening=0.05)
@@ -120,7 +120,7 @@ def test_a_yielding_frame_under_the_record_agrees_step_by_step(theirs, scheme, e
 
 
 def test_smooth_hysteresis_agrees_as_the_step_of_opensees_falls(theirs):
-    """OpenSees integrates the law implicitly, with an error of first order; the study has its closed form."""
+    """OpenSees integrates the law implicitly, with an error of first order; the study has the law in closed form."""
     spring = study.materials.bouc_wen([40.0], [4.0], hardening=0.05)
     problem = study.Problem(spring, u0=[0.0], v0=[2.5], history=spring.history)
     exact = study.run(problem, "average_acceleration", dt=1e-4, steps=20_000, every=2_000).u[1:]

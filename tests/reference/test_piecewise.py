@@ -1,4 +1,4 @@
-"""Exact motions in pieces, against formulas of textbooks and conserved quantities."""
+"""Exact motions in pieces, compared with formulas of textbooks and conserved quantities."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from study import materials
 
 
 def test_an_elastic_perfectly_plastic_mass_stops_where_its_energy_is_spent():
-    """½ m v² = ½ p_y u_y + p_y (u − u_y); the mass then oscillates about u − u_y with the amplitude u_y."""
+    """½ m v² = ½ p_y u_y + p_y (u − u_y) gives the largest u; the mass then oscillates about u − u_y by ± u_y."""
     k, py, v0 = 9.0, 3.0, 4.0
     problem = study.Problem(materials.elastoplastic(k, py), u0=0.0, v0=v0)
     t = np.linspace(1e-3, 10.0, 20_001)
@@ -44,7 +44,7 @@ def test_a_bouncing_mass_keeps_its_energy_and_its_period():
 
 
 def test_a_slipping_mass_stops_where_friction_has_spent_its_energy():
-    """Coulomb friction by a contact of high stiffness: the mass slips by v₀²/2 divided by the slip force."""
+    """Coulomb friction as a stiff contact: a unit mass slips by v₀²/2 divided by the slip force."""
     problem = study.Problem(materials.friction(2.0, 1e4), u0=0.0, v0=3.0)
     motion = piecewise.trajectory(problem, np.linspace(0.01, 5.0, 500))
     assert motion.u[-1] == pytest.approx(3.0**2 / 2 / 2.0, rel=1e-3)

@@ -1,4 +1,4 @@
-"""Solvers under step size control on several unknowns, against each other and against modes in closed form."""
+"""Solvers with step size control on several unknowns, compared with each other and with modes in closed form."""
 
 from collections.abc import Callable
 
@@ -20,7 +20,7 @@ def test_two_solvers_agree_on_a_stiff_chain():
     t = np.linspace(0, time_scales["fpu_chain"], 9)
     one, other = (trajectory(problem, t, RTOL) for trajectory in TRAJECTORIES)
     np.testing.assert_allclose(one.u, other.u, atol=1e-6)
-    # velocities of the stiff springs are fifty times as large as their displacements
+    # in the stiff springs, velocities are fifty times as large as displacements
     np.testing.assert_allclose(one.v, other.v, atol=5e-5)
     energy = [float(problem.energy(u, v)) for u, v in zip(one.u, one.v, strict=True)]
     np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
@@ -28,7 +28,7 @@ def test_two_solvers_agree_on_a_stiff_chain():
 
 @pytest.mark.parametrize("name", closed_form.STRUCTURE_TRAJECTORIES)
 def test_closed_forms_solve_the_equation_of_motion(name):
-    """Checked by central differences of the closed form, and at the initial condition."""
+    """Central differences of the closed form meet the equation of motion, and its start the initial condition."""
     problem, h = study.problems[name], 1e-6
     t = np.array([0.3, 1.1, 2.7])
     u, _ = closed_form.structure_trajectory(name, problem, t)
@@ -65,7 +65,7 @@ U0, V0 = np.array([1.0, 0.0]), np.array([0.0, 2.0])
 
 
 def _modes(t):
-    """Σ φ (φᵀ M u₀ cos ωt + φᵀ M u̇₀ sin ωt / ω) with φᵀ M φ = 1."""
+    """Displacement Σ φ (φᵀ M u₀ cos ωt + φᵀ M u̇₀ sin ωt / ω) with φᵀ M φ = 1, and its velocity."""
     root = np.linalg.inv(np.linalg.cholesky(MASS))
     squares, vectors = np.linalg.eigh(root @ STIFFNESS @ root.T)
     omega, shapes = np.sqrt(squares), root.T @ vectors
@@ -76,7 +76,7 @@ def _modes(t):
 
 @pytest.mark.parametrize("trajectory", TRAJECTORIES, ids=["CVODE", "diffrax"])
 def test_coupled_oscillators_move_in_their_modes(trajectory):
-    """Two masses coupled by a mass matrix."""
+    """Two unknowns that are coupled by the mass matrix and the stiffness."""
     problem = study.Problem(lambda u: STIFFNESS @ u, U0, V0, mass=MASS)
     t = np.linspace(0.5, 10, 20)
     solution = trajectory(problem, t, RTOL)
@@ -87,7 +87,7 @@ def test_coupled_oscillators_move_in_their_modes(trajectory):
 
 @pytest.mark.parametrize("trajectory", TRAJECTORIES, ids=["CVODE", "diffrax"])
 def test_a_mass_held_as_a_band_is_the_same_as_a_matrix(trajectory):
-    """Nine pairs of the coupled oscillators in a row."""
+    """Nine pairs of the coupled oscillators, whose mass matrix is held as a band, move like a single pair."""
     n = 9
     mass, stiffness = np.kron(np.eye(n), MASS), np.kron(np.eye(n), STIFFNESS)
     problem = study.Problem(lambda u: stiffness @ u, np.tile(U0, n), np.tile(V0, n), mass=mass, tangent="tridiagonal")

@@ -1,4 +1,4 @@
-"""The translation of a force for the solvers."""
+"""The translation of a JAX function for the solvers."""
 
 import inspect
 import re
@@ -14,7 +14,7 @@ from study.problem.springs import CubicSpring
 
 
 def test_every_route_solves_the_same_constants():
-    """Constants reach the solvers without being rounded."""
+    """All translations hold the constants of the problem in full double precision."""
     problem = study.Problem(CubicSpring(100.0, 10.0).force, u0=0.1, damping=1 / 3, mass=1.0000000000000047)
     states, (_, rate) = ["u", "v"], first_order(problem)[1]
     u, v = hy.make_vars(*states)

@@ -10,7 +10,7 @@ from reference.solution import Solution
 
 
 def test_errors_of_a_late_and_of_a_damped_solution():
-    """A solution that is 1e-6 of a period late, and one whose amplitude is 1e-6 smaller."""
+    """Errors of a solution that is late by 1e-6 of a period, and of one whose amplitude is too small by 1e-6."""
     problem = study.problems["hardening"]
     exact_period, certified = exact.period(problem, 0.15)
     period = float(exact_period)

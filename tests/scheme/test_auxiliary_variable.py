@@ -1,4 +1,4 @@
-"""BDF2 with a scalar auxiliary variable: linear structures, order, and what its energy bounds."""
+"""BDF2 with a scalar auxiliary variable: linear structures, order, and energy."""
 
 import jax
 import jax.numpy as jnp
@@ -11,7 +11,7 @@ PERIOD = 0.151532834447260357127078726219
 
 
 def test_a_linear_structure_moves_as_by_bdf2():
-    """With damping and a load."""
+    """The motion of a linear structure with damping and a load equals that of BDF2."""
     problem = study.Problem(
         stiffness=np.array([[6.0, -2.0], [-2.0, 4.0]]), mass=np.array([2.0, 1.0]), u0=[1.0, 0.0], v0=[0.0, 1.0],
         damping=study.Rayleigh(0.1, 0.05), load=lambda t: jnp.stack([jnp.cos(t), 0.0 * t]),
@@ -30,14 +30,14 @@ def test_it_is_of_second_order():
 
 
 def test_its_energy_does_not_grow_and_its_motion_ends_where_no_forces_balance():
-    """The double well has its equilibria at −1, 0 and 1; the step is that of the article."""
+    """The motion ends away from the equilibria −1, 0 and 1 of the double well; the step size is that of the article."""
     problem, scheme, dt = study.problems["double_well"], study.AuxiliaryVariable(), jnp.asarray(2.5)
     state, _ = scheme.start(problem, jnp.asarray(problem.u0), jnp.asarray(problem.v0), dt)
     step = jax.jit(lambda state: scheme.step(problem, state, 0.0, dt)[0])
     energies = []
     for _ in range(300):
         state = step(state)
-        # u is not in this energy, because the problem has no stiffness
+        # this energy does not contain u, because the problem has no stiffness
         energies.append(
             state.v**2 / 2 + (2 * state.v - state.v_1) ** 2 / 2 + state.r**2 + (2 * state.r - state.r_1) ** 2
         )

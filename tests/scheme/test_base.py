@@ -10,7 +10,7 @@ import study
 
 
 def test_forces_are_counted(scheme):
-    """A scheme declares as many evaluations as its force and its potential count in a step."""
+    """The declared number of evaluations equals the counted calls of force and potential in a step."""
     calls: list[jax.Array] = []
 
     def counted(function):
@@ -27,7 +27,7 @@ def test_forces_are_counted(scheme):
     calls.clear()
     _, effort = scheme.step(problem, state, 0.0, jnp.asarray(1e-3))
     jax.effects_barrier()
-    # without the evaluations at u = 0: they give the model of KR-α, which is the same in every step
+    # evaluations at u = 0 are left out: they give the model of KR-α, which is the same in every step
     evaluated = [u for u in calls if np.any(u)]
     assert len(evaluated) == scheme.forces_per_step + int(effort.iterations) * scheme.forces_per_iteration
 

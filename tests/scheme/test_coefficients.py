@@ -1,6 +1,6 @@
-"""The coefficients that the article prints for the schemes of 1996, against the schemes as they are programmed.
+"""The coefficients that the article prints for the schemes of 1996, compared with the schemes of the study.
 
-Every implicit step is u₁ = ũ + c_u a, u̇ = ṽ + c_v a with M a + C (ṽ + c_v a) + w p(ũ + c_u a) = r; here with the
+Every implicit step is u₁ = ũ + c_u a, u̇ = ṽ + c_v a with M a + C (ṽ + c_v a) + w p(ũ + c_u a) = r. The tests use the
 formulas of the article's table, on a damped and loaded cubic spring.
 """
 
@@ -26,7 +26,7 @@ PROBLEM = study.Problem(force, u0=0.7, v0=-0.4, mass=MASS, damping=DAMPING, load
 
 
 def balanced(u, v, c_u, c_v, w, r):
-    """The solution a of the balance of forces."""
+    """The acceleration a that balances the forces."""
     return brentq(
         lambda a: MASS * a + DAMPING * (v + c_v * a) + w * force(u + c_u * a) - r, -1e3, 1e3, xtol=1e-14, rtol=1e-15
     )

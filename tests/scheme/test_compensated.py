@@ -1,4 +1,4 @@
-"""Compensated sums."""
+"""Schemes with compensated sums."""
 
 import jax
 import numpy as np
@@ -22,7 +22,7 @@ def test_compensated_sums_lower_the_floor_and_nothing_else():
 
 
 def test_compensated_sums_lower_the_round_off():
-    """Round-off of the energy of the orbit, with a step whose square is exact in single precision."""
+    """With step sizes whose square is exact in single precision, compensation at least halves the energy round-off."""
     dt = np.ldexp(np.arange(4000, 4064), -20)
     errors = {}
     for name, double, scheme in (

@@ -11,7 +11,7 @@ import study
 @pytest.mark.parametrize("name", ["energy_momentum", "average_vector_field"])
 @pytest.mark.parametrize("problem, dt", [("hardening", 0.15 / 8), ("double_well", 2.5)])
 def test_energy_of_a_quartic_is_conserved_to_round_off(name, problem, dt):
-    """At step sizes at which the energy error of average acceleration exceeds one per cent."""
+    """The energy is kept at step sizes at which the energy error of average acceleration exceeds one per cent."""
     ds = study.run(problem, name, dt=dt, steps=20_000, observe=["max_energy_error"])
     assert ds.status == 0
     assert ds.max_energy_error < 1e-8
@@ -28,7 +28,7 @@ def test_energy_of_any_potential_is_conserved_by_the_discrete_gradient_alone():
 
 
 def test_conservation_of_two_masses_on_a_spring():
-    """In the plane the midpoint rule conserves both momenta, the discrete gradient the energy."""
+    """In the plane the midpoint rule conserves linear and angular momentum, and the discrete gradient the energy."""
 
     def potential(x):
         length = jnp.sqrt((x[0] - x[2]) ** 2 + (x[1] - x[3]) ** 2)
@@ -55,7 +55,7 @@ def test_the_discrete_gradient_needs_a_potential():
 
 
 def test_the_energy_momentum_method_converges_at_small_amplitude_too():
-    """At small amplitude the potential of the softening spring is a difference of much larger numbers."""
+    """Runs succeed at small amplitude, where the potential of the softening spring is a difference of large numbers."""
     u0 = np.array([0.126, 0.141, 0.175, 0.195])
     runs = study.run(
         "softening", "energy_momentum", dt=0.6290 / 256, u0=u0, steps=100_000, observe=["max_energy_error"]

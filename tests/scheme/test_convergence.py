@@ -1,4 +1,4 @@
-"""Every scheme converges with the order that it claims, free, damped and forced, with one unknown and with two."""
+"""Observed orders of all schemes equal the claimed ones, for free, damped and forced motion of one or two unknowns."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -6,7 +6,7 @@ import pytest
 
 import study
 
-#: Steps within the asymptotic range and above round-off, by expected order.
+#: Numbers of steps by expected order, for which errors are in the asymptotic range and above round-off.
 STEPS = {
     1: [6400, 12800, 25600],
     2: [800, 1600, 3200],
@@ -17,8 +17,8 @@ STEPS = {
 }
 
 
-#: Tested in place of extrapolation of order 12, whose errors reach round-off before an order can be fitted. Linear
-#: theory shows that order.
+#: Extrapolation of order 6, tested in place of order 12: errors of the latter reach round-off before an order can be
+#: fitted, and linear theory shows its order.
 SIXTH = study.Extrapolation((1, 2, 3))
 
 
@@ -76,7 +76,7 @@ def test_order_of_one_damped_and_driven_oscillator(scheme):
 
 @pytest.mark.parametrize("name", ["mclachlan4", "blanes_moan4", "dormand_prince6"])
 def test_a_load_alone_leaves_a_method_its_order(name):
-    """These methods are derived for an acceleration that does not depend on the velocity."""
+    """These methods assume an acceleration that does not depend on the velocity; a load alone keeps their order."""
     scheme = study.schemes[name]
     assert scheme.order_with_damping < scheme.order
     orders = _observed_orders(_driven_along(one), scheme, one, 3.0, STEPS[scheme.order])

@@ -16,7 +16,7 @@ C = np.array(TABLEAU.c)
     ids=["order 6", "embedded, order 4"],
 )
 def test_conditions_of_order(b, b_velocity, order):
-    """Σ b cᵏ = 1/((k + 1)(k + 2)) and Σ b′ cᵏ = 1/(k + 1), up to the order and not beyond it."""
+    """Both methods meet Σ b cᵏ = 1/((k + 1)(k + 2)) and Σ b′ cᵏ = 1/(k + 1) up to their order, and not beyond it."""
     of_u = [np.dot(b, C[: len(b)] ** k) - 1 / ((k + 1) * (k + 2)) for k in range(order)]
     of_v = [np.dot(b_velocity, C**k) - 1 / (k + 1) for k in range(order + 1)]
     np.testing.assert_allclose(of_u[:-1], 0, atol=1e-14)

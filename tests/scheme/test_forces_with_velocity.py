@@ -1,4 +1,4 @@
-"""Forces that take the velocity: like damping where linear, and of the claimed order where they are not."""
+"""Forces that depend on the velocity: linear forces equal damping, and nonlinear ones keep the order of schemes."""
 
 import jax.numpy as jnp
 import numpy as np

@@ -38,7 +38,7 @@ def test_every_start_of_houbolt_keeps_the_second_order(start):
 
 
 def test_exact_start_of_houbolt_is_exact():
-    """From rest the motion backwards in time equals the motion forwards."""
+    """From rest the exact displacements before the start equal the displacements after it."""
     problem, dt = study.problems["hardening"], 0.15 / 20
     u_1, u_2, _ = starts["exact"](problem, jnp.asarray(1.5), jnp.asarray(0.0), dt)
     fine = study.run(problem, "rk4", dt=dt / 512, steps=1024, every=512).u.values

@@ -12,7 +12,7 @@ import study
     [(1.0, 1.0, True), (1.0, 4.0, True), (1.0, 5.5, False), (0.8, 0.5, True), (0.8, 1.0, True), (0.8, 1.5, False)],
 )
 def test_stability_of_kr_alpha_is_that_of_its_model(scheme, factor, stable):
-    """With ρ∞ = 1 stiffnesses up to 4/Δt² + K are stable; with ρ∞ = 0.8 stiffnesses above K are not."""
+    """With ρ∞ = 1 stiffnesses up to 4/Δt² above the model's are stable; with ρ∞ = 0.8, only up to the model's."""
     dt, rest = 1.0, 1.0
     # a spring whose tangent is 1 at rest and `factor` away from it
     problem = study.Problem(lambda u: jnp.where(jnp.abs(u) < 1e-6, rest, factor) * u, u0=1.0)
@@ -23,7 +23,7 @@ def test_stability_of_kr_alpha_is_that_of_its_model(scheme, factor, stable):
 @pytest.mark.parametrize("name", ["chen_ricles", "chang"])
 @pytest.mark.parametrize("factor, stable", [(0.5, True), (4.99, True), (5.01, False)])
 def test_stability_that_is_called_unconditional_ends_where_the_stiffness_has_risen(name, factor, stable):
-    """The tangent may exceed the model by 4/Δt² at most, here with Δt = 1 and a model of 1."""
+    """The tangent may exceed the stiffness of the model by 4/Δt² at most, here by 4 with Δt = 1."""
     problem = study.Problem(lambda u: jnp.where(jnp.abs(u) < 1e-6, 1.0, factor) * u, u0=1.0)
     ds = study.run(problem, name, dt=1.0, steps=2000, on_failure="ignore")
     assert (np.abs(ds.u).max() < 1000) == stable
@@ -38,7 +38,7 @@ def test_changs_method_is_the_trapezoidal_rule_for_a_linear_structure():
 
 
 def test_both_methods_have_the_radius_of_their_parameter_at_infinite_frequency():
-    """Roots at infinite frequency: −ρ∞ three times, and −ρ∞ and ±iρ∞ with the modification."""
+    """The roots at infinite frequency are −ρ∞ three times for KR-α, and −ρ∞ and ±iρ∞ for MKR-α."""
     for modified, roots in ((False, [-0.6] * 3), (True, [-0.6, 0.6j, -0.6j])):
         (matrix,) = study.LinearTheory(study.KolayRicles(0.6, modified), np.array([1e7])).matrices
         np.testing.assert_allclose(np.poly(matrix), np.poly(roots), atol=1e-6)

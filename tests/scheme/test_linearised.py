@@ -1,4 +1,4 @@
-"""The derivative of a step, which carries a neighbour along."""
+"""Linearised steps, which carry the distance to a neighbouring motion along."""
 
 import dataclasses
 from functools import partial

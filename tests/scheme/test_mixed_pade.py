@@ -14,7 +14,7 @@ STEPS = np.geomspace(1e-2, 1e4, 400) / (2 * np.pi)
 
 
 def expansion(upper, lower):
-    """Numerator and denominator of the Padé expansion of the exponential, from the lowest power on."""
+    """Coefficients of numerator and denominator of the Padé expansion of the exponential, by rising powers."""
     numerator = [math.comb(upper, k) * math.factorial(upper + lower - k) for k in range(upper + 1)]
     denominator = [math.comb(lower, k) * math.factorial(upper + lower - k) * (-1) ** k for k in range(lower + 1)]
     scale = (-1) ** lower / denominator[-1]

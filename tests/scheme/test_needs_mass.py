@@ -1,4 +1,4 @@
-"""Which schemes can step an unknown without mass: their declaration, against their roots at infinite frequency."""
+"""Schemes that need a mass at every unknown: their declaration, compared with their roots at infinite frequency."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -13,10 +13,10 @@ from study.scheme.rederived import Rederived
 from study.scheme.wrapper.compensated import Compensated
 from study.scheme.wrapper.linearised import Linearised
 
-#: Tolerance of roots at one: three roots that meet at −1 are known to a third of their digits only.
+#: Tolerance of a spectral radius of one, because a triple root at −1 is known to a third of its digits only.
 GROWTH = 1e-3
 
-#: Smallest distance of tested parameters from the edge of a condition, unless they lie on it.
+#: Smallest distance of tested parameters from the bound of a condition, unless they lie exactly on the bound.
 EDGE = 0.02
 
 theta = st.one_of(st.just(1.0), st.floats(1.0, 4.0))
@@ -25,12 +25,12 @@ gamma = st.sampled_from([0.0, 0.5, 0.6, 1.0]) | st.floats(0.0, 1.0)
 
 
 def _grows(scheme) -> bool:
-    """Whether a root at infinite frequency is larger than one, by the derivative of the scheme's step."""
+    """Whether the spectral radius at infinite frequency exceeds one, by linear theory of the scheme's step."""
     return LinearTheory(scheme, np.array([1.0])).infinite_frequency_radius() > 1 + GROWTH
 
 
 def _off_the_edge(beta, gamma):
-    """Newmark's condition 2β ≥ γ ≥ ½ holds or fails clearly."""
+    """Reject parameters that are close to a bound of Newmark's condition 2β ≥ γ ≥ ½, but not on it."""
     assume(all(difference == 0 or abs(difference) > EDGE for difference in (2 * beta - gamma, gamma - 0.5)))
 
 
@@ -108,11 +108,11 @@ def test_bathes_method_with_two_weights(beta1, beta2, gamma):
     ],
 )
 def test_methods_of_given_radius_need_none(make, least, most):
-    """At ρ∞ = 1 the methods are on the edge of the condition; round-off of their parameters must not violate it."""
+    """At ρ∞ = 1 the methods are on the bound of the condition; round-off of their parameters must not violate it."""
     assert not any(make(rho_inf).needs_mass for rho_inf in np.linspace(least, most, 101).tolist())
 
 
-#: Every other implicit scheme, with each choice that it has.
+#: The other implicit schemes, with several of their parameters.
 OTHERS = [
     study.BackwardDifferences((1.0, -1.0)),
     study.BackwardDifferences((3 / 2, -2.0, 1 / 2)),
@@ -136,7 +136,7 @@ def test_the_other_implicit_schemes_need_none(scheme):
 
 
 def _massless():
-    """A mass on two linear springs in a row, between which there is a joint without mass, in balance at the start."""
+    """A mass on two linear springs in series; the joint between the springs has no mass, and starts in balance."""
     springs = study.StrainEnergy(lambda u: jnp.stack([u[0], u[1] - u[0]]), lambda e: np.array([3.0, 1.5]) * e * e)
     return study.Problem(potential=springs, u0=[0.3, 0.9], v0=[0.2, 0.6], mass=[0.0, 2.0], title="joint")
 

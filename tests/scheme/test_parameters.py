@@ -1,4 +1,4 @@
-"""Parameters that are refused."""
+"""Parameters of schemes: values that are refused, and coefficients that stay small."""
 
 import math
 
@@ -71,5 +71,5 @@ def test_weights_that_make_no_scheme_are_refused(make, sentence):
 
 @pytest.mark.parametrize("s", [3, 4])
 def test_no_weight_of_esdirk_is_large(s):
-    """At every ρ∞: weights would grow if two stages of a step came close to each other."""
+    """All weights stay below 3 at every ρ∞; they would grow if two stages of a step came close to each other."""
     assert max(np.abs(_tableau(s, rho_inf)).max() for rho_inf in np.linspace(0, 1, 101).tolist()) < 3

@@ -1,4 +1,4 @@
-"""Characteristic polynomials derived from the code, against closed forms."""
+"""Characteristic polynomials derived from the code, compared with closed forms."""
 
 import math
 
@@ -15,7 +15,7 @@ STEPS = 2 * np.pi * PARTS
 
 
 def _polynomials(scheme, parts=PARTS, damping_ratio=0.0):
-    """Characteristic polynomials; unlike their roots they do not lose half of the digits where roots meet."""
+    """Characteristic polynomials by step size; unlike double roots, coefficients do not lose half of their digits."""
     return np.array([np.poly(roots) for roots in LinearTheory(scheme, parts, damping_ratio).roots])
 
 
@@ -31,7 +31,7 @@ def _assert_roots(scheme, expected, parts=PARTS, tolerance=1e-10):
     ["average_acceleration", "implicit_midpoint", "energy_momentum", "average_vector_field", "chen_ricles", "chang"],
 )
 def test_the_trapezoidal_rule_neither_damps_nor_grows(name):
-    """λ = (1 ± iΩ/2)/(1 ∓ iΩ/2)."""
+    """The roots are λ = (1 ± iΩ/2)/(1 ∓ iΩ/2) with Ω = ωΔt."""
     expected = (1 + 0.5j * STEPS) / (1 - 0.5j * STEPS)
     theory = LinearTheory(study.schemes[name], PARTS)
     assert np.abs(theory.roots - expected[:, None]).min(axis=1).max() < 1e-10
@@ -41,7 +41,7 @@ def test_the_trapezoidal_rule_neither_damps_nor_grows(name):
 
 
 def test_central_difference_shortens_the_period():
-    """Its roots have the angle 2 arcsin(Ω/2), up to Ω = 2."""
+    """The roots of central difference have the angle 2 arcsin(Ω/2), up to Ω = ωΔt = 2."""
     swinging = STEPS < 2
     motion = LinearTheory(study.schemes["central_difference"], PARTS).motion()
     expected = STEPS[swinging] / (2 * np.arcsin(STEPS[swinging] / 2)) - 1
@@ -51,7 +51,7 @@ def test_central_difference_shortens_the_period():
 
 @pytest.mark.parametrize("name, last", [("rk4", 4), ("nystrom4", None)])
 def test_explicit_runge_kutta_methods_are_series(name, last):
-    """The classical method is the exponential to z⁴, z = iΩ; Nyström's has trace 2 − Ω² + Ω⁴/12 and its determinant."""
+    """The classical root is the series of e^z up to z⁴, z = iΩ; Nyström's matrix has the trace 2 − Ω² + Ω⁴/12."""
     parts = PARTS[STEPS < 10]
     omega = 2 * np.pi * parts
     if last:
@@ -61,7 +61,7 @@ def test_explicit_runge_kutta_methods_are_series(name, last):
         for polynomial, x in zip(_polynomials(study.schemes[name], parts), omega**2, strict=True):
             # u₁ and u̇₁ of the three stages, written out for F = −u
             matrix = np.array([[1 - x / 2 + x**2 / 24, 1 - x / 6], [-1 + x / 6 - x**2 / 96, 1 - x / 2 + x**2 / 24]])
-            # for u and Δt u̇, the effect of u₀ on Δt u̇₁ is multiplied by Ω²
+            # in terms of u and Δt u̇, the entry for the effect of u₀ on Δt u̇₁ has the factor Ω²
             expected = np.poly(matrix * np.array([[1, 1], [x, 1]]))
             np.testing.assert_allclose(polynomial, expected, rtol=1e-10, atol=1e-10 * (1 + x**2))
 
@@ -103,7 +103,7 @@ def test_backward_differences_have_their_polynomials(name):
 
 
 def test_wilson_has_its_polynomial():
-    """The matrix of Bathe's textbook for θ = 1.4, in (ü, u̇, u) with Δt = 1."""
+    """The polynomial is that of the matrix in Bathe's textbook for θ = 1.4, in (ü, u̇, u) with Δt = 1."""
     theta = 1.4
     for polynomial, omega in zip(_polynomials(study.schemes["wilson_theta"]), STEPS, strict=True):
         beta = 1 / (theta / omega**2 + theta**3 / 6)
@@ -117,7 +117,7 @@ def test_wilson_has_its_polynomial():
 
 @pytest.mark.parametrize("rho_inf", [0.0, 0.3, 0.5, 0.8, 1.0])
 def test_the_generalized_alpha_family_meets_its_spectral_radius(rho_inf):
-    """At infinite frequency both principal roots are −ρ∞, as is the third root of the generalized-α method."""
+    """At infinite frequency both principal roots are −ρ∞; with Chung and Hulbert's method and KR-α all three are."""
     infinity, minus = np.array([1e7]), -rho_inf
     (chung,), (kolay,) = (
         _polynomials(make(rho_inf), infinity) for make in (study.GeneralizedAlpha.chung_hulbert, study.KolayRicles)
@@ -149,7 +149,7 @@ def test_kr_alpha_has_the_roots_of_the_generalized_alpha_method(damping_ratio):
 
 @pytest.mark.parametrize("rho_b", [0.0, 0.3, 0.5, 0.8])
 def test_hulbert_and_chungs_roots_meet_where_they_say(rho_b):
-    """At Ω = (1 + ρ_b)√(2 − ρ_b) the principal roots meet at −ρ_b; stability ends where one of them is −1."""
+    """At Ω = (1 + ρ_b)√(2 − ρ_b) the principal roots meet at −ρ_b; at the stability limit one of them is −1."""
     scheme = study.ExplicitAlpha.hulbert_chung(rho_b)
     meeting = (1 + rho_b) * np.sqrt(2 - rho_b) / (2 * np.pi)
     polynomial = _polynomials(scheme, np.array([meeting]))[0]
@@ -192,7 +192,7 @@ def test_wilson_is_unconditionally_stable_from_1_366(theta, stable):
 
 @pytest.mark.parametrize("name", ["yoshida4", "yoshida6", "kahan_li8", "mclachlan4", "blanes_moan4"])
 def test_splittings_are_stable_as_long_as_their_product_is(name):
-    """Half the trace of the product of its kicks and drifts, written out, first leaves [−1, 1] at the limit."""
+    """At the stability limit, half the trace of the product of all kicks and drifts first leaves [−1, 1]."""
     scheme, omega = study.schemes[name], np.linspace(1e-3, 6, 60_000)
     if isinstance(scheme, study.Splitting):
         moves = [("drift", scheme.drifts[0])]

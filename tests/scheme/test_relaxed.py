@@ -1,4 +1,4 @@
-"""Relaxation: the energy stays the same, and the order too."""
+"""Relaxed schemes: they keep the energy, and the order of the method."""
 
 import jax
 import numpy as np
@@ -12,7 +12,7 @@ PERIOD = 0.151532834447260357127078726219
 
 @pytest.mark.parametrize("problem, dt", [("hardening", 0.0075), ("softening", 0.057), ("double_well", 2.5)])
 def test_the_energy_of_the_paper_s_runge_kutta_runs_is_kept(problem, dt):
-    """At step sizes at which the method itself loses or gains energy, and blows up in the double well."""
+    """The Runge-Kutta method itself loses or gains energy at these step sizes, and blows up in the double well."""
     ds = study.run(problem, RELAXED, dt=dt, steps=20_000, every=20_000, observe=["max_energy_error"])
     assert ds.status == 0 and ds.max_energy_error < 1e-8
 
@@ -25,7 +25,7 @@ def _order(scheme):
 
 
 class _WithoutLead(study.Relaxed):
-    """A relaxed scheme that takes y₀ + γ Δy as the motion at the end of the step."""
+    """A relaxed scheme that takes y₀ + γ Δy as the motion at the end of the step, and not at t + γ Δt."""
 
     def step(self, problem, state, t, dt):
         new, effort = super().step(problem, state, t, dt)
@@ -33,7 +33,7 @@ class _WithoutLead(study.Relaxed):
 
 
 def test_a_step_that_makes_up_for_the_last_one_keeps_the_order():
-    """Ketcheson (2019), section 2: without this compensation the order is one less."""
+    """Without compensation of the last step's shift in time the order is three (Ketcheson, 2019, section 2)."""
     assert _order(RELAXED) == pytest.approx(4, abs=0.1)
     assert _order(_WithoutLead(RELAXED.scheme)) == pytest.approx(3, abs=0.1)
 

@@ -1,4 +1,4 @@
-"""Schemes on several unknowns: results do not depend on the form of the tangent, the coordinates or the coupling."""
+"""Schemes on several unknowns: results do not depend on the form of the tangent or on the coordinates."""
 
 from functools import cache
 
@@ -26,14 +26,15 @@ def _phase(problem, scheme, dt=DT, steps=STEPS, **arguments):
     return np.stack([ds.u.values, ds.v.values])
 
 
-#: A scheme for each use of tangents and linear solutions; of these, the schemes that form matrices from the tangent.
+#: One scheme for each use of tangents and linear solutions.
 WAYS = ["average_acceleration", "hht_alpha_1996", "kr_alpha", "chung_lee", "energy_momentum", "gauss4"]
+#: Schemes of ``WAYS`` that form matrices from the tangent.
 MATRICES = ["average_acceleration", "kr_alpha", "gauss4"]
 
 
 @pytest.fixture(scope="module")
 def of_dense_tangent(damped_chain):
-    """A function that gives the motion of a scheme with a dense tangent."""
+    """Function that returns the motion of the chain by a scheme, with a dense tangent."""
     return cache(lambda scheme: _phase(damped_chain("dense"), scheme))
 
 
@@ -42,12 +43,12 @@ def of_dense_tangent(damped_chain):
     [
         *((scheme, "tridiagonal", 1e-11) for scheme in WAYS),
         ("kr_alpha", 2, 1e-11),
-        # an iterative linear solution has ten digits
+        # iterative linear solutions have ten digits
         *((scheme, "matrix_free", 1e-9) for scheme in WAYS),
     ],
 )
 def test_the_form_of_the_tangent_makes_no_difference(damped_chain, of_dense_tangent, scheme, structure, tolerance):
-    """The chain has damping and a load."""
+    """The motion of a damped and loaded chain is the same for every form of its tangent."""
     trajectory = _phase(damped_chain(structure), scheme)
     np.testing.assert_allclose(trajectory, of_dense_tangent(scheme), rtol=0, atol=tolerance)
 
@@ -88,7 +89,7 @@ def test_no_direction_is_special(scheme):
     np.testing.assert_allclose(turned, straight @ turn.T, rtol=0, atol=1e-9)
 
 
-#: The first scheme of every class that takes massless unknowns.
+#: Name of the first scheme of every class that takes massless unknowns, by class.
 WITHOUT_MASS = {type(scheme): name for name, scheme in reversed(list(study.schemes.items())) if not scheme.needs_mass}
 
 

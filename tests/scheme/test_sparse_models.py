@@ -13,7 +13,7 @@ from study.mechanics.sparse_tangent import SparseTangent
 
 N = 24
 RNG = np.random.default_rng(4)
-#: Random numbering of the unknowns of a chain, whose springs also connect second neighbours.
+#: Random numbering of the unknowns of a chain; its springs connect neighbours and second neighbours.
 ORDER = RNG.permutation(N)
 STIFFNESS = sparse.csc_array(
     sparse.diags_array([-0.5, -2.0, 6.0, -2.0, -0.5], offsets=[-2, -1, 0, 1, 2], shape=(N, N))
@@ -82,7 +82,7 @@ def test_one_unknown_and_diagonals_may_have_a_stiffness():
 
 @pytest.mark.parametrize(("scheme", "factors"), [("average_acceleration", 1), ("bathe", 2), ("wilson_theta", 1)])
 def test_a_linear_structure_factorises_once(scheme, factors):
-    """A step has one linear solution, or one for each sub-step. Each matrix and the mass are factorised once."""
+    """A run factorises the mass and the matrix of each sub-step once; each sub-step has one linear solution."""
     linear = _model(force=None, potential=None)
     factorisations.cache_clear()
     jax.clear_caches()

@@ -1,4 +1,4 @@
-"""Schemes on forces with a history: when it is committed, and how far the motion is from the exact one."""
+"""Schemes on forces with a history: the times at which it is committed, and the errors of the motion."""
 
 import jax
 import jax.numpy as jnp
@@ -11,11 +11,11 @@ from study import materials
 
 SPRING = materials.elastoplastic(stiffness=40.0, yield_force=10.0, hardening=0.1)
 YIELDING = study.Problem(SPRING, u0=0.2, v0=3.0, damping=0.3, potential=SPRING.potential, title="yielding")
-#: Schemes whose order is one on any motion, or falls to one where the force is not smooth.
+#: Names of schemes whose order is one on any motion, or falls to one if the force is not smooth.
 FIRST = {name for name, one in study.schemes.items() if one.order_with_damping == 1} | {"yoshida4", "yoshida6"}
-#: Schemes with backward sub-steps, in which a force with history unloads; their orders lie between one and two.
+#: Names of schemes with backward sub-steps, in which a force with history unloads; their order is between one and two.
 BACKWARDS = {"yoshida4", "yoshida6", "kahan_li8", "mclachlan4", "extrapolation12"}
-#: One scheme of every class.
+#: Name of one scheme of every class.
 ONE_OF_EACH = {type(one): name for name, one in study.schemes.items()}.values()
 
 
@@ -29,7 +29,7 @@ def _errors(name, problem, steps, duration=4.0, samples=50):
 
 @pytest.mark.parametrize("name", sorted({*ONE_OF_EACH, *BACKWARDS, *FIRST} - {"energy_momentum"}))
 def test_no_scheme_has_more_than_order_two_at_yield_points(name):
-    """No step ends at a yield point, so the error falls with the second power of the step, or with the first."""
+    """No step ends at a yield point, so the error is of second order in the step size, or of first order."""
     steps = [1600, 3200, 6400, 12800, 25600]
     errors = _errors(name, YIELDING, steps)
     order = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
@@ -46,7 +46,7 @@ def test_a_start_beyond_yield_unloads_elastically(name):
 
 
 def test_the_model_of_kr_alpha_is_that_of_the_undeformed_structure():
-    """By hand, with the elastic stiffness in its coefficients also where the spring has yielded at u = 0."""
+    """The run equals KR-α by hand; its coefficients hold the elastic stiffness, even after the spring has yielded."""
     k, c, dt, rho = 40.0, 0.5, 1.0, 0.8
     spring = materials.elastoplastic(k, 8.0, 0.05)
     ds = study.run(study.Problem(spring, u0=0.0, v0=4.0, damping=c), "kr_alpha", dt=dt, steps=60)
@@ -66,7 +66,7 @@ def test_the_model_of_kr_alpha_is_that_of_the_undeformed_structure():
 
 
 def test_the_history_is_committed_once_a_step():
-    """By hand: average acceleration with the return mapping from the history at the end of the last step."""
+    """The run equals average acceleration by hand, with forces from the history at the end of the last step."""
     dt, steps = 0.05, 60
     ds = study.run(YIELDING, "average_acceleration", dt=dt, steps=steps, observe=["trajectory", "internal_force"])
     u, v, plastic = 0.2, 3.0, np.zeros(())
@@ -115,7 +115,7 @@ def test_lanes_compensated_sums_and_neighbours_remember():
     compensated = study.Compensated(study.schemes["average_acceleration"])
     ds = study.run(YIELDING, compensated, dt=0.01, steps=100, observe=["lyapunov_exponent", "internal_force"])
     np.testing.assert_allclose(ds.internal_force, lanes.internal_force[0], atol=1e-10)
-    # after yielding, a motion comes to rest with its plastic part: neighbouring runs neither diverge nor converge
+    # after yielding, the spring rests with its plastic displacement, so neighbouring runs neither diverge nor converge
     assert abs(float(ds.lyapunov_exponent)) < 2.0
 
 

@@ -7,12 +7,12 @@ from paper.published import PROBLEMS, SCHEMES, STEPS
 
 
 def filled(value, **coordinates) -> xr.DataArray:
-    """One value everywhere."""
+    """Array with one value everywhere, on the given coordinates."""
     return xr.DataArray(np.full([len(one) for one in coordinates.values()], value), coordinates, list(coordinates))
 
 
 def energy_error(order=2.0, **errors) -> xr.Dataset:
-    """A dataset like energy_error.nc; errors that are not given are 1 % at T/15 and fall with the order."""
+    """A dataset like energy_error.nc; other schemes than the given ones have 1 % at T/15 and the order ``order``."""
     error = filled(1.0, period_used=["printed"], problem=PROBLEMS, steps_per_period=STEPS, scheme=SCHEMES)
     error = error * (15 / error.steps_per_period) ** order
     for scheme, value in errors.items():
@@ -21,14 +21,14 @@ def energy_error(order=2.0, **errors) -> xr.Dataset:
 
 
 def accuracy(energy=1.0, displacement=1.0, drift=0.0) -> xr.Dataset:
-    """A dataset like accuracy.nc, with the same errors, given in percent, in all runs."""
+    """A dataset like accuracy.nc, in which all runs have the same errors, given in percent."""
     along = {"problem": PROBLEMS, "scheme": SCHEMES, "steps_per_period": [16, 32], "periods": [100]}
     values = {"max_energy_error": energy, "max_trajectory_error": displacement / 100, "energy_drift": drift / 100}
     return xr.Dataset({name: filled(value, **along) for name, value in values.items()})
 
 
 def times(**of_schemes) -> xr.Dataset:
-    """A dataset like cpu_time.nc with four repeats; times that are not given are 10 ns a step."""
+    """A dataset like cpu_time.nc with four repeats; other schemes than the given ones take 10 ns a step."""
     time = filled(10.0, problem=PROBLEMS, scheme=SCHEMES, repeat=[0, 1, 2, 3])
     for scheme, values in of_schemes.items():
         time.loc[{"scheme": scheme}] = np.broadcast_to(values, (len(PROBLEMS), 4))

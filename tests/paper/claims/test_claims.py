@@ -1,4 +1,4 @@
-"""The ledger: its size, its verdicts, and checks that fail."""
+"""The ledger of claims: its size, its verdicts, and the data that decide them."""
 
 import pytest
 import xarray as xr
@@ -29,13 +29,13 @@ def test_the_paper_is_quoted_in_short_and_nobody_else():
 
 @pytest.fixture
 def entered(monkeypatch):
-    """Claims and products that a test enters are forgotten after it."""
+    """Make the lists of claims and products empty for a test, and restore them after it."""
     monkeypatch.setattr("paper.claims.ledger.CLAIMS", [])
     monkeypatch.setattr("paper.products.PRODUCTS", {})
 
 
 def _entered(section, check):
-    """The product of a new claim."""
+    """Enter a claim, and return its product."""
     claim(section, "Said so.", "something", words="said so" if section == "4" else "")(check)
     from paper.claims.ledger import CLAIMS
 

@@ -1,4 +1,4 @@
-"""Claims of sections 2 and 3 on made-up datasets: each can come out either way."""
+"""Claims of sections 2 and 3 on made-up datasets: each check is tested where it holds and where it fails."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Claims of section 4 on made-up datasets: each can come out either way."""
+"""Claims of section 4 on made-up datasets: each check is tested where it holds and where it fails."""
 
 import numpy as np
 import pytest
@@ -10,12 +10,12 @@ from paper.claims.terms import DAMPED
 from paper.published import SCHEMES
 from tests.paper.claims.made_up import energy_error, filled
 
-#: 81 steps have 80 pairs of neighbours; four pairs are a twentieth.
+#: Step sizes as parts of the period; four of the 80 pairs of neighbours are a twentieth.
 STEPS = [round(0.01 * k, 2) for k in range(1, 82)]
 
 
 def _large_steps(*worse):
-    """Errors that rise with the step, except at some indices, where the smaller of two steps has the larger error."""
+    """Errors that rise with the step size; only at the indices ``worse`` the next larger step has a smaller error."""
     error = filled(1.0, problem=["softening_large"], scheme=["average_acceleration"], dt_over_period=STEPS)
     error = error * np.arange(1, len(STEPS) + 1)
     for index in worse:
@@ -40,7 +40,7 @@ def test_a_smaller_step_is_unstable_next_to_a_larger_reasonable_one(small, large
 
 
 def _double_well(lost=900 / 7, gained=0.0, undamped=0.0):
-    """Signed energy errors of all schemes, given in percent; the damped schemes end at rest."""
+    """Signed energy errors of all schemes, given in percent; by default the damped schemes end at rest."""
     error = filled(0.0, scheme=SCHEMES, t=[0.0, 2.5, 5.0])
     error.loc[{"scheme": DAMPED, "t": 5.0}] = -lost
     error.loc[{"scheme": "hht_alpha_1996", "t": 2.5}] = gained

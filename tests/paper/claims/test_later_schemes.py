@@ -1,4 +1,4 @@
-"""Claims of the authors of later schemes: each check can come out either way."""
+"""Claims of the authors of later schemes: each check is tested where it holds and where it fails."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ SCHEMES = [
 
 
 def _spectral(variables):
-    """A dataset like spectral.nc: all values are one except those given by variable and scheme."""
+    """A dataset like spectral.nc: all values are one, except the values given by variable and scheme."""
     names = ["linear_order", "stability_limit", "infinite_frequency_radius"]
     over_steps = ["algorithmic_damping", "displacement_overshoot", "period_elongation"]
     along = {"scheme": SCHEMES, "damping_ratio": [0.0, 0.1]}

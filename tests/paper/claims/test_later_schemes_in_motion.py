@@ -1,4 +1,4 @@
-"""Claims on later schemes in motion: each check can come out either way."""
+"""Claims on later schemes in motion: each check is tested where it holds and where it fails."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ FOURTH = ["blanes_moan4", "mclachlan4"]
 
 
 def _later(**parts):
-    """A dataset like later_schemes.nc: all values are one except those given for a variable, or for its schemes."""
+    """A dataset like later_schemes.nc: all values are one, except values given for a variable or for its schemes."""
     along = {
         "largest_stiffening": {"with_model": ["chen_ricles", "chang", "kr_alpha"], "omega_step": [1.0, 10.0]},
         "trigonometric_error": {"member": MEMBERS, "steps": [16, 32, 64]},
@@ -34,7 +34,7 @@ def _later(**parts):
 
 
 def _reality(scheme, **orders):
-    """A dataset like order_under_reality.nc, with orders of four except for some circumstances or quantities."""
+    """A dataset like order_under_reality.nc, with orders of four, except orders given by circumstance or quantity."""
     along = {
         "scheme": [scheme],
         "circumstance": ["plain", "damping", "load", "support_0"],

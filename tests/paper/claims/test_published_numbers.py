@@ -1,4 +1,4 @@
-"""Claims on problems whose solution is known: each check can come out either way."""
+"""Claims on problems whose solution is known: each check is tested where it holds and where it fails."""
 
 import numpy as np
 import xarray as xr
@@ -10,7 +10,7 @@ SCHEMES = ["average_acceleration", "central_difference"]
 
 
 def _errors(error):
-    """A dataset like published_numbers.nc, with the errors of both schemes by refinement."""
+    """A dataset like published_numbers.nc, in which ``error`` gives the errors of both schemes by refinement."""
     along = {"problem": ["van_der_pol", "loaded_bar"], "scheme": SCHEMES, "refinement": [0, 1, 2]}
     data = filled(1.0, **along).to_dataset(name="error")
     data["error"][:] = error
@@ -52,7 +52,7 @@ def test_the_step_of_an_implicit_scheme_is_bound_or_not():
 
 
 def _ueda(exponents):
-    """A dataset like ueda.nc."""
+    """A dataset like ueda.nc, with the given exponents by number of steps for both schemes."""
     data = filled(0.0, scheme=SCHEMES, steps_per_period=[16, 32, 64]).to_dataset(name="exponent")
     data["exponent"][:] = exponents
     data["printed_exponent"] = xr.DataArray(0.1)

@@ -1,4 +1,4 @@
-"""The page of the maps, in a browser that reaches no network."""
+"""The page of the explorer, with its maps of outcomes, in a browser that reaches no network."""
 
 import subprocess
 import sys
@@ -18,7 +18,7 @@ from tests.browser import WIDTHS, check_page, needs_browser, set_width, wait
 
 discover(["explorer"])
 PROBLEMS = ["hardening", "softening", "double_well"]
-#: The scripts of the page cannot compute runs of the last scheme.
+#: Schemes of the maps; the scripts of the page cannot compute runs of the last one.
 SCHEMES = ["average_acceleration", "central_difference", "rk4", "bathe", "wilson_theta", "own"]
 TITLES = ["Average acceleration", "Central difference", "Runge-Kutta", "Bathe", "Wilson-θ", "Own <&>"]
 EXPLICIT = [0, 1, 1, 0, 0, 0]
@@ -32,7 +32,7 @@ ROWS = """return [...document.querySelectorAll("#answer table")].map((table) =>
 
 @pytest.fixture(scope="module")
 def datasets():
-    """Maps of random numbers, and the runs of the paper."""
+    """Maps of random numbers, and datasets of the runs of the paper."""
     cell = ("scheme", "problem", "amplitude", "dt_over_period")
     shape = [SIZES[name] for name in cell]
     random = np.random.default_rng(1)
@@ -77,7 +77,7 @@ def datasets():
 
 
 def _made(datasets, folder):
-    """The page as the pipeline makes it."""
+    """Path of the page, made by the command of the pipeline."""
     product = PRODUCTS["page", "explorer"]
     for argument, names in product.reads.items():
         for name, dataset in zip([names] if isinstance(names, str) else names, datasets[argument], strict=True):
@@ -95,7 +95,7 @@ def page(datasets, tmp_path_factory):
 
 
 def _open(browser, page, address="", width=800):
-    browser.get("about:blank")  # otherwise a change of the fragment alone would not load the page again
+    browser.get("about:blank")  # otherwise an address with another fragment would not load the page again
     set_width(browser, width)
     browser.get(page.as_uri() + address)
     wait(browser, READY)
@@ -121,7 +121,7 @@ def _click(browser, along, up, kind="mouse"):
 
 
 def _address(browser):
-    """The choices that the address of the page states; the page updates it with a delay."""
+    """The choices in the address of the page, which the page updates with a delay."""
     browser.execute_async_script("setTimeout(arguments[0], 400)")
     return {key: value for key, (value,) in parse_qs(urlsplit(browser.current_url).fragment).items()}
 
@@ -145,7 +145,7 @@ def test_it_opens_on_a_plain_run_at_every_width(browser, page, width):
     tops = {side[0].rect["y"] for side in sides}
     if width > 640:
         assert len(tops) == 1
-    else:  # one side at a time, chosen by a switch
+    else:  # a narrow screen shows one side, which a switch chooses
         browser.find_element("css selector", "label[for='side1']").click()
         assert [one.is_displayed() for side in sides for one in side] == [False, False, True, True]
     for one in sides[1]:
@@ -193,7 +193,7 @@ def test_a_run_is_computed_at_the_chosen_amplitude_and_step(browser, page):
     stated = _text(browser, ".run[data-side='1'] dd")
     assert float(stated.split(" %")[0]) == pytest.approx(100 * run.max_height_error.item(), rel=0.02)
     assert browser.execute_script("return document.querySelectorAll('.run[data-side=\"1\"] figure').length") == 3
-    # a run that grows without bound
+    # the displacement of this run grows without bound
     _open(browser, page, "#u0=40&steps=1&schemes=rk4,central_difference")
     assert "The run fails" in _text(browser, ".run")
     check_page(browser)
@@ -246,7 +246,7 @@ def test_an_address_holds_the_whole_choice(browser, page):
     everything = ["double well", "0.1 %", "error of the period", "Bathe", "Own <&>"]
     assert browser.execute_script(chosen) == everything
     assert _text(browser, ".run .place").startswith("u₀ = 0.4")
-    # an address with unknown values restores the first choice
+    # an address with unknown values restores the default choice
     nonsense = "&".join(f"{key}=constructor" for key in ("problem", "schemes", "colour", "error", "u0", "steps"))
     browser.execute_script("location.hash = arguments[0]", nonsense)
     wait(browser, "return document.querySelector('#question').innerText.includes('hardening')")

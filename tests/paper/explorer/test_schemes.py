@@ -1,4 +1,4 @@
-"""The schemes and springs of the page, against those of the study."""
+"""The schemes and springs in the scripts of the page, compared with the schemes and springs of the study."""
 
 import json
 import shutil
@@ -17,7 +17,7 @@ from study.scheme.named import OF_1996
 NODE = shutil.which("node") or ""
 pytestmark = pytest.mark.skipif(not NODE, reason="needs node (Debian: nodejs)")
 FOLDER = Path(paper.explorer.__file__).parent
-#: Step sizes of about a twentieth of a period.
+#: Step sizes by problem, about a twentieth of a period.
 STEPS = {"hardening": 0.0075, "softening": 0.057, "double_well": 0.37}
 
 
@@ -30,7 +30,7 @@ def _computed(expression):
 
 @pytest.fixture(scope="module")
 def runs():
-    """Runs by problem and scheme: u, v and height."""
+    """Runs of the page by problem and scheme, each with u, v and the relative height of its energy."""
     starts = {problem: (float(study.problems[problem].u0), dt) for problem, dt in STEPS.items()}
     return _computed(
         f"Object.fromEntries(Object.entries({json.dumps(starts)}).map(([problem, [u0, dt]]) => [problem, "
@@ -41,7 +41,7 @@ def runs():
 
 @pytest.mark.parametrize("problem", STEPS)
 def test_a_scheme_marches_as_in_the_study(runs, problem):
-    # all schemes on one spring, and two schemes on the other springs
+    # all schemes run on the softening spring, and two schemes on the other springs
     schemes = runs[problem] if problem == "softening" else ("average_acceleration", "energy_momentum")
     rest = study.OutcomeObserver.of(problem)
     for name in schemes:

@@ -1,4 +1,4 @@
-"""Faults of a printed figure that a reader would notice."""
+"""Checks of printed figures for faults that a reader would notice."""
 
 import itertools
 import re
@@ -15,14 +15,14 @@ from matplotlib.transforms import Bbox
 from paper.figures.style import COLUMN, PAGE
 from paper.products import discover, made, reader
 
-#: Smallest size of type, and largest overlap of two texts at their edges, in points.
+#: Smallest font size in points, and largest overlap of two texts in points.
 SMALLEST, SHARED = 7.0, 1.0
-#: Height in cm of the text area of a page.
+#: Largest height of a figure in cm, which is the height of the text area of a page.
 TALLEST = 19.5
 
 
 class Printed(NamedTuple):
-    """A text as it is drawn: its words, its size in points, and its place in points."""
+    """A text as it is drawn: its words, its font size in points, and its bounding box in points."""
 
     words: str
     size: float
@@ -30,13 +30,13 @@ class Printed(NamedTuple):
 
 
 def printed(figure: Figure) -> list[Printed]:
-    """All texts that are drawn; labels of ticks outside the limits, for example, are not."""
+    """All texts that are drawn, without hidden texts such as labels of ticks outside the limits."""
     figure.dpi = 72
     figure.draw_without_rendering()
     found = []
 
     def draw(text, renderer, *args, **kwargs):
-        # the words of an annotation, without its arrow
+        # the box of an annotation is that of its words, without the arrow
         if text.get_visible() and text.get_text().strip():
             found.append(Printed(text.get_text(), text.get_fontsize(), Text.get_window_extent(text, renderer)))
 
@@ -46,13 +46,13 @@ def printed(figure: Figure) -> list[Printed]:
 
 
 def _of_code(words: str) -> bool:
-    """Whether a text has, outside formulas, the name of a variable, ``nan`` or a power of ten as in a program."""
+    """Whether a text has code outside formulas: an underscore, ``nan``, ``None``, ``inf``, or a number like 5e-05."""
     outside = re.sub(r"\$[^$]*\$", "", words)
     return bool(re.search(r"_|\b(nan|None|inf)\b|\de[-−+]?\d", outside))
 
 
 def faults(figure: Figure) -> list[str]:
-    """Sentences on a wrong size of the figure, and on texts that are too small, of code, cut off, or overlapping."""
+    """Sentences on faults of a figure: a wrong size, and texts that are too small, code, cut off, or overlapping."""
     width, height = figure.get_size_inches() * 2.54
     found = (
         [] if min(abs(width - COLUMN), abs(width - PAGE)) < 0.01 else [f"{width:.1f} cm is no width of the manuscript"]
@@ -73,7 +73,7 @@ def faults(figure: Figure) -> list[str]:
 
 
 def faults_of_all(results: Path) -> dict[str, list[str]]:
-    """The faults of all figures with faults, made from a folder of results."""
+    """Draw all figures from a folder of results, and return the faults of the figures that have any."""
     read, found = reader(results), {}
     for product in discover(["figures"]):
         if product.kind == "figure":

@@ -1,4 +1,4 @@
-"""Maps of how runs end, as they are drawn."""
+"""Drawn maps of the outcomes of runs."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -22,7 +22,7 @@ EVERY = xr.Dataset(coords=scheme_coordinates(list(study.schemes)))
 
 
 def _members(number, family="Own"):
-    """Coordinates of a number of schemes of one family, which need not be a family of the study."""
+    """Coordinates of ``number`` made-up schemes of one family, which the study need not have."""
     names = [f"{family} {place}" for place in range(number)]
     of = {"scheme": names, "scheme_title": names, "family": [family] * number, "place_in_family": list(range(number))}
     return xr.Dataset(coords={name: ("scheme", values) for name, values in of.items()})
@@ -77,7 +77,7 @@ def test_panels_are_lettered_beyond_the_alphabet(index, title):
 
 
 def _spectral(number):
-    """Linear theory of schemes of one family."""
+    """Made-up linear theory of ``number`` schemes of one family."""
     dims = ("scheme", "dt_over_period", "damping_ratio")
     values = (dims, np.linspace(0, 0.1, number * 20).reshape(number, 20, 1))
     return _members(number).assign(
@@ -114,7 +114,7 @@ def test_a_legend_takes_the_place_of_a_missing_panel():
 
 
 def test_the_style_serves_other_figures():
-    """In a checkout, a user's program finds the style by its name, and imports no module of the paper."""
+    """In a checkout, a program finds the style by its name, and does not import the module paper.figures.style."""
     code = (
         "import sys, matplotlib.pyplot as plt; plt.style.use('paper.figures.style'); "
         "print(plt.rcParams['font.size'], 'paper.figures.style' in sys.modules)"

@@ -41,7 +41,7 @@ def test_claims_are_counted_by_part():
     claims = pd.DataFrame({"section": sections, "verdict": verdicts, "claim": [*JUDGED, "one", "two"]})
     counts = of_claims(claims)
     assert counts["claims"] == 3 and counts["claims_reproduced"] == 2 and counts["claims_qualified"] == 1
-    assert not counts["verdicts_confirmed"]  # one of the three has a qualification
+    assert not counts["verdicts_confirmed"]  # one of the three claims has a qualification
     assert of_claims(claims.assign(verdict="reproduced"))["verdicts_confirmed"]
     assert counts["structure_claims"] == counts["structure_claims_not_reproduced"] == 1
     assert counts["stability_claims_reproduced"] == 1 and counts["stability_claims_qualified"] == 0

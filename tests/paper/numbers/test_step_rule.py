@@ -1,4 +1,4 @@
-"""Numbers on the rule that sets the step by the highest frequency."""
+"""Numbers on the rule that sets the step size by the highest frequency."""
 
 import numpy as np
 import xarray as xr
@@ -9,7 +9,7 @@ STEPS = [0.01, 0.02, 0.05, 0.1]
 
 
 def _rule(largest):
-    """Runs on two springs; the largest safe Δt ωmax of each scheme is twice as large on the second one."""
+    """Runs on two springs; schemes have the largest safe Δt ωmax ``largest`` on the first, twice that on the second."""
     upto = np.multiply.outer(list(largest.values()), [1.0, 2.0])[..., None, None]
     errors = np.where(np.array(STEPS) <= upto, 0.005, 0.02)
     dims = ("scheme", "problem", "amplitude", "omega_step")
@@ -30,7 +30,7 @@ def _rule(largest):
 def test_ranges_are_those_of_the_runs():
     found = of_step_rule(_rule({**dict.fromkeys(SCHEMES, 0.05), "rk4": 0.01}))
     assert (found["rule_below_central_difference"], found["rule_most_central_difference"]) == ("0.05", "0.10")
-    # T ωmax is 1 and 4
+    # T ωmax of the springs is 1 and 4
     assert found["rule_steps_central_difference"] == "20 to 40"
     assert (found["rule_below_rk4"], found["rule_most_rk4"]) == ("0.01", "0.02")
     assert found["rule_steps_rk4"] == "100 to 200"

@@ -12,16 +12,16 @@ from paper.tables.decision import QUANTITIES, tabulate
 from study.io import flags
 
 KINDS = len(QUANTITIES)
-#: Rows of a spring: two classes of schemes for each quantity.
+#: Number of rows of a spring: explicit and implicit schemes for each quantity.
 ROWS = 2 * KINDS
 TITLES = ("scheme", ["Cheap", "Dear", "Fails"])
 
 
 def _assessed(forces: float, energy: float) -> xr.Dataset:
-    """A spring of period one; the cheap scheme takes 8 steps at the largest error, the dear one twice as many.
+    """A spring of period one; at the largest allowed error the cheap scheme takes 8 steps, and the dear one 16.
 
-    A step of the dear scheme takes one force, and a step of the cheap one the number ``forces``. The dear scheme has
-    the smaller error, and takes less time. For the energy, all numbers of steps are multiplied by ``energy``.
+    A step of the dear scheme takes one force evaluation, and a step of the cheap scheme takes ``forces``. The dear
+    scheme has the smaller error, and takes less time. For the energy, ``energy`` multiplies all numbers of steps.
     """
     steps = np.broadcast_to(np.array([[8.0, 16, np.nan], [16, 32, 64], [np.nan] * 3])[:, None], (3, KINDS, 3)).copy()
     steps[:, QUANTITIES.index("energy")] *= energy
@@ -74,7 +74,7 @@ def _robustness(*needed: float) -> xr.Dataset:
 def _runs(
     name: str, problem: str, imbalance: float = 0.01, velocity: float = 0.0, acceleration: float = 0.0
 ) -> xr.Dataset:
-    """Errors at two step sizes; a step of the dear scheme takes five forces, of the cheap one two."""
+    """Errors at two step sizes; a step takes five force evaluations by the dear scheme, and two by the cheap one."""
     dims = ("problem", "scheme", "steps_per_period")
     error = np.array([[[0.2, 0.005], [0.05, 1e-4], [np.nan, np.nan]]])
     return xr.Dataset(
@@ -105,7 +105,7 @@ def _runs(
 
 
 def _spectrum() -> xr.Dataset:
-    """Errors of the peak drift by scheme and step; with the coarsest step the dear scheme is right by accident.
+    """Errors of the peak drift by scheme and step size; at the coarsest step the dear scheme is right by accident.
 
     The third scheme is implicit.
     """
@@ -134,7 +134,7 @@ def _spectrum() -> xr.Dataset:
 
 
 def _limits() -> xr.Dataset:
-    """Stability limits of the linear theory; the cheap scheme alone has one."""
+    """Stability limits of the linear theory; only the cheap scheme has a finite one."""
     limits = (("scheme", "damping_ratio"), [[2.0], [np.inf], [np.inf]])
     return xr.Dataset({"stability_limit": limits}, {"scheme": ["cheap", "dear", "fails"], "damping_ratio": [0.0]})
 
@@ -170,14 +170,14 @@ def test_a_cell_of_a_spring_names_the_fewest_forces_whatever_the_time(rows):
     assert _steps(first) == ["Cheap: ≤ 8", "Cheap: 16", "Dear: 64"]
     assert implicit["Scheme"] == "implicit" and {implicit[column] for column in ("10 %", "1 %", "0.1 %")} == {"–"}
     assert [row["Right in"] for row in (first, velocity, *others[1 : ROWS - 3 : 2])] == list(QUANTITIES)
-    # 17.6 and 16 forces tie, and the smaller error is named; 18.4 and 16 do not
+    # 17.6 and 16 forces tie, so the scheme with the smaller error is named; 18.4 and 16 forces do not tie
     assert rows(forces=2.2)[0]["10 %"] == "Dear: 16 (16 forces, ωΔt 0.12); …"
     assert _steps(rows(forces=2.3)[0])[0] == "Dear: 16"
 
 
 def test_the_energy_must_be_right_too(rows):
     first, *_ = rows(energy=2.0)
-    # 16 steps for ten percent of the energy, also where 8 would do for the displacement
+    # 16 steps keep the energy to ten percent; they are named although 8 steps keep the displacement
     assert _steps(first) == ["Cheap: 16", "Cheap: 16", "Dear: 64"]
 
 
@@ -194,26 +194,26 @@ def test_the_steps_at_other_amplitudes_are_stated(rows):
 def test_elsewhere_the_fewest_forces_decide(rows):
     explicit, structure, _, energy, _, kinked, record, implicit = rows()[ROWS:]
     assert explicit["Problem"] == "Swinging thing" and explicit["10 %"] == "–"
-    # 20 steps of five forces against 80 of two
+    # 20 steps of five forces, compared with 80 steps of two forces
     assert structure["Scheme"] == "implicit" and structure["10 %"] == "Dear: ≤ 20 (100 forces, ωΔt 0.5)"
     assert structure["1 %"] == "Cheap: 80 † (160 forces, ωΔt 0.12 < 2)" and _steps(structure)[2] == "Dear: 80 †"
     assert structure["Beware of"] == "lost by Fails"
     assert energy["Beware of"] == ""
-    # the energy balance errs by 1 %; where the cheap scheme keeps it, the displacement is wrong
+    # the energy balance errs by 1 % in all runs; at 20 steps the cheap scheme's displacement is wrong
     assert _steps(energy) == ["Dear: ≤ 20", "Dear: ≤ 20", "–"]
     assert kinked["Beware of"] == "only first order: Dear"
     assert rows(imbalance=0.11)[ROWS + 1]["10 %"] == "–"
-    # at a coarse step the dear scheme keeps the error by accident, and at a finer one it does not
+    # the dear scheme keeps the error at a coarse step by accident, and not at a finer step
     assert _steps(record) == ["Cheap: 20 ms", "Cheap: 10 ms", "–"]
     assert record["10 %"] == "Cheap: 20 ms (50 forces/s, ωΔt 0.063 < 2)"
     assert implicit["0.1 %"] == "Fails: 40 ms (75 forces/s, ωΔt 0.13)"
-    # a step of 15 ms exceeds the error in all runs, a step of the spacing in half of them
+    # all runs with steps of 15 ms exceed the error, and half of the runs with steps of the record's spacing do
     assert (record["Beware of"], implicit["Beware of"]) == ("other steps", "")
 
 
 def test_of_schemes_that_tie_a_step_that_a_finer_one_confirms_comes_first():
     runs = _runs("error", "swinging thing").isel(problem=0)
-    # 20 steps of eight forces, and 80 of two with a smaller error
+    # 20 steps of eight forces, and 80 steps of two forces with a smaller error
     runs["iterations_per_step"].loc["dear"] = 3.5
     picks = picks_of(runs, runs.error, 0.1, dict.fromkeys(runs.scheme.values, np.inf))
     assert [(pick.title, pick.step, pick.forces) for pick in picks] == [
@@ -225,13 +225,13 @@ def test_of_schemes_that_tie_a_step_that_a_finer_one_confirms_comes_first():
 def test_a_scheme_whose_velocity_or_acceleration_is_wrong_is_not_recommended(rows):
     assert _steps(rows(velocity=0.74)[ROWS + 1])[0] == "Dear: ≤ 20"
     assert rows(velocity=0.76)[ROWS + 1]["10 %"] == "–"
-    # the error of the finer step is twice as large, so that no step is left if the coarse step exceeds half the bound
+    # the finer step has twice the acceleration error; if this exceeds the bound, the coarse step is not named either
     assert _steps(rows(acceleration=0.62)[ROWS + 1])[0] == "Dear: ≤ 20"
     assert rows(acceleration=0.63)[ROWS + 1]["10 %"] == "–"
     assert rows(acceleration=0.63)[ROWS + 1]["Beware of"] == "lost by Fails; velocity or acceleration sets the step"
 
 
 def test_an_acceleration_that_is_wrong_at_the_steps_named_is_a_warning(rows):
-    # the cells of 10 and 1 % name the coarse and the fine step
+    # the cell of 10 % names the coarse step, and the cell of 1 % the fine one
     assert rows(acceleration=0.4)[ROWS + 1]["Beware of"] == "lost by Fails; acceleration wrong by 40 to 80 %"
     assert rows(acceleration=0.05)[ROWS + 1]["Beware of"] == "lost by Fails"

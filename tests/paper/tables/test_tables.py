@@ -34,7 +34,7 @@ def atlas() -> xr.Dataset:
 def test_boundaries():
     near = near_1996(atlas())
     assert near.amplitude.values.tolist() == [1.0, 2.0]
-    # accurate runs beyond an inaccurate one do not count
+    # accurate runs at larger steps than an inaccurate run do not count
     assert accurate_up_to(near).sel(scheme="own").values.tolist() == [0.01, 0.2]
     assert first_of(near, "chaotic").sel(scheme="own").values.tolist() == [0.5, np.inf]
     assert np.isinf(first_of(near, "growing")).all()
@@ -47,7 +47,7 @@ def test_the_table_names_the_spring_that_comes_first():
 
 
 def test_the_longest_runs_count_and_the_most_steps_stand_for_failure():
-    needed = np.array([[[20.0, 40.0], [10.0, np.nan]]])  # one problem: levels, then lengths of runs
+    needed = np.array([[[20.0, 40.0], [10.0, np.nan]]])  # by problem, level and length of runs
     steps = xr.Dataset(
         {
             "steps_needed": (("problem", "scheme", "level", "periods"), needed[:, None]),
