@@ -208,7 +208,7 @@ def test_damping_of_the_oscillator_is_seen(scheme):
     assert radius == pytest.approx(np.exp(-0.1 * omega), abs=max(omega ** (scheme.order_with_damping + 1), 1e-9))
 
 
-def test_wilson_overshoots_and_the_generalized_alpha_method_does_not():
+def test_wilson_overshoots_and_average_acceleration_does_not():
     """At Δt = 10 T Wilson's method overshoots more than a hundredfold, and average acceleration does not overshoot."""
     at_ten = int(np.argmin(np.abs(PARTS - 10)))
     wilson, average = (

@@ -32,7 +32,7 @@ def test_the_other_errors_at_a_step_are_stated(assessed):
         assessed, "energy", 0.01
     )
     assessed.error[:] = 0.1
-    assert "off by" not in answer(assessed, "energy", 0.01)
+    assert "wrong by" not in answer(assessed, "energy", 0.01)
 
 
 def test_times_within_their_spreads_tie(assessed):

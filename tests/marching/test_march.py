@@ -153,8 +153,8 @@ def test_the_bound_of_a_family_is_that_of_its_largest_lane():
 
 
 def _cubic(u):
-    """Twice the restoring force of the double well."""
-    return u**3 - u
+    """The restoring force of the double well."""
+    return (u**3 - u) / 2
 
 
 def test_a_step_without_a_solution_is_recorded():
