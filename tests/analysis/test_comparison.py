@@ -104,6 +104,12 @@ def test_a_motion_without_crossings_has_no_period():
     assert np.isnan(ds.period_elongation) and np.isnan(ds.amplitude_decay) and ds.status == 0
 
 
+def test_errors_at_the_phases_of_equal_steps_need_equal_steps():
+    dt, (of_trajectory, *_) = against(_harmonic(50)[0], 50, longest=50)
+    with pytest.raises(ValueError, match="rms_trajectory_error, max_trajectory_error needs steps of one size"):
+        study.run("pendulum", "rk4", tolerance=1e-3, duration=1.0, dt=dt, observe=[of_trajectory])
+
+
 def test_phases_that_the_reference_lacks_are_refused():
     reference, _ = _harmonic(8)
     with pytest.raises(ValueError, match="'harmonic' has no phases of 7 steps per period; add 7 to references"):
