@@ -174,7 +174,8 @@ class Quantity(Record):
         if "a" in names:
             given["a"] = acceleration(problem, t, u, v)
         if "ground" in names:
-            given["ground"] = problem.influence * problem.ground(t)  # type: ignore[misc]  # a problem without one is refused
+            # a problem without ground motion is refused
+            given["ground"] = problem.influence * problem.ground(t)  # type: ignore[misc]
         return jnp.asarray(self.function(**{name: given[name] for name in names}))
 
     def sample(self, problem, initial, state, t):

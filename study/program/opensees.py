@@ -19,7 +19,7 @@ _NAMES = {one.words[0]: name for name, one in reversed(INTEGRATORS.items())}
 
 
 def _name(given: str) -> str:
-    """Key of ``INTEGRATORS`` for a scheme, which has OpenSees' name or the study's name."""
+    """Key of ``INTEGRATORS`` for a scheme that is given by OpenSees' name or by the study's name."""
     if not isinstance(given, str):
         raise TypeError(
             f"a scheme of OpenSees must be a name, such as 'hht_alpha', not an object of {type(given).__name__}."

@@ -1,4 +1,4 @@
-"""The reference of a program: its steps are halved until two of its schemes agree, and its runs are repeated."""
+"""The reference of a program: its steps are halved until two of its schemes agree, and a run of each is repeated."""
 
 import math
 from collections.abc import Iterable
