@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
+from study.algebra.scalars import is_number
 from study.assessment import errors, failures, large, oscillation, search
 from study.assessment.arguments import checked_errors, chosen_schemes
 from study.assessment.certified import cases_of, certified
@@ -125,7 +126,7 @@ def assess(
     >>> ds = study.assess("softening", ["average_acceleration", "rk4"])  # doctest: +SKIP
     >>> study.recommend(ds, error=0.01, quantity="displacement")  # doctest: +SKIP
     """
-    if not (isinstance(seconds, int | float) and seconds >= 0):
+    if not (is_number(seconds) and seconds >= 0):
         raise ValueError(f"seconds must be a time in s, zero or more, not {seconds!r}.")
     if isinstance(problem, Program):
         if quantities is not None or duration is not None or controller is not None:
