@@ -32,6 +32,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import excited, record_of
 from study.observer.motion import Quantity
 from study.problem.named import problems
+from study.program.confirmation import CERTAIN
 from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.settings import cores
@@ -183,7 +184,7 @@ def assess(
     names = [*wanted, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
     highest = highest_frequency_along(equation, reference.solution)
     finest = search.finest_step(length, slowest, highest, np.size(equation.u0))
-    limits = [(name, error) for name in names for error in allowed if error >= search.CERTAIN * uncertainty[name]]
+    limits = [(name, error) for name in names for error in allowed if error >= CERTAIN * uncertainty[name]]
 
     def of(scheme: Scheme) -> Assessed:
         runs = Search(scheme, cases, length, min(coarsest, length), finest, of_energy, end)

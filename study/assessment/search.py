@@ -17,7 +17,7 @@ from study.marching.ensemble import FEW, TILE
 from study.marching.run import run
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
-from study.program.confirmation import TWENTIETH, largest_with_margin
+from study.program.confirmation import TWENTIETH, Limit, largest_with_margin
 from study.scheme.base import Scheme
 from study.settings import cores
 
@@ -54,18 +54,12 @@ LONG, LONG_OF_SHORT = 30_000, 120_000
 #: Starts from which a recommended step must keep the error too, as multiples of u₀, u̇₀ and load.
 STARTS = (0.99, 1.01)
 
-#: Smallest ratio of an allowed error to the uncertainty of the reference.
-CERTAIN = 10
-
 #: Ends of a search for a step.
 FOUND, COARSEST_KEEPS, FINEST_FAILS, UNCERTAIN, OUT_OF_TIME = range(5)
 VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "below_the_reference", "out_of_time")
 
 #: Name of the balance of energies among the quantities.
 ENERGY = "energy"
-
-#: Quantity and its allowed error.
-Limit = tuple[str, float]
 
 
 class Recommendation(NamedTuple):

@@ -138,7 +138,7 @@ def form_named(declared: int | str, n: int, title: str) -> int | str:
     known = FORMS.get(declared, declared) if isinstance(declared, str) else declared
     if isinstance(declared, str) and isinstance(known, int):
         known = min(known, n - 1)
-    is_width = is_whole(known, 0) and known < n
+    is_width = is_whole(known, 0) and int(known) < n
     if not is_width and known not in ("dense", "matrix_free"):
         raise ValueError(
             f"tangent={declared!r} of '{title}': give one of {', '.join(FORMS)}, or the half bandwidth as a "

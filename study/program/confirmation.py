@@ -1,7 +1,10 @@
-"""The largest step that keeps an error, and the finer steps that confirm it."""
+"""What both searches for steps share: the largest step that keeps an error, and the finer steps that confirm it."""
 
 import numpy as np
 from jaxtyping import Float
+
+#: Smallest ratio of an allowed error to the uncertainty of the reference.
+CERTAIN = 10.0
 
 #: Finer steps down to this part of a recommended step count as tried.
 TWENTIETH = 1 / 20
@@ -9,6 +12,9 @@ TWENTIETH = 1 / 20
 #: Quantile of the errors up to an octave below a step. The margin for untried steps is the worst error less this
 #: quantile.
 USUAL = 0.9
+
+#: Quantity and its allowed error.
+Limit = tuple[str, float]
 
 #: Pairs of a step and its error.
 Steps = Float[np.ndarray, "step"]

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from study.program.confirmation import TWENTIETH, largest_with_margin
+from study.program.confirmation import CERTAIN, TWENTIETH, Limit, largest_with_margin
 from study.program.definition import Program
-from study.program.refinement import CERTAIN, Refinement
+from study.program.refinement import Refinement
 from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS
 from study.words import percent
@@ -28,9 +28,6 @@ FINER = 1 / 32
 
 #: A scheme converges to another motion if its error at half a step exceeds this part of its error at the whole step.
 STUCK = 0.9
-
-#: Quantity and its allowed error.
-Limit = tuple[str, float]
 
 
 class Needed(NamedTuple):
