@@ -10,26 +10,16 @@ from scipy.optimize import brentq
 import study
 from study.analysis.comparison import against
 from study.mechanics.state import Motion
+from tests.references import cosine
 
 
 def _harmonic(steps, stretch=1.0, decay=0.0):
-    """Reference of cos(2πt) as the pipeline writes it, and a problem that moves with another period and damping."""
-    phase = np.linspace(0, 1, 64 * steps + 1)
-    reference = xr.Dataset(
-        {
-            "u": ("t", np.cos(2 * np.pi * phase)),
-            "v": ("t", -2 * np.pi * np.sin(2 * np.pi * phase)),
-            "period": 1.0,
-            "period_remainder": 0.0,
-        },
-        coords={"t": phase, "phase": ("t", phase)},
-        attrs={"problem": "harmonic"},
-    )
+    """Reference of cos(2πt), and a problem that moves with another period and damping."""
     omega = 2 * np.pi / stretch
     problem = study.Problem(
         lambda u: (omega**2 + decay**2) * u, u0=1.0, v0=-decay, damping=2 * decay if decay else None
     )
-    return reference, problem
+    return cosine(steps), problem
 
 
 def _observed(steps, periods, **motion):
