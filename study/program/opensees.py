@@ -44,7 +44,7 @@ def opensees(
     file
         A file of Python with two names. The function ``build(ops)`` makes the model in the interpreter ``ops``, with
         its masses, damping and patterns. If it applies gravity, it ends with ``ops.loadConst("-time", 0.0)``. The dict
-        ``measure`` has functions of ``ops`` that return a number, by the names of the quantities, such as
+        ``quantities`` has functions of ``ops`` that return a number, by name, such as
         ``{"roof": lambda ops: ops.nodeDisp(5, 1)}``. The file does not define the transient analysis. Newton's
         iteration ends at a correction of 1e-10, or of ``tolerance`` if the file defines it.
     schemes

@@ -57,7 +57,7 @@ def test_floors_that_pound_are_assessed(example):
 
 def test_a_file_that_fails_says_why(example, tmp_path):
     own = example("opensees_gap.py", ["Newmark", "hht"], 2.0)
-    (tmp_path / "broken.py").write_text("measure = {}\ndef build(ops):\n    raise RuntimeError('no such section')\n")
+    (tmp_path / "broken.py").write_text("quantities = {}\ndef build(ops):\n    raise RuntimeError('no such section')\n")
     broken = study.opensees(tmp_path / "broken.py", own.schemes, 2.0)
     run = attempt(broken.run, "hht_alpha", 0.5, 2.0)
     assert run.reason == "it ended with the exit code 1: RuntimeError: no such section"
