@@ -47,6 +47,7 @@ except Refused as error:
 onstart:
     global run  # its handles close when this process ends, even if it is killed
     try:
+        # the worker is for jobs on this machine; a cluster's nodes cannot reach it
         run = begun(config, workflow.local_exec)
     except Refused as error:
         raise WorkflowError(str(error))

@@ -7,7 +7,6 @@ article, and the functions ``listed``, ``number`` and ``percent`` of :mod:`study
 
 import contextlib
 import io
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from sphinx.util import logging
 from sphinx.util.docutils import SphinxRole
 
 from docs.plan import NUMBERS
+from study.io import read
 from study.words import listed, number, percent
 
 #: A block of Python.
@@ -34,8 +34,7 @@ _EXECUTED = (
 
 def run(text: str, results: Path) -> tuple[str, dict[str, Any]]:
     """Run the Python of a page next to a folder of results; return the page with its output, and the defined names."""
-    n = json.loads((results / NUMBERS).read_text(encoding="utf-8"))
-    names = {"listed": listed, "number": number, "percent": percent, "n": n}
+    names = {"listed": listed, "number": number, "percent": percent, "n": read(results / NUMBERS)}
 
     def with_output(block: re.Match) -> str:
         with contextlib.redirect_stdout(io.StringIO()) as printed:

@@ -28,19 +28,16 @@ TABLES, LEDGER = tuple(one for one in discover(["tables"]) if one.kind == "table
 #: Files of the results that are part of the site.
 PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf", "replication.pdf", "assessment/hardening.html")
 
-#: Folders and files of the project from which the site is made.
-_FOLDERS = ("study", "docs", "paper/figures", "paper/published", "paper/tables", "examples", "conformance/verdicts")
-_FILES = (
-    *("paper/data.py", "paper/products.py", "paper/orders.py"),
-    *("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "conformance/README.md"),
-)
+#: Folders and files of the project that pages show or document.
+_FOLDERS = ("study", "docs", "examples", "conformance/verdicts")
+_FILES = ("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "conformance/README.md")
 
 
-def sources(root: Path) -> list[str]:
-    """The files of the project from which the site is made."""
+def shown(root: Path) -> list[Path]:
+    """The files of the project that pages show or document."""
     within = (path for folder in _FOLDERS for path in sorted(root.joinpath(folder).rglob("*")))
     files = [path for path in within if path.is_file() and path.suffix != ".pyc"]
-    return [str(path) for path in [*files, *(root / name for name in _FILES)]]
+    return [*files, *(root / name for name in _FILES)]
 
 
 def reads() -> list[str]:

@@ -8,13 +8,14 @@ import pandas as pd
 
 from docs.plan import LEDGER, TABLES
 from docs.text import described, narrowed
+from study.io import read
 
 #: Columns of the ledger, in the order of its page.
 _COLUMNS = ("No.", "Verdict", "Claim", "Printed", "Ours", "Decided by", "Whose")
 
 
 def _read(results: Path, name: str) -> pd.DataFrame:
-    return pd.read_csv(results / "tables" / f"{name}.csv", keep_default_na=False, dtype=str)
+    return read(results / "tables" / f"{name}.csv")
 
 
 def _head(columns: Iterable[str], buttons: bool) -> str:

@@ -64,4 +64,4 @@ def build(ops):
     ops.pattern("UniformExcitation", 2, 1, "-accel", 2)
 
 
-measure = {"drift": lambda ops: ops.nodeDisp(3, 1) / HEIGHT, "moment": lambda ops: ops.eleForce(1, 3)}
+quantities = {"drift": lambda ops: ops.nodeDisp(3, 1) / HEIGHT, "moment": lambda ops: ops.eleForce(1, 3)}

@@ -30,7 +30,7 @@ def build(ops):
     ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
 
 
-measure = {
+quantities = {
     "first floor": lambda ops: ops.nodeDisp(2, 1),
     "second floor": lambda ops: ops.nodeDisp(3, 1),
 }

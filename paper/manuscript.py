@@ -1,11 +1,11 @@
 """Numbers, figures and tables that the texts use, and requirements of statements without a number."""
 
-import json
 import re
 from pathlib import Path
 
 from paper.products import Product, enter
 from paper.requirements import as_many
+from study.io import read
 
 #: Common part of the texts, and the texts; each text becomes a PDF with its name.
 LAYOUT = Path(__file__).parent / "text" / "layout.typ"
@@ -42,7 +42,7 @@ def check_uses(text: Path, results: Path) -> None:
         If a number, figure or table is missing; the message has the line of the text.
     """
     there = {
-        "number": json.loads((results / "numbers.json").read_text()),
+        "number": read(results / "numbers.json"),
         "figure": {path.stem for path in (results / "figures").glob("*.pdf")},
         "table": {path.stem for path in (results / "tables").glob("*.csv")},
     }

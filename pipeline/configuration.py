@@ -1,9 +1,5 @@
-"""The configuration of the pipeline: its model, composed of the models of the experiments, and its check.
+"""The configuration of the pipeline: its model, composed of the models of the experiments, and its check."""
 
-``python -m pipeline.configuration`` prints the JSON schema.
-"""
-
-import json
 import re
 from collections.abc import Iterable, Mapping
 from functools import cache
@@ -15,7 +11,7 @@ except ImportError as error:
     raise ImportError(f"the configuration needs the extra 'pipeline' of this package: {error}.") from None
 
 from study.control.named import controllers, estimators
-from study.declaration.experiment import Experiment, Merged, arguments_of, discover
+from study.declaration.experiment import Experiment, Merged, arguments_of
 from study.declaration.options import OwnSchemes
 from study.problem.named import approximate_periods, known, problems, time_scales
 from study.registry import Registry, did_you_mean
@@ -273,12 +269,3 @@ def datasets_of(experiments: Iterable[Experiment | Merged], configuration: Mappi
         else:
             names += [f"{name}/{job}" for job in one.jobs(configuration) for name in one.makes]
     return names
-
-
-def schema() -> dict[str, Any]:
-    """The JSON schema of the configuration of the study and its references."""
-    return model_of(tuple(discover())).model_json_schema()
-
-
-if __name__ == "__main__":
-    print(json.dumps(schema(), indent=1))

@@ -15,7 +15,7 @@ from study.io import NotWritten, check_writable, provenance, read, write
 
 
 def _along(dimensions: list[str], parts: Iterable[xr.Dataset]) -> xr.Dataset:
-    """Concatenate along all dimensions; parts with equal coordinates on the first are first joined along the others."""
+    """Concatenate along all dimensions: along the others where coordinates of the first agree, then along the first."""
     first, *others = dimensions
     if others:
         parts = [_along(others, group) for _, group in groupby(parts, lambda part: part[first].values.tolist())]

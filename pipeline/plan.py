@@ -1,6 +1,7 @@
 """The plan of the pipeline: ``python -m pipeline.plan ROOT < CONFIGURATION`` prints it as JSON.
 
-The plan has the complete configuration, the products made by default, and the steps that make them and the site.
+The plan has the complete configuration, the products made by default, and the steps that make them and the site. If the
+configuration cannot be run, the key ``refused`` has the reason instead.
 """
 
 import json
@@ -33,14 +34,14 @@ def plan(root: Path, given: Any) -> dict[str, Any]:
         paper.check_datasets(one.label, one.files, made)
     paper.check_datasets("the site", reads(), made)
     paper_products.check(products, configuration)
-    sources = Sources(root, "study", "reference", "pipeline", "paper")
+    sources = Sources(root, "study", "reference", "pipeline", "paper", "docs")
     data = datasets.steps_of(experiments, configuration, sources)
     drawn = paper.steps_of(products, root, sources)
     kept = [file for step in [*data, *drawn] if not step.temporary for file in step.products]
     return {
         "configuration": configuration,
         "products": kept,
-        "steps": [asdict(step) for step in [*data, *drawn, site.step(root, configuration)]],
+        "steps": [asdict(step) for step in [*data, *drawn, site.step(root, configuration, sources)]],
     }
 
 
@@ -48,4 +49,4 @@ if __name__ == "__main__":
     try:
         print(json.dumps(plan(Path(sys.argv[1]), json.load(sys.stdin))))
     except ValueError as error:
-        raise SystemExit(str(error)) from None
+        print(json.dumps({"refused": str(error)}))

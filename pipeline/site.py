@@ -3,13 +3,15 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from docs.plan import reads, sources
+from docs.plan import TABLES, reads, shown
+from pipeline.sources import Sources
 from pipeline.step import Step, job
 
 
-def step(root: Path, configuration: Mapping) -> Step:
+def step(root: Path, configuration: Mapping, sources: Sources) -> Step:
     """The step that makes the site, with pages of a user's own schemes."""
     own = configuration["own_schemes"]
-    files = [*(f"results/{file}" for file in reads()), *sources(root), *(place.rpartition(":")[0] for place in own)]
+    files = [*(f"results/{file}" for file in reads()), *shown(root), *(place.rpartition(":")[0] for place in own)]
+    files += sources.of(["docs.build", *(one.module for one in TABLES)])
     one = job(["docs.build", "results", "results/site", *own], files)
     return Step("site", "Site", ("results/site/index.html",), {"": one})

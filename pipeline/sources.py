@@ -11,11 +11,8 @@ _DECLARATIONS = ("study.declaration.experiment", "study.declaration.options", "s
 _FIRST = ("study.settings",)
 #: Suffixes of files that a module reads from its folder: printed numbers, styles, and parts of the explorer.
 _DATA = (".csv", ".js", ".css", ".html", ".mplstyle")
-#: Files that modules of ``study`` read, by module: the benchmark's printed numbers, and the record of El Centro.
-_READ = {
-    "study.problem.linkages": "study/problem/elastic_beam.csv",
-    "study.mechanics.ground": "study/mechanics/records/el_centro_1940_ns.at2",
-}
+#: Suffixes of files of ``study`` that a module reads if its text has their names: printed numbers, and ground motion.
+_NAMED = (".csv", ".at2")
 
 
 class Sources:
@@ -27,6 +24,9 @@ class Sources:
         self._known: dict[str, set[str]] = {}
         for module in _DECLARATIONS:
             self._graph.remove_module(module)
+        named = [path for path in root.joinpath("study").rglob("*") if path.suffix in _NAMED]
+        texts = {path: path.read_text(encoding="utf-8") for path in root.joinpath("study").rglob("*.py")}
+        self._named = {path: [one for one in named if one.name in text] for path, text in texts.items()}
 
     def of(self, modules: Iterable[str]) -> list[Path]:
         """Files of modules and of all that they import, and the data that they read."""
@@ -41,4 +41,4 @@ class Sources:
         files = [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths]
         folders = dict.fromkeys(path.parent for path in files if path.relative_to(self.root).parts[0] == "paper")
         data = (path for folder in folders for path in sorted(folder.iterdir()) if path.suffix in _DATA)
-        return [*files, *data, *(self.root / _READ[module] for module in sorted(found & _READ.keys()))]
+        return [*files, *data, *(one for path in files for one in self._named.get(path, ()))]

@@ -50,8 +50,10 @@ def _planned(root: str, configuration: str) -> dict[str, Any]:
     command = [sys.executable, "-m", "pipeline.plan", root]
     done = subprocess.run(command, input=configuration, capture_output=True, text=True)
     if done.returncode:
-        raise Refused(done.stderr if "Traceback" in done.stderr else done.stderr.splitlines()[-1])
+        raise Refused(done.stderr)
     plan = json.loads(done.stdout) | {"key": key}
+    if "refused" in plan:
+        raise Refused(plan["refused"])
     unfinished = PLAN.with_suffix(f".{os.getpid()}")
     unfinished.write_text(json.dumps(plan))
     unfinished.replace(PLAN)

@@ -1,14 +1,12 @@
 """Schemes of the study in OpenSees, a finite element code, as an optional comparison.
 
-OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. All schemes except two agree to round-off: OpenSees
-starts Houbolt's method by two steps of average acceleration, and its α-method evaluates one internal force at the
-weighted displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights two forces. Bathe's method is called
-TRBDF2, and each of its two sub-steps is a step of OpenSees. OpenSees' generalized-α method with non-zero α_m is left
-out, because at a step of a twentieth of the period its motion grows to a hundred times the amplitude within five
-periods.
+OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. All schemes except Houbolt's agree to round-off:
+OpenSees starts it by two steps of average acceleration. Its α-method evaluates one internal force at the weighted
+displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights two forces. Bathe's method is called TRBDF2,
+and each of its two sub-steps is a step of OpenSees. OpenSees' generalized-α method with non-zero α_m is left out,
+because at a step of a twentieth of the period its motion grows to a hundred times the amplitude within five periods.
 """
 
-import importlib
 import tempfile
 import time
 from collections.abc import Callable
@@ -23,49 +21,19 @@ from study.mechanics.definition import Problem
 from study.mechanics.ground import GroundMotion
 from study.problem.named import problems as problems_by_name
 from study.problem.springs import CubicSpring
+from study.program import opensees_run
 
-#: OpenSees' integrator, with its parameters, and solution algorithm of each scheme.
+#: Integrators of OpenSees for schemes that are compared.
 INTEGRATORS = {
-    "average_acceleration": (("Newmark", 0.5, 0.25), "Newton"),
-    "central_difference": (("NewmarkExplicit", 0.5), "Linear"),
-    "newmark_dissipative": (("Newmark", 0.6, 0.3025), "Newton"),
-    "wilson_theta": (("WilsonTheta", 1.4), "Newton"),
-    "houbolt": (("Houbolt",), "Newton"),
-    "hht_alpha_1996": (("HHT", 0.9, 0.6, 0.3025), "Newton"),
-    "linear_acceleration": (("Newmark", 0.5, 1 / 6), "Newton"),
-    "fox_goodwin": (("Newmark", 0.5, 1 / 12), "Newton"),
-    "hht_alpha": (("HHT", 0.9, 0.6, 0.3025), "Newton"),
-    "bathe": (("TRBDF2",), "Newton"),
-    "kr_alpha": (("KRAlphaExplicit", 0.8), "Linear"),
+    name: one
+    for name, one in opensees_run.INTEGRATORS.items()
+    if name not in ("generalized_alpha", "CentralDifference", "ExplicitDifference")
 }
-#: Number of OpenSees' steps in one step of a scheme, if not one.
-SUB_STEPS = {"bathe": 2}
 
 _Positions = Float[np.ndarray, "joints directions"]
 _Velocities = Float[np.ndarray, "joints*directions"]
 _Bars = Int[np.ndarray, "bars 2"]
 _PerStorey = Float[np.ndarray, "storeys"]
-
-
-class NotInstalled(ImportError):
-    """OpenSees is not installed; the message states how to install it."""
-
-
-def load() -> ModuleType:
-    """OpenSees' interpreter.
-
-    Raises
-    ------
-    NotInstalled
-        If the extra ``opensees`` of this package, or a library that it needs, is not installed.
-    """
-    try:
-        return importlib.import_module("openseespy.opensees")
-    except (ImportError, RuntimeError) as error:
-        raise NotInstalled(
-            "OpenSees is not available: install the extra 'opensees' of this package, and the system's BLAS and LAPACK "
-            f"({error})."
-        ) from None
 
 
 def _spring(problem: Problem) -> CubicSpring:
@@ -77,7 +45,7 @@ def _spring(problem: Problem) -> CubicSpring:
 
 def _nodes(places: np.ndarray) -> ModuleType:
     """OpenSees with a node of unit mass at each of the ``places`` (nodes, directions)."""
-    ops = load()
+    ops = opensees_run.interpreter()
     ops.wipe()
     directions = places.shape[1]
     ops.model("basic", "-ndm", directions, "-ndf", directions)
@@ -98,13 +66,13 @@ def _choose(ops: ModuleType, scheme: str) -> None:
     """Choose the integrator of a scheme and the rest of a transient analysis."""
     if scheme not in INTEGRATORS:
         raise ValueError(f"OpenSees has no integrator for '{scheme}', only for {', '.join(INTEGRATORS)}.")
-    integrator, algorithm = INTEGRATORS[scheme]
+    one = INTEGRATORS[scheme]
     ops.constraints("Plain")
     ops.numberer("Plain")
     ops.system("FullGeneral")
     ops.test("NormDispIncr", 1e-13, 50)
-    ops.algorithm(algorithm)
-    ops.integrator(*integrator)
+    ops.algorithm(one.algorithm)
+    ops.integrator(*one.words)
     ops.analysis("Transient")
 
 
@@ -125,7 +93,7 @@ def _prepared(problem: str, scheme: str) -> ModuleType:
 
 def seconds(problem: str, scheme: str, dt: float, steps: int) -> float:
     """Run time in seconds of ``steps`` steps in one call without output. Raises as :func:`trajectory` does."""
-    ops, parts = _prepared(problem, scheme), SUB_STEPS.get(scheme, 1)
+    ops, parts = _prepared(problem, scheme), INTEGRATORS[scheme].parts
     start = time.perf_counter()
     failed = ops.analyze(steps * parts, dt / parts)
     elapsed = time.perf_counter() - start
@@ -141,7 +109,7 @@ def trajectory(problem: str, scheme: str, dt: float, steps: int) -> Solution:
 
     Raises
     ------
-    NotInstalled
+    ImportError
         If OpenSees is not installed.
     ValueError
         If the problem is not a cubic spring, OpenSees lacks the scheme, or a step fails.
@@ -296,7 +264,7 @@ def shear_frame(
 
 def _stepped(ops: ModuleType, scheme: str, dt: float, steps: int, read: Callable) -> Solution:
     """Displacement and velocity after every step; ``read`` takes OpenSees' function of a node, and returns values."""
-    u, v, parts = [], [], SUB_STEPS.get(scheme, 1)
+    u, v, parts = [], [], INTEGRATORS[scheme].parts
     start = time.perf_counter()
     for step in range(steps):
         if ops.analyze(parts, dt / parts):

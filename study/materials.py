@@ -19,6 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from study.algebra.arrays import Vector, as_float64
+from study.algebra.scalars import is_whole
 from study.mechanics.internal_force import number_of_arguments
 
 
@@ -32,8 +33,7 @@ def _check(name: str, value: Any, low: float, strict: bool, high: float = np.inf
         limits = f"greater than {low:g}" if strict else f"at least {low:g}"
         limits = "that is finite" if np.isinf(low) else limits
         limits += "" if np.isinf(high) else f" and at most {high:g}"
-        shown = repr(value) if isinstance(value, str) else value
-        raise ValueError(f"{name} must be a number {limits}, not {shown}.")
+        raise ValueError(f"{name} must be a number {limits}, not {numbers.tolist()!r}.")
 
 
 def _check_shapes(**parameters: Any) -> None:
@@ -180,7 +180,7 @@ def bouc_wen(stiffness, yield_force, hardening=0.0, exponent: int = 1) -> BoucWe
     _check("yield_force", yield_force, 0.0, strict=True)
     _check("hardening", hardening, 0.0, strict=False, high=1.0)
     _check_shapes(stiffness=stiffness, yield_force=yield_force, hardening=hardening)
-    if isinstance(exponent, bool) or not isinstance(exponent, int | np.integer) or exponent not in (1, 2):
+    if not is_whole(exponent, 1) or exponent > 2:
         raise ValueError(f"exponent must be 1 or 2, for which the law has a closed solution, not {exponent!r}.")
     return BoucWen(stiffness, yield_force, hardening, int(exponent))
 
@@ -308,7 +308,7 @@ def elements(material: Callable, elongations: Callable[[Vector], Vector], count:
         If ``count`` is not a whole number of at least one, or the history of the material belongs to another number of
         elements.
     """
-    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
+    if not is_whole(count, 1):
         raise ValueError(f"count must be a whole number of at least 1, not {count!r}.")
     for what, given in (("material", material), ("elongations", elongations)):
         if not callable(given):

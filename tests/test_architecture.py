@@ -11,6 +11,7 @@ from study.problem.named import printed_periods
 
 PROJECT = Path(__file__).parent.parent
 FOLDERS = ("study", "reference", "conformance", "paper", "docs", "tests")
+IN_WORDS = {"first": 1, "one": 1, "second": 2, "two": 2, "third": 3, "three": 3, "fourth": 4, "four": 4}
 SOURCES = [path for folder in FOLDERS for path in (PROJECT / folder).rglob("*.py")]
 
 
@@ -38,6 +39,15 @@ def test_every_scheme_explains_itself(scheme):
         and re.search(r"[Ss]tab(le|ility)", text)
         and re.search(r"forces?\s+per\s+step|Newton\s+iteration", text)
     )
+
+
+def test_the_text_of_a_scheme_states_its_order_and_its_number_of_forces(scheme):
+    text = " ".join((type(scheme).__doc__ or "").split())
+    per_step, per_iteration = ("step", scheme.forces_per_step), ("Newton iteration", scheme.forces_per_iteration)
+    unit, forces = per_step if scheme.explicit else per_iteration
+    stated = [(word, scheme.order) for word in re.findall(r"\b(First|Second|Third|Fourth) order(?! for)", text)]
+    stated += [(word, forces) for word in re.findall(rf"\b(one|two|three|four) forces? per {unit}", text)]
+    assert all(IN_WORDS[word.lower()] == value for word, value in stated)
 
 
 def test_names_of_1996_come_first():

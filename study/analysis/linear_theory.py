@@ -21,6 +21,7 @@ from jax.flatten_util import ravel_pytree
 from jaxtyping import Float
 
 from study.algebra.jit import jit
+from study.algebra.scalars import is_number
 from study.analysis.eigenvalues import Matrices, Points, Roots, eigenvalues, followed
 from study.marching.arguments import resolve
 from study.marching.program import unlabelled
@@ -191,7 +192,7 @@ class LinearTheory:
             raise ValueError(
                 f"dt_over_period must be positive and ascending, of shape (points,), not {dt_over_period}."
             )
-        if not isinstance(damping_ratio, int | float) or not 0 <= damping_ratio < 1:
+        if not (is_number(damping_ratio) and 0 <= damping_ratio < 1):
             raise ValueError(f"damping_ratio must be at least 0 and less than 1, not {damping_ratio}.")
         self._scheme, self._dt_over_period, self._damping_ratio = scheme, parts, damping_ratio
         self.matrices = self._of_each(amplification_matrix, parts)

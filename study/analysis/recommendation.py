@@ -7,6 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from study import io
+from study.algebra.scalars import is_number
 from study.registry import UnknownName, did_you_mean
 
 
@@ -91,7 +92,7 @@ def recommend(
     kahan_li8  explicit     0.0120  ...          0.9   found
     rk4        explicit     0.0014  ...          0.9   found
     """
-    if isinstance(error, bool) or not isinstance(error, int | float | np.number):
+    if not is_number(error):
         raise TypeError(f"error must be a number, not {error!r}.")
     if not isinstance(what, str | xr.Dataset):
         raise TypeError(

@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
+from study.algebra.scalars import is_number
 from study.assessment import errors, failures, large, oscillation, search
 from study.assessment.arguments import checked_errors, chosen_schemes
 from study.assessment.certified import cases_of, certified
@@ -31,6 +32,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import excited, record_of
 from study.observer.motion import Quantity
 from study.problem.named import problems
+from study.program.confirmation import CERTAIN
 from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.settings import cores
@@ -134,7 +136,7 @@ def assess(
     >>> ds = study.assess("softening", ["average_acceleration", "rk4"])  # doctest: +SKIP
     >>> study.recommend(ds, error=0.01, quantity="displacement")  # doctest: +SKIP
     """
-    if not (isinstance(seconds, int | float) and seconds >= 0):
+    if not (is_number(seconds) and seconds >= 0):
         raise ValueError(f"seconds must be a time in s, zero or more, not {seconds!r}.")
     if isinstance(problem, Program):
         if quantities is not None or duration is not None or controller is not None:
@@ -191,7 +193,7 @@ def assess(
     names = [*wanted, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
     highest = highest_frequency_along(equation, reference.solution)
     finest = search.finest_step(length, slowest, highest, np.size(equation.u0))
-    limits = [(name, error) for name in names for error in allowed if error >= search.CERTAIN * uncertainty[name]]
+    limits = [(name, error) for name in names for error in allowed if error >= CERTAIN * uncertainty[name]]
 
     def of(scheme: Scheme) -> Assessed:
         runs = Search(scheme, cases, length, min(coarsest, length), finest, of_energy, end)

@@ -8,12 +8,13 @@ import pandas as pd
 import xarray as xr
 
 from study import io
-from study.assessment.search import UNCERTAIN, VERDICTS, Limit, Recommendation
+from study.assessment.search import UNCERTAIN, VERDICTS, Recommendation
 from study.assessment.tolerances import Tolerance
 from study.io import flags
 from study.marching.result import STATUSES
 from study.marching.timing import Timed
 from study.mechanics.definition import Problem
+from study.program.confirmation import Limit
 from study.scheme.base import Scheme
 from study.scheme.wrapper.with_history import WithHistory
 

@@ -13,9 +13,10 @@ from study.assessment.dataset import ATTRIBUTES
 from study.assessment.search import COARSEST_KEEPS, FINEST_FAILS, FOUND, OUT_OF_TIME, UNCERTAIN, round_step
 from study.io import flags, processor
 from study.program.attempt import STATUSES
+from study.program.confirmation import Limit
 from study.program.curves import INTERPOLATION
 from study.program.definition import Program
-from study.program.search import Limit, Search
+from study.program.search import Search
 from study.program.truth import Estimate
 from study.registry import UnknownName, did_you_mean
 from study.scheme.named import schemes as schemes_by_name

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from study.algebra.scalars import is_number
 from study.assessment.solution import DenseSolution
 from study.marching.run import run
 from study.mechanics.balance import acceleration
@@ -55,7 +56,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
         If the given duration is not a positive time, or if none is given and the problem has no period.
     """
     if duration is not None:
-        if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
+        if not (is_number(duration) and 0 < duration < np.inf):
             raise ValueError(f"duration must be a time in seconds greater than zero, not {duration!r}.")
         return float(duration)
     period = _period(problem)

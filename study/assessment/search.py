@@ -17,7 +17,7 @@ from study.marching.ensemble import FEW, TILE
 from study.marching.run import run
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
-from study.program.confirmation import TWENTIETH, largest_with_margin
+from study.program.confirmation import TWENTIETH, Limit, largest_with_margin
 from study.scheme.base import Scheme
 from study.settings import cores
 
@@ -57,9 +57,6 @@ LONG, LONG_OF_SHORT = 30_000, 120_000
 #: Multiples of u₀, u̇₀ and load with which a recommended step must also keep the error.
 STARTS = (0.99, 1.01)
 
-#: Smallest ratio of an allowed error to the uncertainty of the reference at which steps are recommended.
-CERTAIN = 10
-
 #: Outcomes of a search for a step, as indices of ``VERDICTS``.
 FOUND, COARSEST_KEEPS, FINEST_FAILS, UNCERTAIN, OUT_OF_TIME = range(5)
 #: Names of the outcomes in the dataset.
@@ -67,9 +64,6 @@ VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "b
 
 #: Name of the balance of energies among the quantities.
 ENERGY = "energy"
-
-#: Name of a quantity, and its allowed error.
-Limit = tuple[str, float]
 
 
 class Recommendation(NamedTuple):

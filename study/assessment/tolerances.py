@@ -21,14 +21,13 @@ from study.assessment.search import (
     UNCERTAIN,
     VERDICTS,
     Case,
-    Limit,
 )
 from study.control.controllers import Controller
 from study.control.named import estimators
 from study.io import flags
 from study.marching.control import usual_estimator
 from study.marching.run import run
-from study.program.confirmation import largest_with_margin
+from study.program.confirmation import Limit, largest_with_margin
 from study.scheme.base import Scheme
 from study.scheme.wrapper.with_history import WithHistory
 

@@ -1,4 +1,4 @@
-"""Coordinates that experiments share: names of problems and schemes, with their properties."""
+"""Coordinates and attributes that experiments share: names of problems and schemes, with their properties."""
 
 from collections.abc import Iterable, Sequence
 
@@ -73,6 +73,12 @@ def steps_per_period_coordinate(values: Iterable[float]) -> dict:
     """Steps per period along ``steps_per_period``."""
     attributes = {"long_name": "steps per period", "units": "1"}
     return {"steps_per_period": ("steps_per_period", list(values), attributes)}
+
+
+def of_energy_error(periods: int) -> dict[str, str]:
+    """Attributes of the largest energy error over a number of periods."""
+    of = f"largest relative error of the total energy over {periods} periods, eq. (17) of Xie (1996)"
+    return {"long_name": of, "units": "percent"}
 
 
 def periods(problem: str) -> dict[str, float]:

@@ -56,13 +56,9 @@ def energy_error(problems: Springs, schemes: Schemes, steps_per_period: Counts, 
                     at = i, p, k, s
                     error[at], status[at], failed_at_step[at] = ds.max_energy_error, ds.status, ds.failed_at_step
     dims = ("period_used", "problem", "steps_per_period", "scheme")
-    attributes = {
-        "long_name": f"largest relative error of the total energy over {periods} periods, eq. (17) of Xie (1996)",
-        "units": "percent",
-    }
     return xr.Dataset(
         {
-            "max_energy_error": (dims, error, attributes),
+            "max_energy_error": (dims, error, coordinates.of_energy_error(periods)),
             "status": (dims, status, STATUS_ATTRIBUTES),
             "failed_at_step": (dims, failed_at_step, FAILED_AT_STEP_ATTRIBUTES),
             "period": (dims[:2], period, {"long_name": "period that gives the step size", "units": "s"}),

@@ -40,12 +40,8 @@ def houbolt_start(problems: Springs, steps_per_period: Counts, periods: Count) -
                     on_failure="ignore",
                 )
                 error[p, k, s] = ds.max_energy_error
-    attributes = {
-        "long_name": f"largest relative error of the total energy over {periods} periods, eq. (17) of Xie (1996)",
-        "units": "percent",
-    }
     return xr.Dataset(
-        {"max_energy_error": (("problem", "steps_per_period", "start"), error, attributes)},
+        {"max_energy_error": (("problem", "steps_per_period", "start"), error, coordinates.of_energy_error(periods))},
         coords={
             **coordinates.problem_coordinates(problems),
             **coordinates.steps_per_period_coordinate(steps_per_period),

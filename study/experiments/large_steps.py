@@ -51,13 +51,9 @@ def large_steps(problems: Springs, schemes: Schemes, dt_over_period: Sizes, peri
                 at, along = (p, s, r), ds.energy_error.values  # NaN from a failure on
                 error[at], drift[at], late[at] = 100 * np.abs(along).max(), along[-1], along[len(along) // 2 :].max()
                 status[at], failed_at_step[at] = ds.status, ds.failed_at_step
-    attributes = {
-        "long_name": f"largest relative error of the total energy over {periods} periods, eq. (17) of Xie (1996)",
-        "units": "percent",
-    }
     return xr.Dataset(
         {
-            "max_energy_error": (dims, error, attributes),
+            "max_energy_error": (dims, error, coordinates.of_energy_error(periods)),
             "energy_drift": (
                 dims,
                 drift,

@@ -62,13 +62,12 @@ def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> x
                 energy[p, k, m] = tables.max_energy_error
                 motion[p, k, m] = np.hypot(whole.u[-1] / u0 - 1, whole.v[-1] / fastest)
     dims = ("problem", "steps_per_period", "variant")
-    of_energy = {
-        "long_name": f"largest relative error of the total energy over {periods} periods, eq. (17) of Xie (1996)",
-        "units": "percent",
-    }
     of_motion = {"long_name": f"relative distance from the start after {periods} exact periods", "units": "1"}
     return xr.Dataset(
-        {"max_energy_error": (dims, energy, of_energy), "motion_error": (dims, motion, of_motion)},
+        {
+            "max_energy_error": (dims, energy, coordinates.of_energy_error(periods)),
+            "motion_error": (dims, motion, of_motion),
+        },
         coords={
             **coordinates.problem_coordinates(problems),
             **coordinates.steps_per_period_coordinate(steps_per_period),

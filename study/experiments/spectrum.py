@@ -71,11 +71,12 @@ def spectrum(
     finest: Size,
     allowed_error: Tolerance,
 ) -> xr.Dataset:
-    """Measure the error of the peak drift at each step, and the largest step that keeps the allowed error.
+    """Measure the error of the peak drift at each step size, and find the largest step that keeps the allowed error.
 
     All finer steps must keep it too. ``step_needed`` is given among all steps tried, and among the steps commensurate
-    with the record. A run ends with the step that reaches or passes the duration, when the ground is at rest.
-    ``step_needed`` is NaN if not even the finest step is enough, or if a scheme takes its force from a potential.
+    with the record. A run ends with the step that reaches or passes the duration, after which the ground has no
+    acceleration. ``step_needed`` is NaN if not even the finest step is enough, or if a scheme takes its force from a
+    potential.
     """
     exact = io.open_dataset("reference/spectrum")
     table: Any = jnp.asarray(exact.ground.values)

@@ -29,7 +29,7 @@ from study.marching.control import Control
 from study.marching.failure import HOW, RunFailedWarning, likely_cause
 from study.marching.march import March
 from study.marching.program import PAUSE, ROOM, unlabelled
-from study.marching.result import COMPLETED, FAILED_AT_STEP_ATTRIBUTES, STATUSES, Labels
+from study.marching.result import COMPLETED, FAILED_AT_STEP_ATTRIBUTES, STATUSES, Labels, nan_where
 from study.marching.shapes import Displacements, PerRun
 from study.mechanics.definition import Problem
 from study.observer.base import Observer, Reduction
@@ -198,6 +198,7 @@ class Adaptive:
         shape = (lanes, *np.shape(self._problem.u0))
         self._starts = () if make else tuple(np.broadcast_to(x, shape) if lanes else x for x in starts)
         self._labels = Labels(self._problem, scheme, observers)
+        self._labels.attributes |= _OF_STEPS
 
     def dataset(self, control: Control, on_failure: str) -> xr.Dataset:
         """March to the end, and label the result."""
@@ -217,9 +218,7 @@ class Adaptive:
         for cause, total in (("estimate", trial.estimated), ("solver", trial.unsolved)):
             name = f"steps_rejected_by_{cause}"
             data[name] = (lane, np.asarray(total), _OF_RUN[name])
-        for name, value in values.items():
-            along = failed.reshape(failed.shape + (1,) * (value.ndim - failed.ndim))
-            data[name] = self._labelled(name, np.where(along, np.nan, value), lane)
+        data |= {name: self._labels.variable(name, nan_where(failed, value), lane) for name, value in values.items()}
         coordinates: dict[str, Any] = {n: ("lane", x) for n, x in self._over.items() if x.ndim == 1}
         if samples:
             samples |= dict(zip(OF_EACH_STEP, np.moveaxis(samples.pop(OF_STEP), -1, 0), strict=True))
@@ -227,7 +226,7 @@ class Adaptive:
             coordinates["t"] = (along, samples.pop("t"), {"long_name": "elapsed time", "units": "s"})
             for name in ("rejected_by_estimate", "rejected_by_solver"):
                 samples[name] = np.diff(samples[name], axis=-1, prepend=0)
-            data |= {name: self._labelled(name, value, along) for name, value in samples.items()}
+            data |= {name: self._labels.variable(name, value, along) for name, value in samples.items()}
         named: dict[str, str | float] = {"estimator": control.estimator.title, "controller": control.controller.title}
         named["duration"] = float(control.times[-1])
         if control.tolerance.ndim:
@@ -235,13 +234,6 @@ class Adaptive:
         elif control.controller.needs_tolerance:
             named["tolerance"] = float(control.tolerance)
         return xr.Dataset(data, coordinates, self._labels.of_dataset | named)
-
-    def _labelled(self, name: str, value: np.ndarray, along: tuple[str, ...]) -> tuple:
-        """A variable with its dimensions and attributes."""
-        if value.ndim > len(along):
-            is_of_unknowns = np.ndim(self._problem.u0) and value.shape[-1] == np.size(self._problem.u0)
-            along = (*along, "component" if is_of_unknowns else f"{name}_component")
-        return along, value, _OF_STEPS.get(name) or self._labels.attributes[name]
 
     def _marched(
         self, control: Control, tolerance: PerRun, dt: PerRun

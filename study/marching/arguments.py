@@ -15,6 +15,7 @@ import psutil
 
 from study.algebra.arrays import real_numbers
 from study.algebra.matrices import diagonal
+from study.algebra.scalars import is_number, is_whole
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
@@ -62,7 +63,7 @@ def _most_steps() -> int:
 
 def positive_integer(name: str, value: Any) -> int:
     """A whole number between 1 and the maximum number of steps."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+    if not is_whole(value, 1):
         raise ValueError(f"{name} must be a whole number of at least 1, not {value!r}.")
     if value > _most_steps():
         raise ValueError(f"{name} must be a whole number of at least 1 and at most {_most_steps()}, not {value!r}.")
@@ -144,7 +145,7 @@ def checked_bound(
         If ``bound`` is not a positive number, or if it is None and a sample of the load is not finite.
     """
     if bound is not None:
-        if isinstance(bound, bool) or not isinstance(bound, int | float | np.number) or not bound > 0:
+        if not (is_number(bound) and bound > 0):
             raise ValueError(f"bound must be a displacement greater than zero, np.inf for none, not {bound!r}.")
         return float(bound)
     starts = [(u0, v0), *((problem.u0, problem.v0) for problem in problems[1:])]

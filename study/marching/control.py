@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from study.algebra.arrays import real_numbers
+from study.algebra.scalars import is_number
 from study.control.controllers import Controller, Prescribed
 from study.control.estimators import Estimator, Unestimated
 from study.control.named import controllers, estimators
@@ -96,7 +97,7 @@ def checked_control(
         raise ValueError(f"tolerance must be greater than round-off, {smallest:.1e}, and finite, not {tolerance!r}.")
     if duration is None and isinstance(control, Prescribed):
         duration = float(control.sizes.sum())
-    if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
+    if not (is_number(duration) and 0 < duration < np.inf):
         raise ValueError(f"duration must be a time greater than zero, not {duration!r}.")
     if times is None:
         kinks = np.asarray(() if isinstance(control, Prescribed) else getattr(problem.load, "kinks", ()), float)

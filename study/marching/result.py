@@ -70,6 +70,12 @@ def _without_meaning(result: Result, steps: CountPerRun, every: int, samples: in
     return step >= failed_at[..., None]
 
 
+def nan_where(failed: Flags, value: np.ndarray) -> np.ndarray:
+    """The values of a variable, NaN where the run failed."""
+    # NaN needs doubles, which represent all integers of variables exactly
+    return np.where(failed.reshape(failed.shape + (1,) * (value.ndim - failed.ndim)), np.nan, value)
+
+
 def _parameters(scheme: Scheme) -> str:
     """Class and parameters of a scheme, as a string."""
     shown = {
@@ -112,6 +118,13 @@ class Labels:
         self._component = ("component",) if np.ndim(problem.u0) else ()
         self._unknowns = np.size(problem.u0)
 
+    def variable(self, name: str, value: np.ndarray, dims: tuple[str, ...]) -> tuple:
+        """Dimensions, values and attributes of a variable; ``dims`` are those of a number."""
+        if value.ndim > len(dims):
+            is_of_unknowns = self._component and value.shape[-1] == self._unknowns
+            dims = (*dims, "component" if is_of_unknowns else f"{name}_component")
+        return dims, value, self.attributes[name]
+
     def dataset(
         self,
         result: Result,
@@ -144,10 +157,7 @@ class Labels:
             "failed_at_step": result.failed_at_step,
             "newton_restarts": result.restarts,
         }
-        for name, value in result.values.items():
-            along_lanes = failed.reshape(failed.shape + (1,) * (value.ndim - failed.ndim))
-            # integers become doubles, which can be NaN and represent integers of this size exactly
-            values[name] = np.where(along_lanes, np.nan, value)
+        values |= {name: nan_where(failed, value) for name, value in result.values.items()}
         ends_early = failed.any() or samples * every > steps.min()
         for name, value in result.samples.items():
             if ends_early:
@@ -159,11 +169,7 @@ class Labels:
         along = "sample" if dt.ndim else "t"
         data = {}
         for name, value in values.items():
-            dims = (*lane, along) if name in result.samples else lane
-            if value.ndim > len(dims):
-                is_of_unknowns = self._component and value.shape[-1] == self._unknowns
-                dims = (*dims, "component" if is_of_unknowns else f"{name}_component")
-            data[name] = (dims, value, self.attributes[name])
+            data[name] = self.variable(name, value, (*lane, along) if name in result.samples else lane)
         coordinates: dict[str, tuple] = {
             name: ((*lane, *self._component[: value.ndim - 1]), value, OF_LANE[name]) for name, value in own.items()
         }

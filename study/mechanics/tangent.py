@@ -9,6 +9,7 @@ import numpy as np
 
 from study.algebra.arrays import Matrix, Vector
 from study.algebra.matrices import Banded, MatrixFree, times
+from study.algebra.scalars import is_whole
 from study.mechanics.sparse_tangent import SparseTangent
 
 #: Declarable forms of a tangent. A whole number is a half bandwidth.
@@ -138,7 +139,7 @@ def form_named(declared: int | str, n: int, title: str) -> int | str:
     known = FORMS.get(declared, declared) if isinstance(declared, str) else declared
     if isinstance(declared, str) and isinstance(known, int):
         known = min(known, n - 1)
-    is_width = isinstance(known, int) and not isinstance(known, bool) and 0 <= known < n
+    is_width = is_whole(known, 0) and int(known) < n
     if not is_width and known not in ("dense", "matrix_free"):
         raise ValueError(
             f"tangent={declared!r} of '{title}': give one of {', '.join(FORMS)}, or the half bandwidth as a "

@@ -70,6 +70,7 @@ class TrajectoryError(Reduction):
     steps: jax.Array
     lag: jax.Array
 
+    needs_equal_steps = True
     variables = {
         "rms_trajectory_error": {"long_name": "root mean square error of the displacement, relative", "units": "1"},
         "max_trajectory_error": {"long_name": "largest error of the displacement, relative", "units": "1"},

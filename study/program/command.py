@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 import psutil
 
+from study.algebra.scalars import is_number
 from study.program.attempt import TIME, Unusable
 from study.program.definition import Program
 
@@ -41,7 +42,7 @@ class Command:
     starts_a_process = True
 
     def __post_init__(self):
-        if self.time_limit is not None and not (isinstance(self.time_limit, int | float) and self.time_limit > 0):
+        if self.time_limit is not None and not (is_number(self.time_limit) and self.time_limit > 0):
             raise ValueError(f"time_limit must be a time in s greater than zero, not {self.time_limit!r}.")
 
     @property

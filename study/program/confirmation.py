@@ -1,7 +1,10 @@
-"""The largest step that keeps an error, and the finer steps that confirm it."""
+"""What both searches for steps share: the largest step that keeps an error, and the finer steps that confirm it."""
 
 import numpy as np
 from jaxtyping import Float
+
+#: Smallest ratio of an allowed error to the uncertainty of the reference at which steps are recommended.
+CERTAIN = 10.0
 
 #: Smallest step that counts as confirming a recommended step, as a fraction of the recommended step.
 TWENTIETH = 1 / 20
@@ -9,6 +12,9 @@ TWENTIETH = 1 / 20
 #: Quantile of the errors up to an octave below a step. The margin for untried steps is the worst error less this
 #: quantile.
 USUAL = 0.9
+
+#: Name of a quantity, and its allowed error.
+Limit = tuple[str, float]
 
 #: Steps, or the errors of these steps.
 Steps = Float[np.ndarray, "step"]

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import platformdirs
 
+from study.algebra.scalars import is_number, is_whole
 from study.program.attempt import Runnable
 
 #: Default number of steps of a run with the coarsest step, and of a run with the finest step.
@@ -108,12 +109,11 @@ class Program:
             )
         for key in ("duration", "spacing", "coarsest", "finest"):
             value = getattr(self, key)
-            number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-            if not (value is None and key != "duration") and not (number and 0 < value < np.inf):
+            if not (value is None and key != "duration") and not (is_number(value) and 0 < value < np.inf):
                 raise ValueError(f"{key} must be a time in s greater than zero, not {value!r}.")
         if not isinstance(self.name, str | None):
             raise TypeError(f"name must be a string, not {self.name!r}.")
-        if self.workers is not None and not (isinstance(self.workers, int) and self.workers > 0):
+        if self.workers is not None and not is_whole(self.workers, 1):
             raise ValueError(f"workers must be a whole number greater than zero, not {self.workers!r}.")
         if self.largest > self.duration / 2 or self.smallest >= self.largest:
             raise ValueError(

@@ -44,7 +44,7 @@ def opensees(
     file
         A file of Python that defines a function and a dict. The function ``build(ops)`` makes the model in the
         interpreter ``ops``, with its masses, damping and patterns. If it applies gravity, it ends with
-        ``ops.loadConst("-time", 0.0)``. The dict ``measure`` maps the name of each quantity to a function of ``ops``
+        ``ops.loadConst("-time", 0.0)``. The dict ``quantities`` maps the name of each quantity to a function of ``ops``
         that returns a number, such as ``{"roof": lambda ops: ops.nodeDisp(5, 1)}``. The file does not define the
         transient analysis. Newton's iteration ends when the norm of the correction is at most 1e-10, or ``tolerance``
         if the file defines it.

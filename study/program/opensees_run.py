@@ -109,18 +109,18 @@ def history(file: dict, scheme: str, dt: float, duration: float) -> dict[str, np
     Parameters
     ----------
     file
-        Values that the user's file defines, by name: ``build``, ``measure`` and, optionally, ``tolerance``.
+        Values that the user's file defines, by name: ``build``, ``quantities`` and, optionally, ``tolerance``.
     """
-    ops, measure = interpreter(), dict[str, Callable](file["measure"])
+    ops, quantities = interpreter(), dict[str, Callable](file["quantities"])
     ops.wipe()
     file["build"](ops)
     _prepare(ops, INTEGRATORS[scheme], file.get("tolerance", TOLERANCE))
     start, clock = ops.getTime(), time.perf_counter()
-    rows = [[0.0, 0.0, *(read(ops) for read in measure.values())]]
+    rows = [[0.0, 0.0, *(read(ops) for read in quantities.values())]]
     for _ in range(math.ceil(duration / dt * (1 - 1e-9))):
         _step(ops, INTEGRATORS[scheme], dt)
-        rows.append([ops.getTime() - start, time.perf_counter() - clock, *(read(ops) for read in measure.values())])
-    return dict(zip(("t", "seconds", *measure), np.array(rows, float).T, strict=True))
+        rows.append([ops.getTime() - start, time.perf_counter() - clock, *(read(ops) for read in quantities.values())])
+    return dict(zip(("t", "seconds", *quantities), np.array(rows, float).T, strict=True))
 
 
 def main(file: str, scheme: str, dt: str, duration: str, output: str) -> None:

@@ -6,13 +6,11 @@ from collections.abc import Iterable
 import numpy as np
 
 from study.program.attempt import Run
+from study.program.confirmation import CERTAIN
 from study.program.definition import Program
 from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS, Estimate, Truth, agreed, estimate
 from study.words import percent
-
-#: Smallest ratio of an allowed error to the uncertainty of the reference at which steps are recommended.
-CERTAIN = 10.0
 
 #: ``WITHOUT_USE`` has the statuses of runs that return invalid results. ``FRUITLESS`` is the number of consecutive runs
 #: with these statuses after which a scheme is not run at finer steps.

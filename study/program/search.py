@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from study.program.confirmation import TWENTIETH, largest_with_margin
+from study.program.confirmation import CERTAIN, TWENTIETH, Limit, largest_with_margin
 from study.program.definition import Program
-from study.program.refinement import CERTAIN, Refinement
+from study.program.refinement import Refinement
 from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS
 from study.words import percent
@@ -29,9 +29,6 @@ FINER = 1 / 32
 #: Largest ratio of a scheme's error at half a step to its error at the whole step; above it, the scheme converges to
 #: another motion.
 STUCK = 0.9
-
-#: Name of a quantity, and its allowed error.
-Limit = tuple[str, float]
 
 
 class Needed(NamedTuple):

@@ -10,6 +10,7 @@ import jax
 import numpy as np
 
 from study.algebra.arrays import ScalarLike, Vector
+from study.algebra.scalars import is_number
 from study.mechanics.balance import initial_acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.state import Effort, Motion
@@ -233,11 +234,7 @@ def as_tuple(values):
 
 def check_numbers(scheme: str, name: str, values) -> None:
     """Refuse values that are not a tuple of one or more finite numbers."""
-    if (
-        not isinstance(values, tuple)
-        or not values
-        or not all(isinstance(v, int | float) and not isinstance(v, bool) and np.isfinite(v) for v in values)
-    ):
+    if not isinstance(values, tuple) or not values or not all(is_number(v) and np.isfinite(v) for v in values):
         raise ValueError(f"{scheme}({name}={values!r}): {name} must be a tuple of finite numbers.")
 
 
@@ -246,8 +243,8 @@ def check_range(scheme: str, name: str, value, low: float, high: float) -> None:
     if isinstance(value, jax.core.Tracer):
         return
     limits = f"at least {low:g}" if np.isinf(high) else f"between {low:g} and {high:g}"
-    is_number = np.ndim(value) == 0 and np.asarray(value).dtype.kind in "fiu"
-    if not is_number or not np.isfinite(value) or not low <= value <= high:
+    single = np.ndim(value) == 0 and np.asarray(value).dtype.kind in "fiu"
+    if not single or not np.isfinite(value) or not low <= value <= high:
         raise ValueError(f"{scheme}({name}={value}): {name} must be a number {limits}.")
 
 

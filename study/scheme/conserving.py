@@ -11,6 +11,7 @@ import numpy as np
 from jax import lax
 
 from study.algebra.arrays import Vector
+from study.algebra.scalars import is_whole
 from study.mechanics.balance import balance, load
 from study.mechanics.definition import Problem
 from study.mechanics.state import Motion
@@ -223,7 +224,7 @@ class AverageVectorField(OneStep):
     stability_limit = math.inf
 
     def __check_init__(self):
-        if isinstance(self.points, bool) or not isinstance(self.points, int) or self.points < 1:
+        if not is_whole(self.points, 1):
             raise ValueError(f"AverageVectorField(points={self.points}): points must be a whole number of at least 1.")
 
     @property

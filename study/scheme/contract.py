@@ -4,8 +4,8 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
+from study.algebra.scalars import is_number, is_whole
 from study.mechanics.function_checks import NOT_TRACEABLE
 from study.mechanics.state import Effort
 
@@ -38,10 +38,10 @@ def check_attributes(scheme: Any) -> None:
             value = getattr(scheme, name)
         except Exception as error:  # a property of a user's scheme may raise any exception
             raise TypeError(f"{name} of {of} raises {type(error).__name__}: {error}") from error
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+        if not is_whole(value, least):
             raise TypeError(f"{name} of {of} must be a whole number of at least {least}, not {value!r}.")
     limit = scheme.stability_limit
-    if limit is not None and not (isinstance(limit, int | float) and limit >= 0):
+    if limit is not None and not (is_number(limit) and limit >= 0):
         raise TypeError(f"stability_limit of {of} must be a number of at least 0 or None, not {limit!r}.")
 
 

@@ -8,6 +8,7 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from study.algebra.arrays import VectorLike
+from study.algebra.scalars import is_whole
 from study.mechanics.balance import acceleration_within
 from study.mechanics.state import Effort, Motion, Phase
 from study.scheme.base import OneStep, as_tuple, check_numbers
@@ -22,7 +23,7 @@ def check_weights(scheme: str, name: str, weights: Sequence[float]) -> None:
 
 def check_order(scheme: str, order: int) -> None:
     """Refuse an order that is not a whole number of at least one."""
-    if isinstance(order, bool) or not isinstance(order, int) or order < 1:
+    if not is_whole(order, 1):
         raise ValueError(f"{scheme}(of_order={order!r}): of_order must be a whole number of at least 1.")
 
 

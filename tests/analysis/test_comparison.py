@@ -10,26 +10,16 @@ from scipy.optimize import brentq
 import study
 from study.analysis.comparison import against
 from study.mechanics.state import Motion
+from tests.references import cosine
 
 
 def _harmonic(steps, stretch=1.0, decay=0.0):
     """Reference dataset of cos(2πt), and the problem of the motion exp(−decay t) cos(2πt/stretch)."""
-    phase = np.linspace(0, 1, 64 * steps + 1)
-    reference = xr.Dataset(
-        {
-            "u": ("t", np.cos(2 * np.pi * phase)),
-            "v": ("t", -2 * np.pi * np.sin(2 * np.pi * phase)),
-            "period": 1.0,
-            "period_remainder": 0.0,
-        },
-        coords={"t": phase, "phase": ("t", phase)},
-        attrs={"problem": "harmonic"},
-    )
     omega = 2 * np.pi / stretch
     problem = study.Problem(
         lambda u: (omega**2 + decay**2) * u, u0=1.0, v0=-decay, damping=2 * decay if decay else None
     )
-    return reference, problem
+    return cosine(steps), problem
 
 
 def _observed(steps, periods, **motion):
@@ -102,6 +92,12 @@ def test_a_motion_without_crossings_has_no_period():
     dt, observers = against(reference, 50, longest=50)
     ds = study.run(study.Problem(lambda u: 0.0 * u, u0=1.0), "rk4", dt=dt, steps=100, observe=observers)
     assert np.isnan(ds.period_elongation) and np.isnan(ds.amplitude_decay) and ds.status == 0
+
+
+def test_errors_at_the_phases_of_equal_steps_need_equal_steps():
+    dt, (of_trajectory, *_) = against(_harmonic(50)[0], 50, longest=50)
+    with pytest.raises(ValueError, match="rms_trajectory_error, max_trajectory_error needs steps of one size"):
+        study.run("pendulum", "rk4", tolerance=1e-3, duration=1.0, dt=dt, observe=[of_trajectory])
 
 
 def test_phases_that_the_reference_lacks_are_refused():

@@ -1,27 +1,17 @@
 """Reference solutions that experiments read."""
 
-import numpy as np
 import pytest
 import xarray as xr
 
 from reference.experiments.amplitudes import amplitudes
 from study import io
+from tests.references import cosine
 
 
-@pytest.fixture
-def cosine() -> xr.Dataset:
-    """Reference dataset of cos(2πt), in the format of the pipeline."""
-    phase = np.linspace(0, 1, 64 * 8 + 1)
-    return xr.Dataset(
-        {
-            "u": ("t", np.cos(2 * np.pi * phase)),
-            "v": ("t", -2 * np.pi * np.sin(2 * np.pi * phase)),
-            "period": 1.0,
-            "period_remainder": 0.0,
-        },
-        coords={"t": phase, "phase": ("t", phase)},
-        attrs={"problem": "harmonic"},
-    )
+@pytest.fixture(name="cosine")
+def _cosine() -> xr.Dataset:
+    """Reference of cos(2πt) at 8 steps per period."""
+    return cosine(8)
 
 
 @pytest.fixture(scope="session")

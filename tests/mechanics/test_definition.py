@@ -9,22 +9,12 @@ import pytest
 import study
 from study.algebra.matrices import Banded
 from study.mechanics.balance import balance
+from tests.mechanics.forces import all_to_all, chain
 
 N = 5
 
 
 ZERO = np.zeros(N)
-
-
-def _chain(u):
-    """Forces on masses between springs of force r + r³ in a row; the first spring is fixed to a wall."""
-    stretch = jnp.concatenate([u[:1], jnp.diff(u)])
-    pull = stretch + stretch**3
-    return pull - jnp.concatenate([pull[1:], jnp.zeros(1)])
-
-
-def _all_to_all(u):
-    return jnp.sinh(u) + jnp.sum(u)
 
 
 def _lopsided(u):
@@ -42,7 +32,7 @@ def test_numbers_of_numpy_are_numbers():
     assert problem.tangent == 1
 
 
-def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
+def _problem(force=chain, u0=ZERO, v0=None, **keywords):
     return study.Problem(force, u0, np.zeros_like(u0) if v0 is None else v0, title="tried", **keywords)
 
 
@@ -51,7 +41,7 @@ def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
     [
         ({"tangent": "diagonal"},
          "tangent='diagonal' does not fit the force of 'tried': the derivative of the force has entries outside it."),
-        ({"force": _all_to_all, "tangent": 2},
+        ({"force": all_to_all, "tangent": 2},
          "tangent=2 does not fit the force of 'tried': the derivative of the force has entries outside it."),
         ({"force": _lopsided, "tangent": "matrix_free"},
          "tangent='matrix_free' does not fit the force of 'tried': it is not symmetric, as conjugate gradients need."),
@@ -119,7 +109,7 @@ def test_a_force_is_the_gradient_of_the_potential():
     )
     problem = study.Problem(potential=energy, u0=ZERO, v0=ZERO)
     u = np.linspace(-1, 2, N)
-    np.testing.assert_allclose(problem.force(u), _chain(u), rtol=1e-14)
+    np.testing.assert_allclose(problem.force(u), chain(u), rtol=1e-14)
     assert problem.tangent == 1
 
 
@@ -194,7 +184,7 @@ def test_an_implicit_scheme_takes_a_massless_unknown(mass):
     problem = _problem(u0=np.array([0.0, 0.3, 0.6, 0.9, 1.2]), mass=mass)
     ds = study.run(problem, "average_acceleration", dt=0.1, steps=10)
     assert ds.status == 0
-    np.testing.assert_allclose(_chain(ds.u.values[-1])[2], 0.0, atol=1e-12)
+    np.testing.assert_allclose(chain(ds.u.values[-1])[2], 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("number", [np.nan, np.inf])
@@ -213,12 +203,12 @@ def test_rayleigh_damping_is_of_mass_and_stiffness(structure, mass):
     a, b = 0.3, 0.05
     problem = _problem(u0=np.linspace(0, 2, N), mass=mass, damping=study.Rayleigh(a, b), tangent=structure)
     whole = np.eye(N) if mass is None else np.diag(np.broadcast_to(mass, N)) if np.ndim(mass) < 2 else mass
-    damping = a * whole + b * np.asarray(jax.jacfwd(_chain)(jnp.zeros(N)))
+    damping = a * whole + b * np.asarray(jax.jacfwd(chain)(jnp.zeros(N)))
     u, v, rhs = np.linspace(0, 1, N), np.linspace(1, 2, N), np.ones(N)
     acceleration, effort = eqx.filter_jit(balance)(problem, *map(jnp.asarray, (rhs, u, v, 0.01, 0.1, ZERO)))
     found = np.asarray(acceleration)
     assert effort.converged
-    residual = whole @ found + damping @ (v + 0.1 * found) + np.asarray(_chain(jnp.asarray(u + 0.01 * found))) - rhs
+    residual = whole @ found + damping @ (v + 0.1 * found) + np.asarray(chain(jnp.asarray(u + 0.01 * found))) - rhs
     np.testing.assert_allclose(residual, 0.0, atol=1e-8)
 
 

@@ -8,17 +8,7 @@ import study
 from study.algebra.matrices import times
 from study.mechanics import tangent
 from study.mechanics.sparse_tangent import SparseTangent
-
-
-def _chain(u):
-    """Forces on masses between springs of force r + r³ in a row; the first spring is fixed to a wall."""
-    stretch = jnp.concatenate([u[:1], jnp.diff(u)])
-    pull = stretch + stretch**3
-    return pull - jnp.concatenate([pull[1:], jnp.zeros(1)])
-
-
-def _all_to_all(u):
-    return jnp.sinh(u) + jnp.sum(u)
+from tests.mechanics.forces import all_to_all, chain
 
 
 @pytest.mark.parametrize(
@@ -26,8 +16,8 @@ def _all_to_all(u):
     [
         (jnp.sinh, 0),
         (lambda u: u * u * u, 0),
-        (_chain, 1),
-        (_all_to_all, "dense"),
+        (chain, 1),
+        (all_to_all, "dense"),
         # coupled unknowns are half of all unknowns apart, so that elimination of a band would gain nothing
         (lambda u: u + jnp.roll(u, 4) + jnp.roll(u, -4), "dense"),
     ],
@@ -50,7 +40,7 @@ def test_an_unknown_without_mass_and_stiffness_needs_pivots():
 
 
 def test_few_unknowns_are_eliminated_whole():
-    assert study.Problem(_chain, np.zeros(4), np.zeros(4)).tangent == "dense"
+    assert study.Problem(chain, np.zeros(4), np.zeros(4)).tangent == "dense"
 
 
 def test_one_unknown_has_no_structure():
@@ -68,10 +58,10 @@ def test_a_structure_may_be_declared_that_holds_more(declared, structure):
 
 def test_of_many_unknowns_the_places_of_the_tangent_are_found():
     many = np.zeros(tangent.FINDABLE + 1)
-    assert study.Problem(_chain, many).tangent == 1
-    far = study.Problem(lambda u: _chain(u) + u - jnp.roll(u, 5), many).tangent
+    assert study.Problem(chain, many).tangent == 1
+    far = study.Problem(lambda u: chain(u) + u - jnp.roll(u, 5), many).tangent
     assert isinstance(far, SparseTangent) and not far.pattern.symmetric
-    assert study.Problem(_chain, many, tangent="tridiagonal").tangent == 1
+    assert study.Problem(chain, many, tangent="tridiagonal").tangent == 1
 
 
 def test_a_structure_is_sought_where_the_force_has_a_derivative():

@@ -45,6 +45,11 @@ def test_an_edited_problem_concerns_what_runs_it_and_a_new_one_nothing_else(jobs
     assert ("kinks", "hardening") in springs and ("kinks", "yielding") not in springs
 
 
+def test_the_site_depends_on_the_modules_that_its_pages_import(jobs):
+    imported = {f"paper/{name}.py" for name in ("data", "picks", "tables/decision", "tables/orders", "figures/style")}
+    assert imported <= {*jobs["site", ""].inputs} and "paper/figures/atlas.py" not in jobs["site", ""].inputs
+
+
 def test_schemes_and_data_that_no_option_names_are_inputs(jobs):
     assert "later_schemes" in _names(_that_read(jobs, "study/scheme/noh_bathe.py"))
     assert "kinks" in _names(_that_read(jobs, "study/mechanics/records/el_centro_1940_ns.at2"))

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import study
-from reference import opensees as reference
 from study.program import opensees_run
 from study.program.attempt import attempt
 
@@ -58,7 +57,7 @@ def test_floors_that_pound_are_assessed(example):
 
 def test_a_file_that_fails_says_why(example, tmp_path):
     own = example("opensees_gap.py", ["Newmark", "hht"], 2.0)
-    (tmp_path / "broken.py").write_text("measure = {}\ndef build(ops):\n    raise RuntimeError('no such section')\n")
+    (tmp_path / "broken.py").write_text("quantities = {}\ndef build(ops):\n    raise RuntimeError('no such section')\n")
     broken = study.opensees(tmp_path / "broken.py", own.schemes, 2.0)
     run = attempt(broken.run, "hht_alpha", 0.5, 2.0)
     assert run.reason == "it ended with the exit code 1: RuntimeError: no such section"
@@ -71,12 +70,3 @@ def test_a_file_that_fails_says_why(example, tmp_path):
 def test_a_scheme_that_is_no_name_is_refused():
     with pytest.raises(TypeError, match="must be a name, such as 'hht_alpha', not an object of Houbolt."):
         study.opensees(EXAMPLES / "opensees_gap.py", ["hht", study.schemes["houbolt"]], 2.0)  # type: ignore[list-item]
-
-
-def test_integrators_are_those_that_agree_to_round_off():
-    """Programs use the integrators of the step-by-step comparison with the study in ``reference.opensees``."""
-    for name, (words, algorithm) in reference.INTEGRATORS.items():
-        one = opensees_run.INTEGRATORS.get(name)
-        assert one is None or (one.words, one.algorithm) == (words, algorithm)
-        assert one is None or one.parts == reference.SUB_STEPS.get(name, 1)
-    assert len(opensees_run.INTEGRATORS.keys() & reference.INTEGRATORS.keys()) == 10

@@ -12,6 +12,7 @@ from study.marching.timing import Timed
 from study.observer.base import Reduction
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.problem.named import printed_periods
+from study.program import opensees_run
 
 #: Number of stages for which one Newton iteration of a scheme solves together; one for other schemes.
 STAGES = {"gauss4": 2}
@@ -179,8 +180,8 @@ def observers() -> Iterator[Case]:
 def against_opensees() -> Iterator[Case]:
     """Schemes of the study compared with the same schemes in OpenSees, if the extra ``opensees`` is installed."""
     try:
-        opensees.load()
-    except opensees.NotInstalled as reason:
+        opensees_run.interpreter()
+    except ImportError as reason:
         print(reason)
         return
     for name in opensees.INTEGRATORS:
