@@ -133,15 +133,17 @@ def _steps(subject: "Subject", library: "Library") -> str:
             least = f"[{library.schemes[best.index[0]].title}]({best.index[0]}.md): {first.steps} ({first.forces:,.0f})"
         rows.append([title, *cells, least])
     head = ["problem", *(f"{100 * error:g} %" for error in ERRORS), f"fewest forces for {100 * COMPARED:g} %"]
+    runs = (
+        f"The other rows are results of runs, in which the steps also keep the energies to {percent(LEVEL)}. On the "
+        "hardening and the softening spring the error is the largest over a hundred periods, in which the phase error "
+        "grows. ≤ marks the coarsest step that was tried, and † marks the finest."
+    )
     return (
         "Steps per period, and in brackets forces per period, for an error of the displacement:\n\n"
         + table(head, rows, numbers_from=len(head))
-        + ("" if len(rows) > 1 else f"\n\n{_not_run(subject)}")
-        + f"\n\nThe first row is linear theory after {PERIODS} periods, and the others are results of runs. All finer "
-        f"steps keep the error too, and in runs the energies to {percent(LEVEL)}. On the hardening and the softening "
-        "spring the error is the largest over a hundred periods, in which the phase error grows. The last column names "
-        f"the {_kind(subject.scheme)} scheme with the fewest forces. ≤ marks the coarsest step that was tried, and † "
-        "marks the finest. A dash means that no step tried keeps the error. {doc}`/decisions` compares all schemes."
+        + f"\n\nThe first row is linear theory after {PERIODS} periods. All finer steps keep the error too. The last "
+        f"column names the {_kind(subject.scheme)} scheme with the fewest forces. A dash means that no step tried "
+        f"keeps the error. {runs if len(rows) > 1 else _not_run(subject)} {{doc}}`/decisions` compares all schemes."
     )
 
 
