@@ -34,6 +34,8 @@ nitpicky = True
 nitpick_ignore_regex = [("py:.*", r"(jax|numpy|scipy|xarray|study\.(?!building|materials|settings)[a-z]\w*)\..*")]
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+# a line of text that begins with a percent sign is not a comment
+myst_disable_syntax = ["myst_line_comment"]
 myst_heading_anchors = 3
 numpydoc_show_class_members = False
 autodoc_default_options = {"members": True}

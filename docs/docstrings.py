@@ -1,4 +1,4 @@
-"""Docstrings of the code for numpydoc: references as a list."""
+"""Docstrings of the code for numpydoc: subscripts, and references as a list."""
 
 import inspect
 import re
@@ -10,6 +10,7 @@ from numpydoc.docscrape_sphinx import SphinxDocString
 #: End of a reference: a page, a year or a section, with a full stop. A line that ends with an abbreviation continues
 #: on the next one.
 _END_OF_REFERENCE = re.compile(r"\d\.$")
+_SUBSCRIPT = re.compile(r"([α-ωΩ])_(?:(\w+)|\{([^}]+)\})")
 
 
 def references_of(lines: Iterable[str]) -> list[str]:
@@ -23,8 +24,9 @@ def references_of(lines: Iterable[str]) -> list[str]:
 
 
 def restructured(lines: Iterable[str]) -> list[str]:
-    """A docstring with its references as a list."""
+    """A docstring with subscripts behind Greek letters, as in α_m, and with its references as a list."""
     text, heading, works = "\n".join(lines).partition("References\n----------\n")
+    text = _SUBSCRIPT.sub(r"\1\\ :sub:`\2\3`\\ ", text)
     # without the backslash the initial of an author would be read as the letter of a list
     listed = [f"- \\{work}" for work in references_of(works.splitlines())]
     return [*text.splitlines(), *heading.splitlines(), *listed, ""]

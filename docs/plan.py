@@ -13,6 +13,7 @@ OF_SCHEMES = (
     "energy_error",
     "kinks",
     "large_steps",
+    "order_under_reality",
     "stability/atlas",
     "stability/robustness",
     "structures",

@@ -55,12 +55,12 @@ class Library:
     @cached_property
     def needs(self) -> Mapping[str, Mapping[float, pd.DataFrame]]:
         """Steps and evaluations of the force that the schemes need in a period, by problem and allowed error."""
-        return scheme_verdict.needs(self.data)
+        return scheme_verdict.needs(self)
 
     @cached_property
     def tried(self) -> Mapping[str, set[str]]:
         """Schemes that ran on each problem."""
-        return scheme_verdict.tried(self.data)
+        return scheme_verdict.tried(self)
 
     def subject(self, name: str) -> Subject:
         """A scheme by its name, whose linear theory is computed once for all pages."""
@@ -182,7 +182,7 @@ def scheme_page(subject: Subject, library: Library) -> str:
         "Run it": _use(subject),
         "Properties": _facts(subject, library.aliases.get(subject.name, [])),
         "Linear theory: stability, period elongation and numerical damping": linear_theory(subject, library),
-        "Order on non-linear springs": scheme_results.orders(subject, library.data),
+        "Measured order": scheme_results.orders(subject, library.data),
         "Energy error at the step sizes of 1996": scheme_results.energy(subject, library.data),
         "Map of stability, and how it fails": scheme_results.maps(subject, library.data),
         "Work, precision and cost": scheme_results.work(subject, library.data),

@@ -44,7 +44,7 @@ def _titles(one: xr.Dataset) -> dict[str, str]:
 
 
 def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """Observed orders on non-linear springs, and on forces with kinks; empty if they were not measured."""
+    """Observed orders on springs, with kinks and in the circumstances of real problems; empty if not measured."""
     parts = []
     one = _of(subject, data["accuracy"])
     if one is not None:
@@ -63,6 +63,16 @@ def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
         rows = [[title, number(found.sel(problem=name).item(), 2)] for name, title in _titles(kinked).items()]
         parts.append("Order of the displacement with yielding, memory or contact, and under a record:")
         parts.append(table(["problem", "order"], rows))
+    real = _of(subject, data["order_under_reality"])
+    if real is not None:
+        found = real.observed_order.transpose("circumstance", "quantity")
+        rows = [
+            [title, *(number(order, 2) for order in row)]
+            for title, row in zip(real.circumstance_title.values, found.values, strict=True)
+        ]
+        parts.append("Order of the motion in the circumstances of real problems ({doc}`/gallery/order`):")
+        parts.append(table(["circumstance", *real.quantity.values], rows))
+        parts.append("A dash means that the circumstance does not apply, that runs fail, or that errors are round-off.")
     return "\n\n".join(parts)
 
 

@@ -2,7 +2,7 @@
 
 import html
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,15 +11,18 @@ import xarray as xr
 
 import study
 from docs.text import definitions, table
-from docs.theory import ROUND_OFF, STEPS
+from docs.theory import PERIODS, ROUND_OFF, STEPS, TRIED
 from paper.data import ASSESSED
 from paper.picks import AT_MOST, COARSEST, ERRORS, LEVEL, TIED, fewest_forces, marked, needs_of_spring
 from paper.tables.decision import SPRING
+from paper.tables.order_under_reality import lost as loses_order
 from study.words import listed, number, percent
 
 if TYPE_CHECKING:
     from docs.scheme_page import Library, Subject
 
+#: Problem of the steps that follow from linear theory.
+LINEAR = "undamped linear oscillator (phase and amplitude)"
 #: Error at which schemes are compared.
 COMPARED = 0.01
 #: Loss of amplitude per period at the rule of thumb above which a scheme counts as dissipative.
@@ -48,12 +51,22 @@ def _of_spring(spring: Any, error: float) -> pd.DataFrame:
     return pd.DataFrame({"kind": found.kind, "steps": steps, "forces": found.forces})
 
 
-def needs(data: Mapping[str, Any]) -> dict[str, dict[float, pd.DataFrame]]:
+def _in_theory(library: "Library", error: float) -> pd.DataFrame:
+    rows = {}
+    for one in map(library.subject, library.schemes):
+        if kept := np.logical_and.accumulate(one.theory.error <= error).sum():
+            steps = int(TRIED[kept - 1])
+            rows[one.name] = [_kind(one.scheme), f"{steps:,}", steps * one.theory.forces]
+    return pd.DataFrame.from_dict(rows, orient="index", columns=["kind", "steps", "forces"])
+
+
+def needs(library: "Library") -> dict[str, dict[float, pd.DataFrame]]:
     """Steps and forces per period that keep an error of the displacement, by title of the problem and error.
 
     The rows of a table are the schemes that keep the error, with their ``kind``, as in the table of decisions.
     """
-    found = {}
+    data = library.data
+    found = {LINEAR: {error: _in_theory(library, error) for error in ERRORS}}
     for spring in (data[name] for name in ASSESSED):
         if spring.scheme.size:
             found[spring.attrs["problem"]] = {error: _of_spring(spring, error) for error in ERRORS}
@@ -68,10 +81,12 @@ def needs(data: Mapping[str, Any]) -> dict[str, dict[float, pd.DataFrame]]:
     return found
 
 
-def tried(data: Mapping[str, Any]) -> dict[str, set[str]]:
+def tried(library: "Library") -> dict[str, set[str]]:
     """Schemes that ran on each problem, by its title; a scheme without any error on a kink refuses the problem."""
+    data = library.data
     kinks, structures = data["kinks"], data["structures"]
     found = {data[name].attrs.get("problem", ""): {*data[name].scheme.values} for name in ASSESSED}
+    found[LINEAR] = {*library.schemes}
     if structures.scheme.size:
         found |= {title: {*structures.scheme.values} for title in structures.problem_title.values}
     if kinks.scheme.size:
@@ -102,7 +117,7 @@ def _kind(scheme: study.Scheme) -> str:
 
 
 def _steps(subject: "Subject", library: "Library") -> str:
-    """Steps by problem and error, and the scheme of the same kind with the fewest forces; empty if nothing is known."""
+    """Steps by problem and error, and the scheme of the same kind with the fewest forces."""
     rows, name = [], subject.name
     for title, tables in library.needs.items():
         if name not in library.tried[title]:
@@ -117,17 +132,18 @@ def _steps(subject: "Subject", library: "Library") -> str:
             first = best.iloc[0]
             least = f"[{library.schemes[best.index[0]].title}]({best.index[0]}.md): {first.steps} ({first.forces:,.0f})"
         rows.append([title, *cells, least])
-    if not rows:
-        return ""
     head = ["problem", *(f"{100 * error:g} %" for error in ERRORS), f"fewest forces for {100 * COMPARED:g} %"]
+    runs = (
+        f"The other rows are results of runs, in which the steps also keep the energies to {percent(LEVEL)}. On the "
+        "hardening and the softening spring the error is the largest over a hundred periods, in which the phase error "
+        "grows. ≤ marks the coarsest step that was tried, and † marks the finest."
+    )
     return (
         "Steps per period, and in brackets forces per period, for an error of the displacement:\n\n"
         + table(head, rows, numbers_from=len(head))
-        + f"\n\nAll finer steps keep the error too, and the energies to {percent(LEVEL)}. On the hardening and the "
-        "softening spring the error is the largest over a hundred periods, in which the phase error grows. The "
-        f"last column names the {_kind(subject.scheme)} scheme with the fewest forces. ≤ marks the coarsest step that "
-        "was tried, and † marks the finest. A dash means that no step tried keeps the error. {doc}`/decisions` "
-        "compares all schemes."
+        + f"\n\nThe first row is linear theory after {PERIODS} periods. All finer steps keep the error too. The last "
+        f"column names the {_kind(subject.scheme)} scheme with the fewest forces. A dash means that no step tried "
+        f"keeps the error. {runs if len(rows) > 1 else _not_run(subject)} {{doc}}`/decisions` compares all schemes."
     )
 
 
@@ -146,6 +162,9 @@ def _good(subject: "Subject", library: "Library") -> Iterator[str]:
         yield f"stiff structures{without}: stability limits no step in linear theory"
         if theory.at_infinity < RADIUS:
             yield f"modes that the step does not resolve, which it damps (ρ∞ = {number(theory.at_infinity)})"
+    if theory.least_radius < RADIUS:
+        least = number(theory.least_radius, 2)
+        yield f"modes close to its stability limit, which it damps (spectral radius down to {least})"
     if subject.name in structures.scheme.values:
         lost = _lost(structures)
         rare = ~lost.sel(scheme=subject.name) & (lost.mean("scheme") > MOST)
@@ -158,12 +177,15 @@ def _good(subject: "Subject", library: "Library") -> Iterator[str]:
         yield "long motions, whose amplitude it keeps in linear theory"
     if min(scheme.order, scheme.order_with_damping) >= 4:
         yield f"small errors, as its order is {min(scheme.order, scheme.order_with_damping)}"
+    elif scheme.order >= 4:
+        yield f"small errors without damping and load, where its order is {scheme.order}"
 
 
 def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
     scheme, theory, data = subject.scheme, subject.theory, library.data
     if theory.limit == 0:
-        yield "undamped motions, which grow at any step"
+        growth = number(-100 * theory.decay_of_rule, 2)
+        yield f"undamped motions, which grow at any step: at {STEPS} per period by {growth}\u00a0% per period"
     elif math.isfinite(theory.limit):
         yield f"structures with ωΔt above {number(theory.limit, 3)} in any mode, where it is unstable"
     elif theory.at_infinity > 1 - ROUND_OFF:
@@ -179,6 +201,15 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
     elif scheme.order_with_damping == 1:
         yield "small errors with damping or load, where its order is 1"
     robust, kinks, structures = data["stability/robustness"], data["kinks"], data["structures"]
+    circumstances = data["order_under_reality"]
+    if subject.name in circumstances.scheme.values:
+        motion = loses_order(circumstances.sel(scheme=subject.name, quantity=["displacement", "velocity"]))
+        titles = circumstances.circumstance_title.values[motion.any("quantity").values].tolist()
+        if titles:
+            yield (
+                f"small errors in these circumstances, where displacement or velocity lose the order {scheme.order} "
+                f"or do not converge: {listed(titles)}"
+            )
     if subject.name in robust.scheme.values:
         needed = robust.steps_needed.isel(periods=-1).sel(level=LEVEL, scheme=subject.name)
         lost = robust.problem_title.values[np.isnan(needed.values)].tolist()
@@ -254,7 +285,7 @@ def _items(reasons: Iterator[str], none: str) -> str:
 
 def _not_run(subject: "Subject") -> str:
     """A sentence on missing runs of a scheme."""
-    missing = "The study behind this page has no steps by error of this scheme. Sections without data are omitted"
+    missing = "The study behind this page has no runs of this scheme by error. Sections without data are omitted"
     if subject.name in study.schemes:
         return f"{missing}. The full study runs all named schemes."
     return f"{missing}. The key `own_schemes` of the configuration adds the scheme to the datasets."
@@ -267,7 +298,4 @@ def verdict(subject: "Subject", library: "Library") -> str:
         "not for": _items(_bad(subject, library), "no case that the data of this page exclude"),
         "nearest better scheme": _alternative(subject, library),
     }
-    steps = _steps(subject, library)
-    if not steps:
-        steps = _not_run(subject)
-    return f"{definitions(facts)}\n\n{steps}"
+    return f"{definitions(facts)}\n\n{_steps(subject, library)}"

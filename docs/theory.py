@@ -11,6 +11,10 @@ import study
 PARTS = np.logspace(-3, 3, 601)
 #: Steps per period of the rule of thumb, at which pages give numbers.
 STEPS = 20
+#: Numbers of steps per period among which the coarsest is sought that keeps an error, from the finest.
+TRIED = np.unique(np.geomspace(1, 1e5, 1000).round())[::-1]
+#: Number of periods over which this error is taken.
+PERIODS = 100
 #: Damping ratio of the oscillator that shows the order with damping.
 DAMPED = 0.1
 #: Loss of amplitude per period below which it counts as round-off.
@@ -32,10 +36,15 @@ class Theory(NamedTuple):
         ωΔt up to which the scheme is stable.
     at_infinity
         Spectral radius at infinite frequency; NaN for a scheme that is unstable there.
+    least_radius
+        Smallest spectral radius below a stability limit; NaN for a scheme without a limit or without stable steps.
     growth
         Exponents of ωΔt with which the first step grows, from :meth:`study.LinearTheory.growth`.
     overshoot
         Overshoot of displacement and velocity in 64 steps from u = 1 and u̇ = 0, the largest of all stable step sizes.
+    error
+        Error of a motion of :data:`PERIODS` periods relative to its amplitude over :data:`TRIED`; NaN where nothing
+        oscillates.
     memory
         Number of vectors of the size of u in the state that a step passes to the next.
     forces
@@ -51,8 +60,10 @@ class Theory(NamedTuple):
     order_with_damping: float
     limit: float
     at_infinity: float
+    least_radius: float
     growth: np.ndarray
     overshoot: np.ndarray
+    error: np.ndarray
     memory: int
     forces: float
 
@@ -72,6 +83,18 @@ def _forces(scheme: study.Scheme) -> float:
     return scheme.forces_per_step + scheme.forces_per_iteration * run.newton_iterations.item() / STEPS
 
 
+def _error(scheme: study.Scheme) -> np.ndarray:
+    """Error of phase and amplitude by the principal roots, or the growth by any root if it is larger."""
+    theory = study.LinearTheory(scheme, 1 / TRIED)
+    motion = theory.motion()
+    delay = 2 * np.pi * PERIODS * motion.period_elongation / (1 + motion.period_elongation)
+    amplitude = (1 - motion.amplitude_decay) ** PERIODS
+    # a phase error of half a period misses the whole motion, and a larger one may come back to it
+    error = abs(amplitude * np.exp(1j * np.clip(delay, -np.pi, np.pi)) - 1)
+    growth = PERIODS * TRIED * (theory.spectral_radius - 1)  # first order, because its power would overflow
+    return np.maximum(error, growth)
+
+
 def theory_of(scheme: study.Scheme) -> Theory:
     """Linear theory of a scheme."""
     undamped = study.LinearTheory(scheme, PARTS)
@@ -79,6 +102,9 @@ def theory_of(scheme: study.Scheme) -> Theory:
     limit, at_infinity = scheme.stability_limit, undamped.infinite_frequency_radius()
     if limit is None:
         limit = undamped.stability_limit()
+    least_radius = np.nan
+    if 0 < limit < np.inf:  # the radius falls steeply next to the limit
+        least_radius = study.LinearTheory(scheme, np.linspace(0, limit, 1001)[1:] / (2 * np.pi)).spectral_radius.min()
     return Theory(
         undamped.spectral_radius,
         motion.period_elongation,
@@ -89,8 +115,10 @@ def theory_of(scheme: study.Scheme) -> Theory:
         study.LinearTheory(scheme, PARTS, damping_ratio=DAMPED).order(),
         limit,
         np.nan if np.isfinite(limit) else at_infinity * (at_infinity > _NO_RADIUS),
+        float(least_radius),
         undamped.growth(),
         np.nanmax(undamped.overshoot(), axis=1, initial=0.0),
+        _error(scheme),
         undamped.matrices.shape[-1],
         _forces(scheme),
     )

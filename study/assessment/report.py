@@ -70,7 +70,7 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     best = []
     for one in found.groupby("kind", sort=False).head(1).itertuples():
         text = (
-            f"{titles[one.Index]} ({one.kind}) with Δt = {one.step_size:.4g} s "
+            f"{titles[one.Index]} ({one.kind}) with Δt = {number(one.step_size, 4)} s "
             f"({one.number_of_steps:.0f} steps{f', {_time(one.time)}' if one.time > 0 else ''})"
         )
         if "largest_safe_dt" in assessed and one.step_size >= assessed.map_dt.min():
@@ -179,7 +179,7 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
         rows = [
             (
                 titles[row.Index],
-                f"{row.step_size:.4g} ({row.largest_step:.4g})",
+                f"{number(row.step_size, 4)} ({number(row.largest_step, 4)})",
                 number(row.omega_step, 2),
                 f"{row.number_of_steps:.0f}",
                 percent(row.error),
@@ -257,7 +257,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         rows = [
             (
                 titles[n],
-                f"{float(assessed.largest_safe_dt.sel(scheme=n)):.4g}",
+                number(assessed.largest_safe_dt.sel(scheme=n).item(), 4),
                 str(assessed.failure.sel(scheme=n).values),
             )
             for n in assessed.scheme.values
@@ -280,7 +280,7 @@ def made_by(attributes: dict) -> list[str]:
             parts.append(f"<dt>{text_of(key.replace('_', ' '))}</dt><dd>{text_of(attributes[key])}</dd>")
     parts.append("</dl>")
     if attributes.get("command"):
-        parts.append(f'<p>To run it again:</p><pre tabindex="0">{text_of(attributes["command"])}</pre>')
+        parts.append(f"<p>To run it again:</p><pre>{text_of(attributes['command'])}</pre>")
     return parts
 
 

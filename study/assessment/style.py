@@ -18,7 +18,7 @@ figure { margin: 1rem 0; min-width: 0; }
 figure svg { width: 100%; max-width: 40rem; height: auto; }
 figure .wide { min-width: 36rem; max-width: none; }
 figcaption { color: #444; font-size: .9rem; }
-pre { overflow-x: auto; background: #f5f5f5; padding: .7rem; }
+pre { max-width: 88ch; white-space: pre-wrap; overflow-wrap: anywhere; background: #f5f5f5; padding: .7rem; }
 dl { display: grid; grid-template-columns: auto 1fr; gap: .2rem 1rem; }
 dt { font-weight: 600; }
 dd { margin: 0; overflow-wrap: anywhere; }
@@ -36,6 +36,5 @@ dd { margin: 0; overflow-wrap: anywhere; }
   .scroll { overflow: visible; }
   th, td, td.text { white-space: normal; min-width: 0; padding: .25rem .3rem; }
   figure .wide { min-width: 0; }
-  pre { white-space: pre-wrap; overflow-wrap: anywhere; }
 }
 """

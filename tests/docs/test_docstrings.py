@@ -32,6 +32,7 @@ def test_a_docstring_for_numpydoc():
         "",
     ]
     assert restructured(["A summary."]) == ["A summary.", ""]
+    assert restructured(["α_m ≤ θ_{k−1}"]) == [r"α\ :sub:`m`\  ≤ θ\ :sub:`k−1`\ ", ""]
 
 
 @pytest.mark.parametrize("folder", ["study", "reference"])

@@ -14,7 +14,7 @@ from docs.scheme_page import Library, scheme_page
 from docs.scheme_results import orders
 from docs.scheme_table import COLUMNS, table_of
 from docs.scheme_verdict import verdict
-from docs.theory import theory_of
+from docs.theory import PERIODS, TRIED, theory_of
 from study.scheme.codes import names_in_codes
 from study.user_files import load
 from study.words import number, percent
@@ -58,6 +58,11 @@ def test_linear_theory_of_a_page():
     theory = theory_of(study.schemes["average_acceleration"])
     assert theory.order == pytest.approx(2, abs=0.05) and theory.order_with_damping == pytest.approx(2, abs=0.05)
     assert np.isinf(theory.limit) and theory.at_infinity == pytest.approx(1) and theory.memory == 3
+    # the period is too long by (ωΔt)²/12
+    delay = PERIODS * (2 * np.pi) ** 3 / (12 * TRIED**2)
+    assert theory.error[TRIED > 300] == pytest.approx(delay[TRIED > 300], rel=1e-3, abs=1e-7)
+    assert np.isnan(theory.least_radius)
+    assert theory_of(study.schemes["rk4"]).least_radius == pytest.approx(0.5, abs=1e-3)
 
 
 def test_orders_come_from_the_errors():
@@ -110,6 +115,35 @@ def test_the_verdict_follows_the_data():
     dearer = of("central_difference", _kinks(100, 16, first_order=1))
     assert "within 1\u00a0%" not in dearer and "small errors on the yielding oscillator" in dearer
     assert "| – | – | [Runge-Kutta](rk4.md): ≤\u00a016 (64) |" in dearer
+
+
+def test_the_verdict_and_the_orders_have_the_circumstances_of_real_problems():
+    names, titles = ["displacement", "velocity", "acceleration"], ["plain", "contact", "load"]
+    found = np.array([[2.0, 2.0, 2.0], [2.0, 1.1, 1.0], [2.0, 2.0, 1.0]])
+    circumstances = xr.Dataset(
+        {
+            "observed_order": (("scheme", "circumstance", "quantity"), found[None]),
+            "status": (
+                ("scheme", "circumstance", "quantity"),
+                np.zeros((1, 3, 3)),
+                {"flag_meanings": "measured failed"},
+            ),
+        },
+        {"scheme": ["central_difference"], "circumstance": titles, "quantity": names},
+    ).assign_coords(order=("scheme", [2]), circumstance_title=("circumstance", titles))
+    data = Empty({"order_under_reality": circumstances})
+    library = Library(data, {"central_difference": study.schemes["central_difference"]}, {})
+    subject = library.subject("central_difference")
+    assert "lose the order 2 or do not converge: contact<" in verdict(subject, library)
+    assert "| contact | 2 | 1.1 | 1 |" in orders(subject, data)
+
+
+def test_a_scheme_without_runs_has_the_steps_of_linear_theory(library):
+    page = verdict(library.subject("central_difference"), library)
+    assert (
+        "| undamped linear oscillator (phase and amplitude) | 102 (102) | 322 (322) | 1,019 (1,019) | this one |"
+        in page
+    )
 
 
 def test_the_better_scheme_is_as_good_in_all():
