@@ -11,10 +11,11 @@ _DECLARATIONS = ("study.declaration.experiment", "study.declaration.options", "s
 _FIRST = ("study.settings",)
 #: Suffixes of files that a module reads from its folder: printed numbers, styles, and parts of the explorer.
 _DATA = (".csv", ".js", ".css", ".html", ".mplstyle")
-#: Files that modules of ``study`` read, by module: the benchmark's printed numbers, and the record of El Centro.
+#: Files that modules read, by module: the benchmark's printed numbers, the record of El Centro, verdicts of the kit.
 _READ = {
     "study.problem.linkages": "study/problem/elastic_beam.csv",
     "study.mechanics.ground": "study/mechanics/records/el_centro_1940_ns.at2",
+    "paper.tables.other_programs": "conformance/verdicts/*.json",
 }
 
 
@@ -41,4 +42,5 @@ class Sources:
         files = [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths]
         folders = dict.fromkeys(path.parent for path in files if path.relative_to(self.root).parts[0] == "paper")
         data = (path for folder in folders for path in sorted(folder.iterdir()) if path.suffix in _DATA)
-        return [*files, *data, *(self.root / _READ[module] for module in sorted(found & _READ.keys()))]
+        read = (path for module in sorted(found & _READ.keys()) for path in sorted(self.root.glob(_READ[module])))
+        return [*files, *data, *read]
