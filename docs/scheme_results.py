@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from docs.drawing import ACCENT, OTHER, figure_of, map_legend, panel, svg
+from docs.drawing import ACCENT, OTHER, figure_of, lines_legend, map_legend, panel, svg
+from docs.scheme_curves import COMPARED
 from docs.text import table
 from docs.theory import ROUND_OFF, Theory
 from paper.figures.outcome_map import outcome_map
@@ -192,15 +193,20 @@ def work(subject: "Subject", data: Mapping[str, Any]) -> str:
     one = _of(subject, everything)
     if one is None:
         return ""
+    others = everything.scheme_title.drop_sel(scheme=subject.name).to_series().to_dict()
+    compared = {name: line for name, line in COMPARED.items() if name in others}
     panels, rows = [], []
     for problem, title in _titles(one).items():
         figure, axes = panel("xy")
-        for name in [*everything.scheme.values[everything.scheme.values != subject.name], subject.name]:
+        for name in [*others, subject.name]:
             run = everything.sel(problem=problem, scheme=name, periods=_LONG)
             error = abs(run.max_trajectory_error)
             known = error.where((run.flagged.sel(measure="max_trajectory_error") == 0) & (error > _FLOOR))
-            color, width, marker = (ACCENT, 2.0, "o") if name == subject.name else (OTHER, 0.7, "")
-            axes.plot(run.force_evaluations, known, "-", color=color, lw=width, marker=marker, ms=4)
+            if name == subject.name:
+                axes.plot(run.force_evaluations, known, "-", color=ACCENT, lw=2.0, marker="o", ms=4)
+            else:
+                width = 1.4 if name in compared else 0.5
+                axes.plot(run.force_evaluations, known, compared.get(name, "-"), color=OTHER, lw=width)
         axes.set(xlabel=f"forces in {_LONG} periods", ylabel="largest error, relative")
         axes.set_ylim(top=3)
         axes.set_title(title)
@@ -208,10 +214,9 @@ def work(subject: "Subject", data: Mapping[str, Any]) -> str:
         time = one.median_time_per_step.sel(problem=problem)
         forces = one.force_evaluations_per_step.sel(problem=problem)
         rows.append([title, _range(time), _range(forces)])
-    caption = (
-        f"Largest error of the displacement over {_LONG} periods against the forces evaluated: {subject.scheme.title} "
-        "with points, the other schemes of the dataset with thin lines."
-    )
+    caption = f"Largest error of the displacement over {_LONG} periods against the forces evaluated."
+    lines = [("-", subject.scheme.title), *((line, others[name]) for name, line in compared.items())]
+    panels.append(lines_legend([*lines, ("-", "the other schemes of the dataset")]))
     measured = table(["problem", "time per step, ns", "forces per step"], rows)
     return f"{figure_of(panels, caption)}\n\n{measured}\n\nTimes depend on the machine; the dataset holds every repeat."
 

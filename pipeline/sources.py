@@ -11,8 +11,9 @@ _DECLARATIONS = ("study.declaration.experiment", "study.declaration.options", "s
 _FIRST = ("study.settings",)
 #: Suffixes of files that a module reads from its folder: printed numbers, styles, and parts of the explorer.
 _DATA = (".csv", ".js", ".css", ".html", ".mplstyle")
-#: Suffixes of files of ``study`` that a module reads if its text has their names: printed numbers, and ground motion.
-_NAMED = (".csv", ".at2")
+#: Folders of data that a module reads if its text has the name of the file, and the suffixes of these files: printed
+#: numbers, ground motion, and verdicts on other programs.
+_NAMED, _SUFFIXES = ("study", "conformance/verdicts"), (".csv", ".at2", ".json")
 
 
 class Sources:
@@ -24,8 +25,9 @@ class Sources:
         self._known: dict[str, set[str]] = {}
         for module in _DECLARATIONS:
             self._graph.remove_module(module)
-        named = [path for path in root.joinpath("study").rglob("*") if path.suffix in _NAMED]
-        texts = {path: path.read_text(encoding="utf-8") for path in root.joinpath("study").rglob("*.py")}
+        named = [path for name in _NAMED for path in sorted(root.joinpath(name).rglob("*")) if path.suffix in _SUFFIXES]
+        readers = [path for name in ("study", "paper") for path in root.joinpath(name).rglob("*.py")]
+        texts = {path: path.read_text(encoding="utf-8") for path in readers}
         self._named = {path: [one for one in named if one.name in text] for path, text in texts.items()}
 
     def of(self, modules: Iterable[str]) -> list[Path]:

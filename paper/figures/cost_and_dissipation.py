@@ -27,7 +27,7 @@ def draw(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> Fig
     number = forces.sizes["problem"]
     rows = -(-number // MOST)
     columns = -(-number // rows)
-    figure, axes = panels(rows, columns, PAGE, 4.4 * rows + 2.2, sharex=True, sharey=True)
+    figure, axes = panels(rows, columns, PAGE, 3.8 * rows + 2.2, sharex=True, sharey=True)
     for unused in axes.flat[number:]:
         unused.remove()
     highest = 2 * float(forces.max())

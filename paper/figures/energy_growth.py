@@ -9,13 +9,19 @@ from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.requirements import one_of, samples_of_history
 
-#: Smallest error in percent; smaller ones are drawn at this value.
-FLOOR = 1e-13
+#: Smallest and largest error in percent; errors beyond are drawn at these values.
+FLOOR, CEILING = 1e-13, 1e4
+
+
+def sizes(history: xr.Dataset) -> xr.DataArray:
+    """Energy errors in percent after the start; errors that are not finite are left out."""
+    error = 100 * np.abs(history.energy_error.isel(t=slice(1, None)))
+    return error.where(np.isfinite(error))
 
 
 @figure(
     "Energy error against time of rotating structures, at steps that do not resolve their stiff modes. A cross marks "
-    "the end of a run that fails. Errors below 10⁻¹³ % are drawn at that value.",
+    "the end of a run that fails. Errors below 10⁻¹³ % or above 10⁴ % are drawn at these values.",
     histories=["structure_history/stiff_bar", "structure_history/stiff_truss"],
     requires={
         "structure_history.stiff_bar.problem": one_of(TURNING),
@@ -30,13 +36,13 @@ def draw(histories: list[xr.Dataset]) -> Figure:
     for index, (ax, history) in enumerate(zip(axes[0], histories, strict=True)):
         for place, (name, look) in enumerate(curve_styles(history.scheme).items()):
             one = history.sel(scheme=name)
-            error = np.maximum(100 * np.abs(one.energy_error), FLOOR).where(np.isfinite(one.energy_error))
-            marks = (0.1 + 0.05 * place, 0.3) if error[1:].notnull().any() else None
-            ax.plot(one.t[1:], error[1:], label=one.scheme_title.item(), markevery=marks, **look)
+            error = sizes(one).clip(FLOOR, CEILING)
+            marks = (0.1 + 0.05 * place, 0.3) if error.notnull().any() else None
+            ax.plot(error.t, error, label=one.scheme_title.item(), markevery=marks, **look)
             if one.status != 0:
                 every = round((one.t[1] - one.t[0]).item() / one.dt.item())
-                end = max((one.failed_at_step.item() - 1) // every, 1)
-                ax.plot(one.t[end], error[end], "x", color=look["color"], markersize=7, markeredgewidth=1.5)
+                end = max((one.failed_at_step.item() - 1) // every - 1, 0)
+                ax.plot(error.t[end], error[end], "x", color=look["color"], markersize=7, markeredgewidth=1.5)
         ax.set(xlabel="elapsed time $t$ (s)", yscale="log")
         steps = history.steps_per_period.item()
         letter(ax, index, f"{history.problem_title}, {steps:g} steps")

@@ -25,12 +25,14 @@ def of_order_under_reality(orders: xr.Dataset) -> dict:
     alpha = observed.sel(scheme="generalized_alpha", circumstance=["damping", "load"])
     late, moved = (alpha.sel(quantity=name) for name in ("acceleration", "displacement"))
     supports = sorted(name for name in orders.circumstance.values if name.startswith("support_"))
-    failed = orders.status.sel(quantity="displacement") == orders.status.flag_meanings.split().index("failed")
+    meanings = orders.status.flag_meanings.split()
+    failed = orders.status.sel(quantity="displacement") == meanings.index("failed")
     loose = [name for name in orders.circumstance.values if name.startswith("tolerance_")]
     early = (plain - displacement.sel(circumstance=loose)).max()
     lost = failed.sel(circumstance=supports[-1])
     return {
         "reality_schemes": orders.sizes["scheme"],
+        "reality_reaches_round_off": bool((orders.status == meanings.index("exact")).any()),
         "reality_kinks_highest": f"{float(kinked.max()):.1f}",
         "reality_kinks_take_all": bool(kinked.max() < TWO and displacement.sel(circumstance=SMOOTH).max() > TWO + 1),
         "reality_start": span(wrong.sel(scheme=depends), ".1f") if len(depends) else None,

@@ -7,9 +7,11 @@ from paper.claims.ledger import by_name
 from paper.claims.structures import SAMPLES_OF_SAWTOOTH, kept, sawtooth
 from paper.claims.wording import joined
 from paper.data import TURNING
+from paper.figures.energy_growth import CEILING, FLOOR, sizes
 from paper.products import numbers
 from paper.requirements import samples_of_history
 from paper.tables.structures import STEPS_PER_PERIOD
+from study.words import printed
 
 #: Schemes of structures without numerical damping, apart from the energy-momentum method.
 UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "gauss4"]
@@ -64,6 +66,7 @@ def of_structures(
     lost = by_name((~runs).sum(["problem", "steps_per_period"]))
     alternating = sawtooth(stiff_soft.v.isel(component=0))
     change = by_name(100 * long_times.max_sum_change)
+    turning = [stiff_bar, stiff_truss]
     return {
         "structure_schemes": structures.sizes["scheme"],
         "most_unknowns": int(structures.unknowns.max()),
@@ -84,5 +87,8 @@ def of_structures(
         "stiff_soft_steps": stiff_soft.steps_per_period.item(),
         "stiff_bar_steps": stiff_bar.steps_per_period.item(),
         "stiff_truss_steps": stiff_truss.steps_per_period.item(),
+        "growth_ceiling": printed(f"{CEILING:.0e}") if any((sizes(one) > CEILING).any() for one in turning) else None,
+        "growth_floor": printed(f"{FLOOR:.0e}") if any((sizes(one) < FLOOR).any() for one in turning) else None,
+        "growth_fails": any((one.status != 0).any() for one in turning),
         **{f"sum_{name}": f"{value:.0f}" if value > 10 else f"{value:.1f}" for name, value in change.items()},
     }

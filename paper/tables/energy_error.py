@@ -9,6 +9,11 @@ from paper.published import printed_energy_errors
 from paper.requirements import OF_THE_TABLES
 
 
+def _percent(error: float) -> str:
+    """Two decimals, from which the printed decimal was rounded; one significant digit of errors below 0.01."""
+    return f"{error:.2f}" if error >= 0.01 else f"{error:.1g}"
+
+
 @table("Energy errors of Tables 1 and 2 of 1996", requires=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """Three rows per step size, with one column per scheme of 1996: printed, computed, and with the exact period."""
@@ -16,18 +21,19 @@ def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     energy_error = of_the_tables(energy_error)
     ours = energy_error.max_energy_error
     sources = {
-        "printed": (printed, ".1f"),
-        "computed": (ours.sel(period_used="printed"), ".3f"),
-        "exact period": (ours.sel(period_used="exact"), ".3f"),
+        "printed": printed,
+        "computed": ours.sel(period_used="printed"),
+        "exact period": ours.sel(period_used="exact"),
     }
     title_of = dict(zip(energy_error.problem.values, energy_error.problem_title.values, strict=True))
     rows = []
     for problem in energy_error.problem.values:
         for steps in energy_error.steps_per_period.values:
-            for source, (values, form) in sources.items():
+            for source, values in sources.items():
                 row = {"Problem": title_of[problem], "Step": f"T/{steps}", "Source": source}
                 for scheme in energy_error.scheme.values:
                     title = energy_error.scheme_title.sel(scheme=scheme).item()
-                    row[title] = format(values.sel(problem=problem, steps_per_period=steps, scheme=scheme).item(), form)
+                    error = values.sel(problem=problem, steps_per_period=steps, scheme=scheme).item()
+                    row[title] = f"{error:.1f}" if source == "printed" else _percent(error)
                 rows.append(row)
     return pd.DataFrame(rows)

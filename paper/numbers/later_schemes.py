@@ -1,0 +1,111 @@
+"""Numbers of the text: schemes since 1996, from the ledger and from the table of decisions."""
+
+import pandas as pd
+import xarray as xr
+
+from paper.claims.later_schemes_in_motion import excess_of_tangent
+from paper.claims.ledger import Verdict
+from paper.picks import ERRORS
+from paper.products import numbers
+
+#: Schemes with a model of the structure, whose claims of stability are judged together.
+WITH_MODEL = ("chen_ricles", "chang", "kr_alpha")
+#: Facts of the text: a verdict, and the statements of the ledger that must have it.
+STATED = {
+    "model_is_a_bound": (
+        Verdict.NOT_REPRODUCED,
+        "CR is unconditionally stable for non-linear structures too.",
+        "Chang's method is unconditionally stable for non-linear structures too.",
+        "KR-α is unconditionally stable for non-linear structures too.",
+    ),
+    "model_overshoots": (
+        Verdict.REPRODUCED,
+        "Of the explicit methods with a model of the structure, Chang's does not overshoot.",
+    ),
+    "mkr_overshoots_less": (Verdict.QUALIFIED, "MKR-α overshoots less than KR-α."),
+    "mkr_is_of_first_order": (Verdict.NOT_REPRODUCED, "MKR-α is of second order."),
+    "wat2_is_of_third_order": (
+        Verdict.QUALIFIED,
+        "WAT2, with two forces per step, is of third order with damping and load.",
+    ),
+    "esdirk_loses_order": (Verdict.QUALIFIED, "ESDIRK methods do not lose their order in forced vibration."),
+    "blanes_moan_is_not_best": (
+        Verdict.NOT_REPRODUCED,
+        "Blanes and Moan's method has the smallest error of its order at equal cost.",
+    ),
+    "oalts_damps_less": (
+        Verdict.REPRODUCED,
+        "OALTS damps low frequencies half as much as the generalized-α method of equal ρ∞.",
+        "Unlike the generalized-α method, OALTS does not overshoot.",
+    ),
+    "relaxation_keeps_energy": (
+        Verdict.QUALIFIED,
+        "With relaxation, Runge-Kutta conserves the energy to round-off.",
+    ),
+    "auxiliary_is_bounded": (
+        Verdict.QUALIFIED,
+        "With a scalar auxiliary variable BDF2 is bounded at every step without iteration.",
+    ),
+    "gautschi_is_not_uniform": (
+        Verdict.NOT_REPRODUCED,
+        "The error of Gautschi's method is of order Δt² for every ωΔt.",
+    ),
+    "mollified_is_uniform": (
+        Verdict.REPRODUCED,
+        "The error of the mollified impulse method is of order Δt² for every ωΔt.",
+    ),
+    "waves_by_central_difference": (
+        Verdict.QUALIFIED,
+        "β₁/β₂-Bathe with β₂ = 2β₁ is better for waves than ρ∞-Bathe.",
+        "Noh and Bathe's explicit method is better for waves than central difference.",
+    ),
+}
+#: Values that the text takes from the ledger: the fact whose last statement has the value, and its place there.
+VALUES = {
+    "overshoot_kr": ("mkr_overshoots_less", 0),
+    "overshoot_mkr": ("mkr_overshoots_less", 1),
+    "period_error_mkr": ("mkr_overshoots_less", 2),
+    "order_mkr": ("mkr_is_of_first_order", 0),
+    "order_wat2": ("wat2_is_of_third_order", 0),
+    "order_wat2_acceleration": ("wat2_is_of_third_order", 1),
+    "order_esdirk_load": ("esdirk_loses_order", 0),
+    "order_esdirk_support": ("esdirk_loses_order", 1),
+    "blanes_moan_ratio": ("blanes_moan_is_not_best", 0),
+    "relaxation_energy": ("relaxation_keeps_energy", 0),
+    "relaxation_motion": ("relaxation_keeps_energy", 1),
+    "auxiliary_ratio": ("auxiliary_is_bounded", 1),
+    "gautschi_spread": ("gautschi_is_not_uniform", 0),
+    "mollified_spread": ("mollified_is_uniform", 0),
+}
+#: Year after which a scheme is a later one.
+YEAR = 1996
+
+
+def _later(decision: pd.DataFrame, spectral: xr.Dataset) -> dict[str, str]:
+    """Cells of the table of decisions that name a later scheme, of the cells that name one, by class."""
+    years = spectral.scheme_source.to_series().str.extract(r"\((\d{4})", expand=False).astype(int)
+    later = dict(zip(spectral.scheme_title.values, years > YEAR, strict=True))
+    counts = {}
+    for kind, rows in decision.groupby("Scheme"):
+        cells = rows[[f"{100 * error:g} %" for error in ERRORS]].to_numpy().ravel()
+        named = [later[cell.partition(": ")[0]] for cell in cells if ": " in cell]
+        counts[f"later_{kind}"] = f"{sum(named)} of {len(named)}"
+    return counts
+
+
+@numbers(claims="claims.csv", decision="tables/decision.csv")
+def of_later_schemes(
+    claims: pd.DataFrame, decision: pd.DataFrame, later_schemes: xr.Dataset, spectral: xr.Dataset
+) -> dict:
+    """Facts and values of the ledger, the bound on the tangent, and the share of later schemes among the choices."""
+    ledger = claims.set_index("claim")
+    facts = {
+        name: bool((ledger.verdict[list(statements)] == verdict).all())
+        for name, (verdict, *statements) in STATED.items()
+    }
+    values = {
+        name: ledger.ours[STATED[fact][-1]].split("; ")[place].rpartition(": ")[2]
+        for name, (fact, place) in VALUES.items()
+    }
+    excess = max(excess_of_tangent(later_schemes, scheme) for scheme in WITH_MODEL)
+    return facts | values | _later(decision, spectral) | {"model_excess": f"{excess:.1f}"}

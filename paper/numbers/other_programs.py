@@ -1,0 +1,29 @@
+"""Numbers of the text: the conformance of other programs."""
+
+import re
+
+from paper.products import numbers
+from paper.tables.other_programs import verdicts
+
+#: Case that measures the order of the generalized-α method with damping and a load.
+ORDER = "D-ORDER-GEN"
+
+
+def _observed_order(file: str) -> str | None:
+    """The observed order of the generalized-α method; None if it is the expected one."""
+    (cause,) = (case.get("cause", "") for case in verdicts(file)["cases"] if case["name"] == ORDER)
+    found = re.search(r"the order is (\S+), not", cause)
+    return found[1] if found else None
+
+
+@numbers()
+def of_other_programs() -> dict:
+    """Numbers of cases with and without an acceleration at the start, and the order of a scheme."""
+    opensees, from_zero = verdicts("opensees.json"), verdicts("opensees_from_zero.json")
+    return {
+        "kit_cases": len(opensees["cases"]),
+        "kit_opensees": f"{opensees['tool']} {opensees['version']}",
+        "kit_opensees_passed": opensees["counts"]["pass"],
+        "kit_opensees_from_zero_passed": from_zero["counts"]["pass"],
+        "kit_opensees_order": _observed_order("opensees.json"),
+    }

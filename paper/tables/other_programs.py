@@ -1,0 +1,47 @@
+"""Verdicts of the conformance kit on the integrators of other programs."""
+
+import json
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from paper.products import table
+
+VERDICTS = Path(__file__).parents[2] / "conformance" / "verdicts"
+#: Files of the verdicts on other programs; the verdicts on this study and on the examples of the kit are left out.
+PROGRAMS = (
+    *("opensees.json", "opensees_others.json", "opensees_more.json", "opensees_from_zero.json"),
+    *("exudyn.json", "xara.json", "diffrax.json", "scipy.json"),
+)
+
+
+def verdicts(file: str) -> dict[str, Any]:
+    """Name, version and cases of a program, each case with its verdict, from one of the files of ``VERDICTS``."""
+    return json.loads((VERDICTS / file).read_text(encoding="utf-8"))
+
+
+def _likely(code: dict[str, Any]) -> str:
+    """The most frequent cause of another result, with its number of cases; empty if all results agree."""
+    causes = Counter(case["cause"] for case in code["cases"] if case["verdict"] in ("differs", "fail"))
+    return "".join(f"{cause} ({cases})" for cause, cases in causes.most_common(1))
+
+
+@table("Conformance of other programs")
+def tabulate() -> pd.DataFrame:
+    """One row per program: its cases by verdict, and the most frequent cause of another result."""
+    rows = []
+    for code in map(verdicts, PROGRAMS):
+        counts = code["counts"]
+        rows.append(
+            {
+                "Program": f"{code['tool']} ({code['version']})",
+                "Cases": counts["pass"] + counts["differs"] + counts["fail"],
+                "As named": counts["pass"],
+                "Alternative": counts["differs"],
+                "Fail": counts["fail"],
+                "Most frequent cause (cases)": _likely(code),
+            }
+        )
+    return pd.DataFrame(rows)

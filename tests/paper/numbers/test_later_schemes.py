@@ -1,0 +1,61 @@
+"""Facts and values on schemes since 1996 that the text takes from the ledger, and on other programs."""
+
+import pandas as pd
+import pytest
+import xarray as xr
+
+from paper.claims.ledger import CLAIMS, Verdict
+from paper.numbers.later_schemes import STATED, VALUES, WITH_MODEL, of_later_schemes
+from paper.numbers.other_programs import of_other_programs
+from paper.products import discover
+from paper.tables.other_programs import tabulate
+
+STATEMENTS = {statement: verdict for verdict, *statements in STATED.values() for statement in statements}
+
+
+def _numbers(**changed):
+    claims = pd.DataFrame({"claim": STATEMENTS.keys(), "verdict": STATEMENTS.values(), "ours": "KR-α: 1; 2.5; 3"})
+    claims.loc[claims.claim.isin(changed), "verdict"] = Verdict.UNDECIDED
+    decision = pd.DataFrame(
+        {
+            "Scheme": ["explicit", "implicit"],
+            "10 %": ["Central difference: 76 (76 forces, ωΔt 0.17 < 2)", "Bathe: ≤ 10 (40 forces, ωΔt 3); …"],
+            "1 %": ["–", "Houbolt: 20 (40 forces, ωΔt 3)"],
+            "0.1 %": ["–", "Bathe: 20 (40 forces, ωΔt 3)"],
+        }
+    )
+    spectral = xr.Dataset(
+        coords={
+            "scheme_title": ("scheme", ["Central difference", "Bathe", "Houbolt"]),
+            "scheme_source": ("scheme", ["Newmark (1959)", "Bathe and Baig (2005)", "Houbolt (1950)"]),
+        }
+    )
+    ratios = xr.DataArray([[401, 5.0]] * 3, {"with_model": list(WITH_MODEL), "omega_step": [0.1, 1.0]})
+    return of_later_schemes(claims, decision, xr.Dataset({"largest_stiffening": ratios}), spectral)
+
+
+def test_facts_need_the_verdict_of_all_their_statements():
+    assert all(_numbers()[fact] for fact in STATED)
+    for fact, (_, *statements) in STATED.items():
+        assert not _numbers(**{statements[0]: None})[fact]
+
+
+def test_values_and_choices():
+    numbers = _numbers()
+    assert numbers["overshoot_kr"] == "1" and numbers["overshoot_mkr"] == "2.5" and numbers["period_error_mkr"] == "3"
+    assert numbers["later_explicit"] == "0 of 1" and numbers["later_implicit"] == "2 of 3"
+    assert numbers["model_excess"] == "4.0"
+
+
+def test_the_statements_are_in_the_ledger():
+    discover(["claims"])
+    assert STATEMENTS.keys() <= {claim.statement for claim in CLAIMS}
+    assert all(fact in STATED for fact, _ in VALUES.values())
+
+
+def test_other_programs():
+    table, numbers = tabulate(), of_other_programs()
+    assert (table["Cases"] == table[["As named", "Alternative", "Fail"]].sum(axis=1)).all()
+    assert (table["Cases"] <= numbers["kit_cases"]).all()
+    assert numbers["kit_opensees_passed"] == table["As named"][0]
+    assert float(numbers["kit_opensees_order"]) == pytest.approx(1, abs=0.1)
