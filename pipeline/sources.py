@@ -1,17 +1,17 @@
-"""The files that a job depends on. A changed module puts only the jobs out of date that import it."""
+"""The files that a job depends on. Only the jobs that import a changed module become out of date."""
 
 from collections.abc import Iterable
 from pathlib import Path
 
 import grimp
 
-#: Modules that declare options and do not affect results.
+#: Modules that declare options. They do not affect results, so jobs do not depend on them.
 _DECLARATIONS = ("study.declaration.experiment", "study.declaration.options", "study.declaration.checks")
-#: Modules of ``study`` that run before any other; the graph of imports does not show them.
+#: Modules of ``study`` that run before any other module, although the graph of imports does not show it.
 _FIRST = ("study.settings",)
-#: Suffixes of files that a module reads from its folder: printed numbers, styles, and parts of the explorer.
+#: Suffixes of the data files that modules of ``paper`` read from their folders: printed numbers, styles, explorer.
 _DATA = (".csv", ".js", ".css", ".html", ".mplstyle")
-#: Files that modules of ``study`` read, by module: the benchmark's printed numbers, and the record of El Centro.
+#: Files that modules of ``study`` read, by module: printed numbers of the elastic beam, and the record of El Centro.
 _READ = {
     "study.problem.linkages": "study/problem/elastic_beam.csv",
     "study.mechanics.ground": "study/mechanics/records/el_centro_1940_ns.at2",
@@ -29,7 +29,7 @@ class Sources:
             self._graph.remove_module(module)
 
     def of(self, modules: Iterable[str]) -> list[Path]:
-        """Files of modules and of all that they import, and the data that they read."""
+        """Files of the given modules and of all modules that they import, and the data files that they read."""
         found: set[str] = set()
         for module in modules:
             if module not in self._known:
