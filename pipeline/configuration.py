@@ -230,7 +230,7 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
 
 
 def register_own(place: str) -> None:
-    """Register a user's scheme, ``FILE.py:NAME``, under its name in this process.
+    """Register a user's scheme, ``FILE.py:NAME``, under NAME in this process.
 
     Raises
     ------

@@ -82,7 +82,7 @@ def check_datasets(label: str, files: Iterable[str], datasets: Iterable[str]) ->
     Raises
     ------
     ValueError
-        If there is such a dataset; the message is one sentence that names the product and the dataset.
+        If the configuration does not make such a dataset; the message names the product and the dataset.
     """
     made = {f"{name}.nc" for name in datasets}
     for file in files:
@@ -97,7 +97,7 @@ def check_places(products: Iterable[Product]) -> None:
     Raises
     ------
     ValueError
-        If there is such a product; the message is one sentence that names the folder.
+        If a product lies outside the folder; the message names the product and the folder.
     """
     for one in products:
         folder, *_ = _WHOLES.get(one.kind, ("",))

@@ -1,6 +1,6 @@
 r"""Exact peaks of many oscillators on bilinear springs under records, from event to event.
 
-An event is a yield point, a turn of the motion or a sample of the record. Between two events the motion obeys
+An event is a yield point, a turning point of the motion or a sample of the record. Between two events the motion obeys
 
 .. math::
 
@@ -78,8 +78,8 @@ def peaks(
         underdamped after yield.
     places
         Number of equal parts of every interval between two samples. Events are sought at the end of each part. Two
-        turns within one part are missed, so the difference of the peaks with two values of ``places`` estimates the
-        uncertainty of the peaks.
+        turning points within one part are missed, so the difference of the peaks with two values of ``places``
+        estimates the uncertainty of the peaks.
     """
     bound, slope, spacing = yield_force / stiffness, np.diff(acceleration) / dt, dt / places
     # ``side``: direction of yield, zero while elastic; ``passed``: time since the start of the current part

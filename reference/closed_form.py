@@ -193,7 +193,7 @@ def _modes(problem: Problem, t: Iterable) -> tuple[list, list]:
     return u, v
 
 
-#: Trajectories in closed form, by name of the structure.
+#: Functions that compute a trajectory in closed form, by name of the structure.
 STRUCTURE_TRAJECTORIES = {"pendulum": _pendulum, "stiff_soft": _modes}
 
 

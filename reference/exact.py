@@ -137,8 +137,8 @@ def folded(problem: Problem, t: ArrayLike, exact_period: hy.real, period_certifi
     """Exact solution of a free oscillator at times of any size, in any order.
 
     Each time is reduced by whole periods. The period is known to more than thirty digits, so the sixteen digits of a
-    double stay exact over a hundred thousand periods. The effect of the error of the reduced times
-    is added to ``u_certified`` and ``v_certified``.
+    double stay exact over a hundred thousand periods. The effect of the error of the reduced times is added to
+    ``u_certified`` and ``v_certified``.
 
     Parameters
     ----------

@@ -150,7 +150,8 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     spacing = 2 * np.pi * np.sqrt(mass / float(problem.force.stiffness)) / places  # type: ignore[attr-defined]
     found, pieces = {}, 1
     for stop, f0, middle in zip(stops, loads[:-1].tolist(), middles.tolist(), strict=True):
-        # the slope is found at the middle, because the load may jump at the end of a record that does not end in zero
+        # the slope of the load follows from its value in the middle of the interval, because the load may jump at the
+        # end of a record that does not end in zero
         slope = 2 * (middle - f0) / (stop - now) if stop > now else 0.0
         while now < stop:
             passed, y, piece = _to_event((mass, damping), piece, y, (f0, slope), stop - now, spacing)

@@ -119,7 +119,7 @@ def trajectory(
     kinks
         Times at which the load has a kink, in ascending order; no step crosses one.
     restarts
-        Times, all among ``t``, at which CVODE restarts, because its past values do not extrapolate beyond them.
+        Times, all among ``t``, at which CVODE restarts, because past values cannot be extrapolated beyond a kink.
 
     Raises
     ------

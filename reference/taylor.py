@@ -20,7 +20,7 @@ def _number(value, bits: int):
 
 
 def _integrator(problem: Problem, bits: int, formulation: Callable, **options) -> hy.taylor_adaptive:
-    """Integrator of a formulation at t = 0; its states are u, v and, if there is a third one, p(u)."""
+    """Integrator of a formulation at t = 0; its states are u, v and, in a formulation of three states, p(u)."""
     system = formulation(problem)
     start = [_number(float(problem.u0), bits), _number(float(problem.v0), bits)]
     kind = {} if bits == DOUBLE else {"fp_type": hy.real, "prec": bits}

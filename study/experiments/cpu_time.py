@@ -16,7 +16,7 @@ from study.problem.named import approximate_periods
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: The scheme whose time is the unit of ``ratio``.
+#: Scheme whose time of a step is the unit of ``ratio``.
 BASELINE = "average_acceleration"
 
 

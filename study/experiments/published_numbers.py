@@ -1,4 +1,4 @@
-"""Errors of schemes at displacements that sources print or that are exact."""
+"""Errors of schemes at known displacements, which are printed in sources or exact."""
 
 from collections.abc import Mapping
 from typing import Annotated
@@ -35,7 +35,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 
 def _error(at: Known, u: np.ndarray) -> float:
-    """Error of the displacement relative to the size of the known one."""
+    """Error of the displacement relative to the norm of the known displacement."""
     found = u if at.weights is None else at.weights @ u
     return float(np.linalg.norm(found - at.u) / np.linalg.norm(at.u))
 
@@ -80,7 +80,7 @@ def published_numbers(
     -------
     xarray.Dataset
         Variables of shape (problem, scheme, refinement) with equal steps, and (problem, scheme, tolerance) with
-        controlled ones, NaN for problems that are not ``controlled``.
+        controlled steps. Variables with controlled steps are NaN for problems that are not ``controlled``.
     """
     names = [one["problem"] for one in coarsest]
     steps = np.array([one["steps"] for one in coarsest])[:, None] * FINER ** np.arange(refinements)

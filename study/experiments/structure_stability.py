@@ -79,7 +79,7 @@ def structure_stability(
                     run(problem, scheme, dt=scale / parts, steps=n, observe=OBSERVED, on_failure="ignore")
                     for n in (steps // 2, steps)
                 )
-                # the first half is left out, because the perturbation first turns into the stiffest mode
+                # the first half is left out, because in it the perturbation turns towards the stiffest mode
                 rate = (steps * whole.lyapunov_exponent - steps // 2 * half.lyapunov_exponent) / (steps - steps // 2)
                 exponent[at], imbalance[at] = rate * scale, whole.max_energy_imbalance
                 outcome[at] = outcomes_of_balance(whole, exponent[at] * one["periods"])
