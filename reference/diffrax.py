@@ -135,7 +135,7 @@ def trajectory(
     t
         Times in seconds.
     rtol
-        Relative tolerance; the absolute one is a hundredth of it.
+        Relative tolerance; the absolute tolerance is a hundredth of it.
     method
         ``Dopri8``, ``Tsit5`` or ``Kvaerno5``.
     max_steps

@@ -67,7 +67,7 @@ def period(problem: Problem, estimate: float) -> tuple[hy.real, float]:
     Parameters
     ----------
     estimate
-        Rough period; the exact one must be less than one and a half times as long.
+        Rough period; the exact period must be less than one and a half times as long.
 
     Returns
     -------

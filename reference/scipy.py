@@ -21,7 +21,7 @@ def trajectory(problem: Problem, t: Times, rtol: float = 1e-13, method: str = "D
     t
         Times in seconds.
     rtol
-        Relative tolerance; the absolute one is a hundredth of it.
+        Relative tolerance; the absolute tolerance is a hundredth of it.
     method
         ``DOP853`` or ``Radau``.
 

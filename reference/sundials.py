@@ -111,7 +111,7 @@ def trajectory(
     t
         Times in seconds.
     rtol
-        Relative tolerance; the absolute one is a hundredth of it.
+        Relative tolerance; the absolute tolerance is a hundredth of it.
     method
         ``Adams`` or ``BDF``.
     max_num_steps

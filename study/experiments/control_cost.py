@@ -55,7 +55,7 @@ def control_cost(
     tolerances: FallingTolerances,
     steps_per_sample: RisingCounts,
 ) -> xr.Dataset:
-    """Measure error and forces of runs with controlled and with equal steps.
+    """Measure error and force evaluations of runs with controlled and with equal steps.
 
     In all runs, steps end at the samples of the exact motion. ``samples_per_period`` of the sections ``kinks`` and
     ``structures`` is the number of samples in a period. The error is the largest distance from the samples, relative

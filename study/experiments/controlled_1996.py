@@ -23,7 +23,7 @@ ESTIMATOR = "zienkiewicz_xie"
 def controlled_1996(
     problems: Springs, schemes: OneStepSchemes, controllers: Controllers, steps_per_period: Counts, periods: Count
 ) -> xr.Dataset:
-    """Find the largest energy error of controlled runs that take as many steps as runs with equal steps of T/N.
+    """Find the largest energy error of controlled runs that take about as many steps as runs with equal steps of T/N.
 
     The steps are controlled by the estimator of 1991. 64 tolerances are tried, and then 64 near the best tolerances.
     The result is from the completed run whose number of steps per period is nearest to N = ``steps_per_period``.

@@ -21,7 +21,7 @@ from study.problem.named import approximate_periods
 
 
 def _steps_per_oscillation(u: np.ndarray, oscillations: int) -> float:
-    """Mean number of steps per oscillation, over the last ``oscillations`` oscillations of u, (steps + 1,).
+    """Mean number of steps per oscillation, over the last ``oscillations`` oscillations of u with shape (steps + 1,).
 
     An oscillation ends where u, interpolated linearly, crosses zero upwards. The result is NaN if u has fewer
     oscillations.

@@ -1,4 +1,4 @@
-"""Claims of the authors of later schemes that go beyond linear theory, measured on similar problems."""
+"""Claims of the authors of later schemes that go beyond linear theory, tested on similar problems."""
 
 from collections.abc import Mapping
 
@@ -195,7 +195,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 def later_schemes(
     omega_steps: Sizes, steps: RisingCounts, courant: Sizes, elements: Length, long_steps: Sizes, forces: Counts
 ) -> xr.Dataset:
-    """Measure the claims of the authors of later schemes beyond linear theory.
+    """Test claims of the authors of later schemes that go beyond linear theory.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def later_schemes(
     courant, elements
         Courant numbers, Δt divided by the time in which a wave crosses an element, and number of elements of the bar.
     long_steps
-        Step sizes of runs of a thousand steps of the auxiliary variable on the hardening oscillator ü + u + u³ = 0.
+        Step sizes of runs of a thousand steps with the auxiliary variable on the hardening oscillator ü + u + u³ = 0.
     forces
         Numbers of forces that each scheme of fourth order evaluates over the same motion.
     """

@@ -166,14 +166,14 @@ def long_runs(
     """Measure the errors of energy and phase at the end of each very long run.
 
     Every length is run in every arithmetic with ``runs`` step sizes close to T/N, with T the exact period and
-    N = ``steps_per_period``, once with step sizes of 24 bits and once with step sizes of 12.
+    N = ``steps_per_period``, once with step sizes of 24 bits and once with step sizes of 12 bits.
 
     Parameters
     ----------
     schemes
         One-step schemes, because only their sums can be compensated.
     periods
-        Lengths of the runs, ascending.
+        Lengths of the runs in periods, ascending.
     arithmetics
         Keys of ``ARITHMETIC``.
 

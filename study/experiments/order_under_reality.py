@@ -39,7 +39,8 @@ def _applies(circumstance: Circumstance, scheme: Scheme) -> bool:
 def _order(counts: np.ndarray, error: np.ndarray) -> tuple[float, str]:
     """Order by a least squares fit, and one of ``STATUSES``.
 
-    The fit takes the logarithms of the errors that count, with the finest steps.
+    The fit takes the logarithms of at most ``MOST`` errors that count, with the finest steps. The order is NaN if fewer
+    than ``LEAST`` errors count.
     """
     useful = error < LARGEST
     if useful.sum() < LEAST:

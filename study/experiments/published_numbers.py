@@ -62,7 +62,7 @@ def published_numbers(
     controlled: Annotated[list[KnownProblem], Len(1, 100)],
     tolerances: FallingTolerances,
 ) -> xr.Dataset:
-    """Compute errors at displacements that sources print or that are exact.
+    """Compute the errors of schemes at known displacements, which are printed in sources or exact.
 
     The error is |u − u_known| / |u_known| at the time of ``study.problem.named.known``, with Euclidean norms. It is NaN
     if the run failed or the scheme refuses the problem.
@@ -72,7 +72,7 @@ def published_numbers(
     coarsest
         Problems, each with the number of steps of its coarsest run.
     refinements
-        Number of runs of each scheme and problem, each with four times as many steps as the one before.
+        Number of runs of each scheme and problem, each with four times as many steps as the run before.
     controlled, tolerances
         Problems that are also run with the default step control of ``study.run``, and its tolerances.
 

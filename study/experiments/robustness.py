@@ -70,8 +70,8 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: RisingCounts) -> xr.Dataset:
     """Find the fewest steps per period that keep the energy within 1, 5 and 10 percent at all amplitudes.
 
-    The amplitudes are those of ``results/reference/amplitudes``; the period T in Δt = T/N is the exact one at each
-    amplitude. Errors of the energy are relative to its height above rest.
+    The amplitudes come from ``results/reference/amplitudes``. The period T in Δt = T/N is the exact period at each
+    amplitude. Errors of the energy are relative to the height of the energy above rest.
 
     Parameters
     ----------

@@ -71,7 +71,7 @@ class _Inexact(Newmark):
 def _steps_together(problem: str, dt: np.ndarray, steps: int, tolerances: Sequence[float]) -> np.ndarray:
     """Number of steps until a run parts from the run with Newmark's own tolerance, (starts, tolerances, step sizes).
 
-    It is ``steps`` if the run never parts.
+    The number is ``steps`` if the run never parts.
     """
     newmark = cast(Newmark, schemes_by_name["average_acceleration"])
     inexact = partial(_Inexact, newmark.beta, newmark.gamma)
@@ -141,8 +141,8 @@ def roots(
     Returns
     -------
     xarray.Dataset
-        ``number_of_roots`` has the shape (scheme, dt, predictor), ``root`` and ``newton_iterations`` have
-        (scheme, guess, predictor), ``steps_together`` has (start, newton_tolerance, dt).
+        ``number_of_roots`` has the shape (scheme, dt, predictor). ``root`` and ``newton_iterations`` have the shape
+        (scheme, guess, predictor), and ``steps_together`` has the shape (start, newton_tolerance, dt).
 
     Raises
     ------

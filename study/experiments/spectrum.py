@@ -71,7 +71,7 @@ def spectrum(
     finest: Size,
     allowed_error: Tolerance,
 ) -> xr.Dataset:
-    """Measure the error of the peak drift at each step, and the largest step that keeps the allowed error.
+    """Measure the error of the peak drift for each step size, and the largest step size that keeps the allowed error.
 
     ``step_needed`` is the largest step size that keeps the allowed error, as all smaller step sizes do. It is given
     among all step sizes tried, and among the step sizes commensurate with the record. It is NaN if not even the

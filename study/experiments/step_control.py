@@ -167,7 +167,7 @@ def _distance(ds: xr.Dataset, start, scale) -> np.ndarray:
 
 
 def _by_period(ds: xr.Dataset, period: float, periods: int) -> np.ndarray:
-    """Largest size of the energy error in each period; NaN from the end of a run that failed."""
+    """Largest size of the energy error in each period; NaN after the end of a run that failed."""
     number = np.minimum((ds.t.values[1:] / period - 1e-9).astype(int), periods - 1)
     largest = np.full(periods, np.nan)
     size = np.abs(ds.energy_error.values[1:])
