@@ -1,1 +1,1 @@
-"""The pipeline: from declarations to a plan of jobs, and how each job runs."""
+"""The pipeline makes a plan of jobs from the declarations of experiments and products, and runs each job."""

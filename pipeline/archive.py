@@ -1,8 +1,9 @@
-"""Pack a finished study for others: ``python -m pipeline.archive PROJECT OUTPUT``, next to ``results``.
+"""Pack a finished study into a zip file: ``python -m pipeline.archive PROJECT OUTPUT``.
 
-The archive is a Workflow Run RO-Crate. It holds the sources, the configuration that was used with the files that it
-names, and the results. ``ro-crate-metadata.json`` describes the run: inputs, products, versions, machine and time.
-Datasets themselves contain neither machine nor time. See https://w3id.org/ro/wfrun/workflow.
+The command runs in the folder that contains ``results``. The archive is a Workflow Run RO-Crate, see
+https://w3id.org/ro/wfrun/workflow. It holds the sources, the configuration of the run, the files that this
+configuration names, and the results. ``ro-crate-metadata.json`` describes the run: inputs, products, versions, machine
+and time. Datasets do not contain the time of the run, and only timings and assessments name the processor.
 """
 
 import io
@@ -23,20 +24,24 @@ from rocrate.rocrate import ROCrate
 
 from study.io import RESULTS, NotWritten, __version__, processor, write
 
-#: Profiles that the description of the run follows.
+#: Profiles of RO-Crate that the description of the run follows, by address.
 PROFILES = {
     "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
     "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
     "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
 }
-#: Configuration of the last run that was not a dry run.
+#: File with the complete configuration of the last run; a dry run does not write it.
 CONFIGURATION = RESULTS / "configuration.json"
-#: Folders of the project without sources.
+#: Names of folders that contain no sources.
 _NO_SOURCES = {"results", "build", "__pycache__"}
 
 
 def sources(project: Path) -> list[Path]:
-    """The tracked and the new files of a checkout; outside a checkout, all files except hidden ones and products."""
+    """Source files of the project, relative to its folder.
+
+    In a Git checkout, the sources are the tracked files, and the untracked files that are neither ignored nor hidden.
+    Outside a checkout, they are all files except products, caches, environments and hidden files of the project.
+    """
     if tracked := _listed(project, "--cached"):
         new = [file for file in _listed(project, "--others", "--exclude-standard") if not _is_hidden(file)]
         return [*tracked, *new]
@@ -50,13 +55,13 @@ def sources(project: Path) -> list[Path]:
 
 
 def _listed(project: Path, *options: str) -> list[Path]:
-    """The files that Git lists; an empty list outside a checkout."""
+    """The existing files that ``git ls-files`` lists with the options; an empty list outside a checkout."""
     listed = subprocess.run(["git", "ls-files", "-z", *options], cwd=project, capture_output=True, text=True)
     return [Path(name) for name in listed.stdout.split("\0") if name and (project / name).is_file()]
 
 
 def products() -> list[Path]:
-    """The finished files of the results, with their logs and benchmarks."""
+    """The files in ``results``, including logs and benchmarks, except hidden files and zip files."""
     files = sorted(file for file in RESULTS.rglob("*") if file.is_file())
     return [file for file in files if not _is_hidden(file) and file.suffix != ".zip"]
 
@@ -66,12 +71,12 @@ def _is_hidden(file: Path) -> bool:
 
 
 def configuration() -> dict:
-    """The complete configuration of the run that made the study; empty if the run left none."""
+    """The complete configuration of the run that made the study; empty if ``CONFIGURATION`` does not exist."""
     return json.loads(CONFIGURATION.read_text()) if CONFIGURATION.exists() else {}
 
 
 def _files_of(part: Any) -> set[Path]:
-    """The files of problems, schemes and quantities that a configuration names."""
+    """The files that a configuration, or a part of it, names as ``FILE.py:NAME``."""
     if isinstance(part, str):
         file = part.rpartition(":")[0]
         return {Path(file)} if file.endswith(".py") and Path(file).is_file() else set()
@@ -80,12 +85,12 @@ def _files_of(part: Any) -> set[Path]:
 
 
 def own_files(configuration: dict) -> list[Path]:
-    """The files of problems, schemes and quantities that a configuration names.
+    """The user's files of problems, schemes and quantities that a configuration names, in alphabetical order.
 
     Raises
     ------
     SystemExit
-        If one is outside the project, so that the archive cannot hold it.
+        If a file is outside the project, because the archive holds only files of the project.
     """
     files = sorted(_files_of(configuration))
     for file in files:
@@ -108,7 +113,7 @@ def _machine() -> str:
 
 def described(project: Path) -> ROCrate:
     """The description of a finished study: sources, results, and the run that made them."""
-    crate = ROCrate(version="1.1")  # the version on which the profiles are based
+    crate = ROCrate(version="1.1")  # the version of RO-Crate on which the profiles are based
     cited = yaml.safe_load((project / "CITATION.cff").read_text(encoding="utf-8"))
     crate.name, crate.license = cited["title"], f"https://spdx.org/licenses/{cited['license']}"
     crate.description = "Sources, configuration, datasets, figures, tables and manuscript of the study, with its run."
@@ -170,7 +175,7 @@ def described(project: Path) -> ROCrate:
 
 
 def _is_input(name: str, own: list[Path]) -> bool:
-    """Whether a file of the archive is an input: a configuration, a record, or a file that the configuration names."""
+    """Whether a file of the archive is an input of the run: a configuration, a ground motion, or a user's file."""
     return name == "configuration.yaml" or name.startswith(("config/", "study/mechanics/records/")) or Path(name) in own
 
 
@@ -180,7 +185,7 @@ def main(project: Path, output: Path) -> None:
     Raises
     ------
     SystemExit
-        If the study is not finished, or the archive cannot be written.
+        If the study is not finished, a file of the user is outside the project, or the archive cannot be written.
     """
     if not (RESULTS / "manuscript.pdf").is_file():
         raise SystemExit("there is no finished study in 'results'; `snakemake` makes it.")

@@ -18,12 +18,12 @@ from study.io import NotWritten, check_writable, provenance, write
 from study.marching.result import Work
 from study.registry import did_you_mean
 
-#: Number of steps of a job below which its declaration is not checked.
+#: Number of steps of a job up to which the declared number is not checked.
 FEW = 10_000
 
 
 def _options(experiment: Experiment, text: str) -> dict:
-    """Options of an experiment from a JSON object. Options that do not fit are refused with a sentence."""
+    """Options of an experiment, read from the JSON object ``text``; unknown and missing options are refused."""
     try:
         options = json.loads(text)
     except json.JSONDecodeError as error:
@@ -59,7 +59,9 @@ def _check_labels(made: xr.Dataset, module: str) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Make the datasets of one job, one for each output, with their provenance. The outputs are checked first.
+    """Make the datasets of one job, one for each output, with their provenance.
+
+    An output that cannot be written is refused before the experiment runs.
 
     Raises
     ------
@@ -85,8 +87,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def _check_steps(declared: Experiment, promised: float) -> None:
     """Refuse an experiment with more than twice or less than half of the declared number of steps.
 
-    Timed experiments repeat their runs, and small jobs round to whole numbers of steps; both are not checked.
-    Experiments that stop early may take fewer steps.
+    Timed experiments are not checked, because they repeat their runs. Jobs of at most ``FEW`` steps are not checked,
+    because their runs round to whole numbers of steps. Experiments that stop early may take fewer steps.
     """
     progress(f"steps: {promised:.3g} declared, {Work.steps:.3g} taken")
     too_few = 0 < 2 * Work.steps < promised and not declared.stops_early

@@ -54,7 +54,7 @@ def complete(configuration: Any) -> Any:
 
 @cache
 def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
-    """The model of the whole configuration, in which every section belongs to an experiment."""
+    """The model of the whole configuration. Every section except ``own_schemes`` belongs to an experiment."""
     tree: dict[str, Any] = {}
     for one in experiments:
         if isinstance(one, Experiment) and (one.options is None or one.model is not None):
@@ -126,7 +126,7 @@ def _sentence(mistake: Any, model: type[BaseModel]) -> str:
 
 
 def _place(location: Iterable[Any]) -> str:
-    """The dotted key of a place; a part that is not a plain name is put in quotation marks."""
+    """The dotted key of a place in the configuration; a part that is not a plain name is put in quotation marks."""
     return ".".join(str(part) if re.fullmatch(r"\w+", str(part)) else repr(part) for part in location)
 
 
@@ -153,7 +153,7 @@ def check_form(model: type[BaseModel], configuration: Any) -> None:
     Raises
     ------
     ValueError
-        With one sentence that names the key.
+        If the configuration is refused; the message is one sentence that names the key.
     """
     if not isinstance(configuration, Mapping):
         raise ValueError(f"the configuration must be a mapping from sections to options, not {configuration!r}.")
@@ -181,12 +181,12 @@ def _strange_keys(section: Any, place: str):
 
 
 def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dict[str, Any]:
-    """The complete configuration, if every experiment can run to its end with it.
+    """Check that every experiment can run to its end with a configuration, and return the complete configuration.
 
     Raises
     ------
     ValueError
-        With one sentence that names the key or the dataset, and the expected value.
+        If an experiment cannot run to its end; the message names the key or the dataset, and the expected value.
     """
     declared = tuple(experiments)
     _register_own_schemes(configuration)
@@ -226,7 +226,7 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
 
 
 def register_own(place: str) -> None:
-    """Register a user's scheme, ``FILE.py:NAME``, under its name in this process.
+    """Register a user's scheme, ``FILE.py:NAME``, under NAME in this process.
 
     Raises
     ------
@@ -240,7 +240,7 @@ def register_own(place: str) -> None:
 
 
 def _register_own_schemes(configuration: Any) -> None:
-    """Register a user's schemes, before the sections that name them are read."""
+    """Register the schemes that ``own_schemes`` lists, before the sections that name schemes are read."""
     listed = configuration.get("own_schemes", []) if isinstance(configuration, Mapping) else []
     if not isinstance(listed, list) or not all(isinstance(place, str) for place in listed):
         raise ValueError(f"own_schemes must be a list of FILE.py:NAME, not {listed!r}.")

@@ -1,4 +1,4 @@
-"""The steps that make datasets, derived from what experiments declare."""
+"""The steps that make datasets, derived from the declarations of the experiments."""
 
 import inspect
 import json
@@ -13,12 +13,12 @@ from study.scheme.named import schemes
 
 
 def dataset(name: str) -> str:
-    """The file of a dataset."""
+    """Path of the file of a dataset."""
     return f"results/{name}.nc"
 
 
 def named_in(one: Experiment, options: Options) -> dict[str, list[str]]:
-    """The problems and schemes that the options of a job name, by the types of the arguments that take them."""
+    """Problems and schemes that the options of a job name; the type of an argument decides which values are names."""
     kinds = {name: kind for name, (kind, _) in arguments_of(one.function).items()}
     found: dict[str, list[str]] = {"problem": [], "scheme": []}
     for argument, value in options.items():
@@ -32,7 +32,7 @@ def _first_line(function: Callable) -> str:
 
 
 def _made_by(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
-    """The step of an experiment."""
+    """The step that runs an experiment, with a job for each set of options."""
     command = sources.root / "pipeline/command.py"
     folders = one.folders if one.along else one.makes
     outputs = tuple(dataset(f"{name}/{{job}}" if one.split else name) for name in folders)
@@ -47,7 +47,7 @@ def _made_by(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
         arguments += [f"--steps={one.steps(options, configuration):.9g}", one.module, one.makes[0]]
         arguments += [*(output.replace("{job}", name) for output in outputs), json.dumps(options)]
         files = [*map(dataset, one.reads(options)), *one.files(options), *(place.rpartition(":")[0] for place in ours)]
-        # the command imports all schemes, but only the schemes of the options are inputs
+        # the command imports all schemes, but only the modules of the schemes in the options are inputs
         return job(arguments, [*files, command, *sources.of([one.module, *sorted(modules)])])
 
     return Step(
@@ -61,7 +61,7 @@ def _made_by(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
 
 
 def _gathered(name: str, dimensions: str, parts: Iterable[str], sources: Sources) -> Step:
-    """The step that combines datasets."""
+    """The step that combines the datasets ``parts`` into the dataset ``name``."""
     files = [dataset(part) for part in parts]
     one = job(["pipeline.gather", dataset(name), dimensions, *files], [*files, *sources.of(["pipeline.gather"])])
     message = f"Dataset {name} from its {len(files)} parts"
@@ -82,7 +82,7 @@ def _drawn(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
 
 
 def steps_of(experiments: Iterable[Experiment | Merged], configuration: Mapping, sources: Sources) -> list[Step]:
-    """The steps of all experiments, each followed by the step that combines the datasets of its jobs."""
+    """The steps of all experiments, each followed by the steps that draw its pages and combine its datasets."""
     steps: list[Step] = []
     for one in experiments:
         if isinstance(one, Merged):

@@ -1,7 +1,8 @@
 """Combine datasets: ``python -m pipeline.gather OUTPUT DIMENSIONS INPUT...``.
 
-Datasets of one form are concatenated along a dimension, or along several (``rows,columns``) if they are given row by
-row. Datasets of different variables are merged, with ``none`` in place of the dimension.
+DIMENSIONS is a dimension, several dimensions separated by commas, or ``none``. Datasets of the same variables are
+concatenated along the dimensions. With two dimensions, ``rows,columns``, the inputs must be given row by row. With
+``none``, datasets of different variables are merged.
 """
 
 import sys
@@ -15,21 +16,25 @@ from study.io import NotWritten, check_writable, provenance, read, write
 
 
 def _along(dimensions: list[str], parts: Iterable[xr.Dataset]) -> xr.Dataset:
-    """Concatenate along all dimensions: along the others where coordinates of the first agree, then along the first."""
+    """Concatenate datasets along all dimensions.
+
+    Successive datasets with equal coordinates along the first dimension are joined along the other dimensions. The
+    results are then joined along the first dimension.
+    """
     first, *others = dimensions
     if others:
         parts = [_along(others, group) for _, group in groupby(parts, lambda part: part[first].values.tolist())]
-    # variables without the dimension are the same in all parts
+    # variables without this dimension are the same in all parts
     return xr.concat(parts, first, combine_attrs="override", data_vars="minimal", coords="minimal")
 
 
 def main(output: str, dimensions: str, inputs: list[str]) -> None:
-    """Combine datasets in the given order, under the title of the first.
+    """Combine datasets in the given order, under the title of the first dataset.
 
     Raises
     ------
     SystemExit
-        If a dataset is missing, damaged or not of this study, or the new one cannot be written.
+        If a dataset is missing, damaged or not of this study, or the combined dataset cannot be written.
     """
     try:
         _gather(check_writable(output), dimensions, inputs)

@@ -1,9 +1,9 @@
 """Run a module as a job of the pipeline: ``python -S pipeline/job.py MODULE ARGUMENT...``.
 
-The worker of the run, which has imported the study, forks a child for the job (:mod:`pipeline.worker`). Without a
-worker the script runs ``python -m MODULE ARGUMENT...``. It does so on a node of a cluster, when it is called by hand,
-and in an environment other than the worker's. The script imports nothing of the study, so it starts in hundredths of a
-second.
+The worker of the run, which has imported the study, forks a child for the job (:mod:`pipeline.worker`). If there is no
+worker to use, the script runs ``python -m MODULE ARGUMENT...``. This is the case on a node of a cluster, in a call by
+hand, and in an environment other than the environment of the worker. The script imports nothing of the study, so it
+starts in hundredths of a second.
 """
 
 import json

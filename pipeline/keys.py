@@ -32,7 +32,7 @@ def _value(kind: Mapping[str, Any]) -> str:
 
 
 def _rows(key: str, kind: Mapping[str, Any], needed: bool, schema: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """The key and the keys below it, with their types, and whether they are optional."""
+    """Rows of the table for a key and the keys below it: name, type, and whether the key may be left out."""
     kind = schema["$defs"][kind["$ref"].rpartition("/")[2]] if "$ref" in kind else kind
     if "properties" in kind:
         for name, one in kind["properties"].items():

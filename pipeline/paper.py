@@ -1,4 +1,4 @@
-"""The steps that make figures, pages, tables, claims, numbers and texts, derived from what the paper declares."""
+"""The steps that make figures, pages, tables, claims, numbers and texts, derived from the declarations of the paper."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -8,15 +8,15 @@ from paper.products import Product
 from pipeline.sources import Sources
 from pipeline.step import Step, job
 
-#: Folder and formats of each kind of product with separate files; the report shows the last format.
+#: Folder and file formats of the kinds of products that have one job each; the report shows the last format.
 _FILES = {"figure": ("results/figures", ("pdf", "png", "svg")), "page": ("results", ("html",))}
-#: Module that makes all products of a kind, its output, and the formats of separate files, if any.
+#: Module that makes all products of a kind in one job, its output, and the formats of the files in an output folder.
 _WHOLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "table": ("tables", "results/tables", ("csv", "tex")),
     "claim": ("claims", "results/claims.csv", ()),
     "numbers": ("numbers", "results/numbers.json", ()),
 }
-#: Headings of the report by name of a page, and by kind of product.
+#: Headings in the report. The key is the name of a product or, for other products, their kind.
 _HEADINGS = {
     "explorer": "Explorer",
     "tables": "Tables",
@@ -26,7 +26,7 @@ _HEADINGS = {
     "figure": "Figures",
     "page": "Pages",
 }
-#: Formats that the texts include.
+#: Suffixes of the products that the texts include.
 _INCLUDED = (".pdf", ".csv", ".json")
 
 
@@ -50,7 +50,7 @@ def _of_each(kind: str, products: list[Product], sources: Sources) -> Step:
 
 
 def _of_all(kind: str, products: list[Product], sources: Sources) -> Step:
-    """The step that makes all tables, claims or numbers in one job; each takes less time than starting a process."""
+    """The step that makes all tables, claims or numbers in one job; a process takes longer to start than a product."""
     name, output, formats = _WHOLES[kind]
     outputs = tuple(f"{output}/{one.name}.{form}" for one in products for form in formats) or (output,)
     modules = [f"paper.{name}.__main__", *(one.module for one in products)]
@@ -82,7 +82,7 @@ def check_datasets(label: str, files: Iterable[str], datasets: Iterable[str]) ->
     Raises
     ------
     ValueError
-        With one sentence that names both.
+        If the configuration does not make such a dataset; the message names the product and the dataset.
     """
     made = {f"{name}.nc" for name in datasets}
     for file in files:
@@ -97,7 +97,7 @@ def check_places(products: Iterable[Product]) -> None:
     Raises
     ------
     ValueError
-        With one sentence that names the folder.
+        If a product lies outside the folder; the message names the product and the folder.
     """
     for one in products:
         folder, *_ = _WHOLES.get(one.kind, ("",))

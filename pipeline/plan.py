@@ -1,7 +1,7 @@
 """The plan of the pipeline: ``python -m pipeline.plan ROOT < CONFIGURATION`` prints it as JSON.
 
-The plan has the complete configuration, the products made by default, and the steps that make them and the site. If the
-configuration cannot be run, the key ``refused`` has the reason instead.
+The plan contains the complete configuration, the products made by default, and the steps that make them and the site.
+If the configuration cannot be run, the key ``refused`` has the reason instead.
 """
 
 import json
@@ -24,7 +24,8 @@ def plan(root: Path, given: Any) -> dict[str, Any]:
     Raises
     ------
     ValueError
-        If the configuration cannot be run to its end, or lacks what a product needs, with one sentence.
+        If an experiment cannot run to its end with the configuration, or a product needs a dataset or an option that
+        the configuration lacks; the message is one sentence.
     """
     experiments, products = discover(), paper_products.discover()
     configuration = check(experiments, given)

@@ -1,15 +1,15 @@
-"""The files that a job depends on. A changed module puts only the jobs out of date that import it."""
+"""The files that a job depends on. Only the jobs that import a changed module become out of date."""
 
 from collections.abc import Iterable
 from pathlib import Path
 
 import grimp
 
-#: Modules that declare options and do not affect results.
+#: Modules that declare options. They do not affect results, so jobs do not depend on them.
 _DECLARATIONS = ("study.declaration.experiment", "study.declaration.options", "study.declaration.checks")
-#: Modules of ``study`` that run before any other; the graph of imports does not show them.
+#: Modules of ``study`` that run before any other module, although the graph of imports does not show it.
 _FIRST = ("study.settings",)
-#: Suffixes of files that a module reads from its folder: printed numbers, styles, and parts of the explorer.
+#: Suffixes of the data files that modules of ``paper`` read from their folders: printed numbers, styles, explorer.
 _DATA = (".csv", ".js", ".css", ".html", ".mplstyle")
 #: Folders of data that a module reads if its text has the name of the file, and the suffixes of these files: printed
 #: numbers, ground motion, and verdicts on other programs.
@@ -31,7 +31,7 @@ class Sources:
         self._named = {path: [one for one in named if one.name in text] for path, text in texts.items()}
 
     def of(self, modules: Iterable[str]) -> list[Path]:
-        """Files of modules and of all that they import, and the data that they read."""
+        """Files of the given modules and of all modules that they import, and the data files that they read."""
         found: set[str] = set()
         for module in modules:
             if module not in self._known:

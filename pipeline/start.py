@@ -20,7 +20,7 @@ ROOM = 2**24
 
 
 class Refused(Exception):
-    """The pipeline cannot plan or begin; the message is a sentence."""
+    """The pipeline cannot make a plan or begin a run; the message states the reason."""
 
 
 def planned(root: str, configuration: Any) -> dict[str, Any]:
@@ -29,7 +29,7 @@ def planned(root: str, configuration: Any) -> dict[str, Any]:
     Raises
     ------
     Refused
-        If the configuration cannot be run to its end, the folder cannot be written, or the disk is full.
+        If the configuration cannot be run to its end, the folder cannot be written, or too little disk space is free.
     """
     try:
         for folder in ("results/logs", "results/benchmarks", PLAN.parent):
@@ -61,7 +61,10 @@ def _planned(root: str, configuration: str) -> dict[str, Any]:
 
 
 def begun(configuration: Any, local: bool) -> tuple:
-    """Begin a run: take the lock of the folder, remove unfinished files, and start the worker of local jobs.
+    """Begin a run in the current folder.
+
+    The run takes the lock of the folder, removes unfinished files and stores its configuration. A local run starts the
+    worker. A run on a cluster cancels the queued jobs of a killed run.
 
     Returns
     -------
@@ -78,7 +81,7 @@ def begun(configuration: Any, local: bool) -> tuple:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise Refused(f"another run is at work in '{Path.cwd()}': wait for it, or end it.") from None
-    for unfinished in list(Path("results").rglob(".*.unfinished")):  # left by a killed run: files, or a site
+    for unfinished in list(Path("results").rglob(".*.unfinished")):  # of a killed run: files, or the site
         shutil.rmtree(unfinished) if unfinished.is_dir() else unfinished.unlink()
     Path("results/configuration.json").write_text(json.dumps(configuration))
     if local:
@@ -94,7 +97,7 @@ def _worker() -> subprocess.Popen:
         listener.listen(1000)
         number = listener.fileno()
         command = [sys.executable, "-m", "pipeline.worker", str(number)]
-        environment = os.environ | {"OMP_NUM_THREADS": "1"}  # the jobs already use all cores
+        environment = os.environ | {"OMP_NUM_THREADS": "1"}  # the jobs together use all cores
         return subprocess.Popen(
             command, pass_fds=[number], stdin=subprocess.PIPE, start_new_session=True, env=environment
         )
@@ -106,7 +109,7 @@ def _cancel_queued() -> None:
         command = ["squeue", "--me", "--noheader", "--format=%i|%k|%Z"]
         listed = subprocess.run(command, capture_output=True, text=True).stdout.splitlines()
         jobs = [line.split("|", 2) for line in listed]
-        # Snakemake begins the comments of its jobs like this; other jobs of the folder, including this run, stay
+        # comments of Snakemake's jobs begin with these words; other jobs of the folder, such as this run, continue
         ours = [
             job for job, comment, place in jobs if comment.startswith(("rule_", "group_")) and place == str(Path.cwd())
         ]

@@ -1,4 +1,4 @@
-"""Steps of the pipeline, which become rules, and the commands of their jobs."""
+"""Steps of the pipeline, which become rules of Snakemake, and the commands of their jobs."""
 
 import shlex
 from collections.abc import Iterable, Mapping
@@ -15,7 +15,7 @@ class Job:
 
 
 def job(arguments: Iterable[Any], inputs: Iterable[Any]) -> Job:
-    """A job that runs a module with arguments; each input counts once."""
+    """A job that runs a module with arguments; each input is listed once."""
     return Job(shlex.join(map(str, arguments)), tuple(dict.fromkeys(map(str, inputs))))
 
 
@@ -28,7 +28,7 @@ class Step:
     name, message
         Name of the rule, and its message when it starts.
     outputs
-        Files that it makes, with ``{job}`` for the name of the job if there are several jobs.
+        Files that the step makes, with ``{job}`` for the name of the job if there are several jobs.
     jobs
         The jobs by name; the name of a single job is empty.
     temporary
@@ -38,7 +38,7 @@ class Step:
     quick
         Whether the jobs take only seconds and run on the login node of a cluster.
     group
-        Name of a group whose jobs a cluster runs as one.
+        Name of a group of jobs that a cluster runs as one job.
     report
         Heading and label in the report of Snakemake, by output and name of the job.
     """
@@ -55,5 +55,5 @@ class Step:
 
     @property
     def products(self) -> list[str]:
-        """The files of all jobs."""
+        """The output files of all jobs."""
         return [output.replace("{job}", name) for output in self.outputs for name in self.jobs]

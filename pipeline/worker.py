@@ -29,7 +29,7 @@ def _end_with(*ends: Any) -> None:
 
 
 def _run(connection: socket.socket) -> None:
-    """Run the module that a connection names, with its output streams, and answer whether it failed."""
+    """Run the module that a connection names, with its output streams, and send back 0 on success, 1 on failure."""
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     _, streams, _, _ = socket.recv_fds(connection, 1, 2)
     for stream, number in zip(streams, (1, 2), strict=True):
@@ -53,7 +53,7 @@ def _run(connection: socket.socket) -> None:
 def main(listener: socket.socket) -> None:
     """Fork a child for each connection until the run of Snakemake ends."""
     discover()
-    gc.freeze()  # imported objects stay, so the children need not collect them as garbage
+    gc.freeze()  # imported objects are never freed, so the garbage collector of a child skips them
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     while True:
         ready, _, _ = select.select([listener, sys.stdin], [], [])

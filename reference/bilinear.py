@@ -1,6 +1,6 @@
 r"""Exact peaks of many oscillators on bilinear springs under records, from event to event.
 
-An event is a yield point, a turn of the motion or a sample of the record. Between two events the motion obeys
+An event is a yield point, a turning point of the motion or a sample of the record. Between two events the motion obeys
 
 .. math::
 
@@ -15,13 +15,13 @@ from jaxtyping import Float
 
 from reference.solution import RouteFailed
 
-#: One number for each oscillator.
+#: Array with one number for each oscillator.
 Lanes = Float[np.ndarray, "lanes"]
 
-#: One row for each oscillator.
+#: Array with one row of samples for each oscillator.
 Rows = Float[np.ndarray, "lanes samples"]
 
-#: Largest last Newton correction of the time of an event, as a part of the time up to which it is sought.
+#: Tolerance of the time of an event: its last correction, relative to the interval in which the event is sought.
 CONVERGED = 1e-9
 
 #: Largest number of corrections of the time of an event.
@@ -40,9 +40,9 @@ def _motion(tau: Lanes, u: Lanes, v: Lanes, c: Lanes, k: Lanes, q0: Lanes, q1: L
 
 
 def _time_of(level: Lanes | float, derivative: int, end: Lanes, start: np.ndarray) -> Lanes:
-    """Time up to ``end`` at which displacement (derivative 0) or velocity (1) passes a level, by Newton's iteration.
+    """Time up to ``end`` at which displacement (``derivative`` 0) or velocity (1) passes a level.
 
-    A correction that leaves the bracket is replaced by a bisection.
+    The time is found by Newton's iteration. A correction that leaves the bracket is replaced by a bisection.
     """
     low, high, tau = np.zeros_like(end), end, end / 2
     rises = _motion(end, *start)[derivative] > level
@@ -77,11 +77,12 @@ def peaks(
         Stiffness k, damping c, force at yield, and the stiffness after yield over k; the oscillator must stay
         underdamped after yield.
     places
-        Number of times in every interval between two samples at which events are sought. Two turns between two such
-        times are missed, so the difference of the peaks at two numbers of places estimates their uncertainty.
+        Number of equal parts of every interval between two samples. Events are sought at the end of each part. Two
+        turning points within one part are missed, so the difference of the peaks with two values of ``places``
+        estimates the uncertainty of the peaks.
     """
     bound, slope, spacing = yield_force / stiffness, np.diff(acceleration) / dt, dt / places
-    # side is the direction of yield, zero while elastic; passed is the time since the last place
+    # ``side``: direction of yield, zero while elastic; ``passed``: time since the start of the current part
     u, v, plastic, side, passed, peak = np.zeros((6, len(acceleration)))
     place = np.zeros(len(acceleration), int)
     while (lanes := np.flatnonzero(place < places * slope.shape[1])).size:

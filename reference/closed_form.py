@@ -16,7 +16,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import HarmonicLoad
 from study.problem.springs import CubicSpring, TanhSpring
 
-#: Number of decimal digits of the arithmetic, in which 30 digits of a period are exact.
+#: Number of decimal digits of the arithmetic; 30 digits of a period are then exact.
 DIGITS = 50
 
 
@@ -48,7 +48,7 @@ def _cubic(spring: CubicSpring, u0):
     if (S1 > 0 and S2 > 0) or (S1 < 0 and S2 < 0 and -S2 * u0**2 > 2):
         return u0, mpmath.sqrt(S1 * stiffness), S2 * u0**2 / (2 * stiffness), mpmath.mpf(0), "cn"
     if S1 < 0 and S2 < 0 and 0 < -S2 * u0**2 < 2:
-        squares = sorted([u0**2, -2 / S2 - u0**2])  # turning points: equal potential on both sides of the well
+        squares = sorted([u0**2, -2 / S2 - u0**2])  # squares of the turning points, at which the potential is equal
         m = 1 - squares[0] / squares[1]
         phase = mpmath.ellipk(m) if u0**2 == squares[0] else mpmath.mpf(0)
         amplitude = mpmath.sign(u0) * mpmath.sqrt(squares[1])
@@ -70,14 +70,15 @@ def _tanh_period(spring: TanhSpring, u0):
 
 
 def period(problem: Problem, u0: float | None = None, digits: int = DIGITS) -> mpmath.mpf:
-    """Exact period of a spring released from rest, 4 K(m)/κ or 2 K(m)/κ for the cubic springs.
+    """Exact period of a spring released from rest.
 
-    K is the complete elliptic integral of the first kind; a motion within one well has the second period.
+    The period of a cubic spring is 4 K(m)/κ, with the complete elliptic integral K of the first kind. Within one well
+    of the double well it is 2 K(m)/κ. :func:`_cubic` describes m and κ.
 
     Parameters
     ----------
     u0
-        Initial displacement; the problem's own by default.
+        Initial displacement; by default, the initial displacement of the problem.
     digits
         Number of decimal digits of the arithmetic.
 
@@ -112,14 +113,14 @@ def turning_points(problem: Problem, u0: float) -> tuple[float, float]:
 
 
 def has_trajectory(problem: Problem) -> bool:
-    """Whether the trajectory has a closed form too; cubic springs have one."""
+    """Whether the trajectory has a closed form: the problem is a cubic spring whose period has a closed form."""
     return is_known(problem) and isinstance(_spring(problem), CubicSpring)
 
 
 def trajectory(problem: Problem, t: Iterable) -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:
     r"""Exact displacement and velocity of a cubic spring at the times ``t``, with ``DIGITS`` digits.
 
-    With x = κt + φ and the constants of :func:`_cubic` the motion is one of
+    With x = κt + φ and the constants of :func:`_cubic`, the motion with the Jacobi function cn or dn is
 
     .. math::
 
@@ -192,7 +193,7 @@ def _modes(problem: Problem, t: Iterable) -> tuple[list, list]:
     return u, v
 
 
-#: Trajectories in closed form, by name of the structure.
+#: Functions that compute a trajectory in closed form, by name of the structure.
 STRUCTURE_TRAJECTORIES = {"pendulum": _pendulum, "stiff_soft": _modes}
 
 

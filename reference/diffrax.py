@@ -26,10 +26,10 @@ from study.mechanics.definition import Problem
 
 #: Smallest accepted tolerance.
 SMALLEST_RTOL = 1e-15
-#: Tolerance of a first run, which compiles the program.
+#: Relative tolerance of a first run, which only compiles the program.
 LOOSE_RTOL = 1e-3
 MAX_STEPS = 1_000_000
-#: Stages of one step. An explicit stage evaluates the right side once, an implicit one several times.
+#: Number of stages of one step. An explicit stage evaluates the right side once, an implicit stage several times.
 STAGES = {"Dopri8": 13, "Tsit5": 6, "Kvaerno5": 7}
 
 
@@ -68,7 +68,7 @@ def _controller(rtol, stops=None):
 
 @partial(jit, compiler=eqx.filter_jit)
 def _solve(problem: Problem, t, rtol, method: str, max_steps: int):
-    """States at the times ``t``, number of steps and result."""
+    """States at the times ``t``, number of steps, and status of diffrax."""
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(right_side),
         _solver(method),
@@ -87,7 +87,7 @@ def _solve(problem: Problem, t, rtol, method: str, max_steps: int):
 
 @partial(jit, compiler=eqx.filter_jit)
 def _solve_with_history(problem: Problem, t, rtol, method: str, max_steps: int):
-    """States at the times ``t``, number of steps and result, with the history committed at each of these times."""
+    """States at the times ``t``, number of steps, and status of diffrax. The history is committed at each time."""
 
     def stretch(carry, ends):
         y, history, before = carry
@@ -127,7 +127,7 @@ def trajectory(
     """Displacement and velocity at the increasing times ``t``. Steps end at these times; nothing is interpolated.
 
     A history is committed at each of these times. From one commit to the next, the force is computed as for a motion
-    without reversals. It is exact if no part of the history reverses between two of the times; see
+    without reversals. The force is exact if no part of the history reverses between two of the times; see
     :func:`reference.sundials.kinks`.
 
     Parameters
@@ -135,11 +135,12 @@ def trajectory(
     t
         Times in seconds.
     rtol
-        Relative tolerance; the absolute one is a hundredth of it.
+        Relative tolerance; the absolute tolerance is a hundredth of it.
     method
         ``Dopri8``, ``Tsit5`` or ``Kvaerno5``.
     max_steps
-        Limit of accepted and rejected steps together; with a history, of the steps from one time to the next.
+        Limit of the number of steps, accepted and rejected. For a force with a history, the limit applies to the steps
+        from one time to the next.
 
     Raises
     ------
@@ -213,15 +214,15 @@ def _until(problem: Problem, t1, turning, rtol, method: str):
 def period(problem: Problem, estimate: float, rtol: float = 1e-14, method: str = "Dopri8") -> float:
     """Period of a free oscillator: twice the time from rest to the next turning point, where v = 0.
 
-    The event is found on the interpolant of a step, which has a lower order than the step. Two Newton corrections
-    t ← t − v/v̇, each with a new integration up to t, remove its error.
+    The turning point is found on the interpolant of a step, which has a lower order than the step. Two Newton
+    corrections t ← t − v/v̇, each with a new integration up to t, remove the error of the interpolant.
 
     Raises
     ------
     ValueError
-        If the problem has no such period.
+        If :func:`reference.solution.release` refuses the problem or the estimate.
     RouteFailed
-        If no turning point comes within three quarters of ``estimate``.
+        If no turning point comes within three quarters of ``estimate``, or diffrax stops early.
     """
     sign = release(f"diffrax {method}", problem, estimate)
     untitled = problem.untitled()

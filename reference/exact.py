@@ -21,8 +21,9 @@ from reference.solution import History, RouteFailed
 from reference.symbolic import first_order, with_force_as_state
 from study.mechanics.definition import Problem
 
-#: Significands and formulations of the integrations; the first of each gives the solution.
+#: Bits of the significands of the integrations; the first number gives the solution.
 BITS = (192, 128)
+#: Formulations of the equation of motion; the first formulation gives the solution.
 FORMULATIONS = (first_order, with_force_as_state)
 #: Largest difference of the integrations, relative to the largest value, up to which a solution counts as exact.
 CERTIFIED = 1e-25
@@ -36,7 +37,7 @@ class ExactSolution(NamedTuple):
     u, v
         Displacement and velocity, (t,).
     u_certified, v_certified
-        Largest absolute difference of the four integrations before rounding.
+        Largest absolute difference of u and of v between the four integrations, before rounding to doubles.
     """
 
     u: History
@@ -61,12 +62,12 @@ def _doubles(values: np.ndarray) -> np.ndarray:
 
 
 def period(problem: Problem, estimate: float) -> tuple[hy.real, float]:
-    """Exact period of a free oscillator released from rest, and its largest relative difference from other routes.
+    """Exact period of a free oscillator released from rest, with a measured uncertainty.
 
     Parameters
     ----------
     estimate
-        Rough period; the exact one must be less than one and a half times as long.
+        Rough period; the exact period must be less than one and a half times as long.
 
     Returns
     -------
@@ -136,7 +137,8 @@ def folded(problem: Problem, t: ArrayLike, exact_period: hy.real, period_certifi
     """Exact solution of a free oscillator at times of any size, in any order.
 
     Each time is reduced by whole periods. The period is known to more than thirty digits, so the sixteen digits of a
-    double stay exact over a hundred thousand periods. The error of the reduced times is added to the differences.
+    double stay exact over a hundred thousand periods. The effect of the error of the reduced times is added to
+    ``u_certified`` and ``v_certified``.
 
     Parameters
     ----------

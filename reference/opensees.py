@@ -63,7 +63,7 @@ def _line(nodes: int) -> ModuleType:
 
 
 def _choose(ops: ModuleType, scheme: str) -> None:
-    """Choose the integrator of a scheme and the rest of a transient analysis."""
+    """Choose the integrator of a scheme, its solution algorithm, and the equation solver of a transient analysis."""
     if scheme not in INTEGRATORS:
         raise ValueError(f"OpenSees has no integrator for '{scheme}', only for {', '.join(INTEGRATORS)}.")
     one = INTEGRATORS[scheme]
@@ -130,7 +130,7 @@ def variable_steps(
     Parameters
     ----------
     dt, longest
-        The first step and the longest, in seconds.
+        First step size and largest step size, in seconds.
     iterations
         Target number of convergence tests in a step.
     """
@@ -242,7 +242,7 @@ def shear_frame(
         if isinstance(storeys, Elastoplastic):
             ops.uniaxialMaterial("Steel01", number, bound, stiffness, hardening)
         else:
-            # OpenSees' z is the displacement u_y y, so its β and γ are 1/(2 u_yⁿ)
+            # z in OpenSees is the displacement u_y y of ``BoucWen``, so β and γ in OpenSees are 1/(2 u_yⁿ)
             n, scale = storeys.exponent, 0.5 * (stiffness / bound) ** storeys.exponent
             ops.uniaxialMaterial("BoucWen", number, hardening, stiffness, n, scale, scale, 1.0, 0.0, 0.0, 0.0)
         ops.element("zeroLength", number, number, number + 1, "-mat", number, "-dir", 1)
@@ -263,7 +263,7 @@ def shear_frame(
 
 
 def _stepped(ops: ModuleType, scheme: str, dt: float, steps: int, read: Callable) -> Solution:
-    """Displacement and velocity after every step; ``read`` takes OpenSees' function of a node, and returns values."""
+    """Displacement and velocity after every step; ``read`` calls OpenSees' function of a node at all free nodes."""
     u, v, parts = [], [], INTEGRATORS[scheme].parts
     start = time.perf_counter()
     for step in range(steps):

@@ -25,13 +25,13 @@ from reference.solution import RouteFailed, Solution, Times
 from study.materials import Elastoplastic, Gap
 from study.mechanics.definition import Problem
 
-#: Default number of places in the shortest period of the spring at which an event is sought.
+#: Default number of instants in the shortest period of the spring at which events are sought.
 PLACES = 200
 
 #: Largest number of events of one motion.
 MOST_EVENTS = 1_000_000
 
-#: Relative size of an event function that counts as round-off.
+#: Largest value of an event function, relative to the state, that counts as round-off.
 ROUND_OFF = 1e-13
 
 
@@ -80,7 +80,7 @@ def _first_piece(problem: Problem) -> _Piece:
     if isinstance(spring, Elastoplastic):
         plastic, bound = float(problem.history), float(spring.yield_force / spring.stiffness)
         if abs(u0 - plastic) > bound:
-            # the initial force is that of a monotonic motion to u0
+            # the initial force follows from a monotonic motion to u0
             sign = 1 if u0 > plastic else -1
             return _plastic(spring, sign) if sign * float(problem.v0) > 0 else _elastic(spring, u0 - sign * bound)
         return _elastic(spring, plastic)
@@ -118,7 +118,7 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     t
         Times in seconds.
     places
-        Number of places in the shortest period at which an event is sought.
+        Number of instants in the shortest period of the spring at which events are sought.
 
     Returns
     -------
@@ -128,7 +128,7 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     Raises
     ------
     ValueError
-        If the problem has several unknowns, a spring of another kind or a load without kinks.
+        If the problem has several unknowns, a spring of another kind or a load without ``kinks``.
     RouteFailed
         If there are more than a million events.
     """
@@ -150,7 +150,8 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     spacing = 2 * np.pi * np.sqrt(mass / float(problem.force.stiffness)) / places  # type: ignore[attr-defined]
     found, pieces = {}, 1
     for stop, f0, middle in zip(stops, loads[:-1].tolist(), middles.tolist(), strict=True):
-        # the slope is taken at the middle, because the load may jump at the end of a record that does not end in zero
+        # the slope of the load follows from its value in the middle of the interval, because the load may jump at the
+        # end of a record that does not end in zero
         slope = 2 * (middle - f0) / (stop - now) if stop > now else 0.0
         while now < stop:
             passed, y, piece = _to_event((mass, damping), piece, y, (f0, slope), stop - now, spacing)
@@ -164,7 +165,7 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
 
 
 def _to_event(terms: tuple[float, float], piece: _Piece, y: np.ndarray, load: tuple[float, float], duration, spacing):
-    """Time to the first event within a duration, or None; the state at the event or the end; and the piece after it."""
+    """Time to the first event within a duration, or None; the state at that time or the end; the piece that follows."""
     begin = np.array([*y, load[0] - piece.offset, load[1]])
     generator = _generator(*terms, piece.stiffness)
 

@@ -9,26 +9,27 @@ from reference.solution import ATOL_BELOW_RTOL, RouteFailed, Solution, Times, ch
 from reference.symbolic import as_python
 from study.mechanics.definition import Problem
 
-#: Smallest tolerance; SciPy increases smaller tolerances to this value.
+#: Smallest relative tolerance; SciPy increases smaller tolerances to this value.
 SMALLEST_RTOL = 100 * np.finfo(float).eps
 
 
 def trajectory(problem: Problem, t: Times, rtol: float = 1e-13, method: str = "DOP853") -> Solution:
-    """Displacement and velocity at the increasing times ``t``, from the interpolant of the step that contains each.
+    """Displacement and velocity at the increasing times ``t``, from the interpolant of the step at each time.
 
     Parameters
     ----------
     t
         Times in seconds.
     rtol
-        Relative tolerance; the absolute one is a hundredth of it.
+        Relative tolerance; the absolute tolerance is a hundredth of it.
     method
         ``DOP853`` or ``Radau``.
 
     Raises
     ------
     ValueError
-        If the tolerance cannot be reached, the problem has more than one unknown, or the times do not increase.
+        If the tolerance cannot be reached, the problem has more than one unknown, its mass is singular, one of its
+        functions has no translation (:mod:`reference.symbolic`), or the times do not increase.
     RouteFailed
         If SciPy does not reach the last time.
     """

@@ -13,12 +13,12 @@ from study.algebra.matrices import Banded, dense, times
 from study.algebra.sparse import Sparse
 from study.mechanics.definition import Problem
 
-#: Ratio of absolute to relative tolerance; displacements and velocities are of order one and more.
+#: Ratio of absolute to relative tolerance, for displacements and velocities of order one or more.
 ATOL_BELOW_RTOL = 1e-2
 
 #: Times in seconds.
 Times = Float[np.ndarray, "t"]
-#: Displacements or velocities at these times; a problem with one unknown has no axis n.
+#: Displacements or velocities along time; a problem with one unknown has no axis n.
 History = Float[np.ndarray, "t *n"]
 #: A value for each window of time.
 Windowed = Float[np.ndarray, "windows"]
@@ -34,8 +34,8 @@ class Solution(NamedTuple):
     u, v
         Displacement and velocity.
     evaluations
-        Number of evaluations of the right side; of stages for implicit Runge-Kutta methods, of Taylor coefficients for
-        the Taylor method.
+        Number of evaluations of the right side. For an implicit Runge-Kutta method it is the number of stages, for the
+        Taylor method the number of Taylor coefficients, and for exact pieces the number of pieces.
     seconds
         Run time without compilation.
     """
@@ -47,7 +47,7 @@ class Solution(NamedTuple):
 
 
 class RouteFailed(RuntimeError):
-    """A route has no certain solution up to its last time; the message states the reason."""
+    """A route has no certain solution up to the last requested time; the message states the reason."""
 
 
 class StepLimit(RouteFailed):
@@ -60,7 +60,7 @@ def check_tolerance(route: str, rtol: float, smallest: float) -> None:
     Raises
     ------
     ValueError
-        If the tolerance is not less than 1, or less than ``smallest``.
+        If the tolerance is 1 or more, or smaller than ``smallest``.
     """
     if not rtol < 1:
         raise ValueError(f"{route} needs a tolerance less than 1, not {rtol:g}.")

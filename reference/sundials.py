@@ -25,12 +25,12 @@ from study.mechanics.internal_force import switches
 #: Smallest accepted tolerance; below it round-off dominates CVODE's estimate of the error.
 SMALLEST_RTOL = 1e-15
 MAX_NUM_STEPS = 1_000_000
-#: Status of CVODE at a root and at its limit of steps, from cvode.h.
+#: Status codes of CVODE at a root and at the limit of steps, from cvode.h.
 CV_ROOT_RETURN, CV_TOO_MUCH_WORK = 2, -1
 #: Relative tolerance of the motion along which kinks are found.
 KINK_RTOL = 1e-12
-#: Time, as a part of the duration, by which events of a force with a history are evaluated ahead of the motion. Of
-#: several kinks within this time, only the first counts.
+#: Time, relative to the duration, by which events of a force with a history are evaluated ahead of the motion. Of
+#: several kinks within this time, only the first is kept.
 AHEAD = 1e-10
 
 
@@ -54,7 +54,7 @@ class _Motion:
 def _right_side_of(motion: _Motion):
     """Function f(t, y, ẏ) that writes ẏ: plain Python for one unknown if it can be translated, compiled otherwise."""
     if np.ndim(motion.problem.u0) == 0 and motion.history is None:
-        from reference.symbolic import Untranslatable, as_python  # here, because importing SymPy takes a second
+        from reference.symbolic import Untranslatable, as_python  # here, because SymPy takes a second to import
 
         with suppress(Untranslatable):
             acceleration = as_python(motion.problem)
@@ -103,15 +103,15 @@ def trajectory(
     Values come from CVODE's own polynomial of the step that contains each time, which is as accurate as the step.
     Stopping at each time instead doubles the measured error, because every stop interrupts the sequence of step sizes.
     A history is committed at each of the times ``t``. From one commit to the next, the force is computed as for a
-    motion without reversals. It is exact if no part of the history reverses between two of the times, so ``restarts``
-    must contain the times of reversals.
+    motion without reversals. The force is exact if no part of the history reverses between two of the times, so
+    ``restarts`` must contain the times of reversals.
 
     Parameters
     ----------
     t
         Times in seconds.
     rtol
-        Relative tolerance; the absolute one is a hundredth of it.
+        Relative tolerance; the absolute tolerance is a hundredth of it.
     method
         ``Adams`` or ``BDF``.
     max_num_steps
@@ -119,7 +119,7 @@ def trajectory(
     kinks
         Times at which the load has a kink, in ascending order; no step crosses one.
     restarts
-        Times, all among ``t``, at which CVODE restarts, because its past values do not extrapolate beyond them.
+        Times, all among ``t``, at which CVODE restarts, because past values cannot be extrapolated beyond a kink.
 
     Raises
     ------
@@ -160,20 +160,21 @@ def trajectory(
 
 def _events_of_history(problem: Problem, ahead: float, u, v):
     """Numbers whose sign changes where the force has a kink or where one of the numbers of its history reverses."""
-    # right after a commit, a yield point is reached only up to round-off
+    # evaluated ahead of the motion, because right after a commit a yield point is reached only up to round-off
     u = u + ahead * v
     rates = jax.tree.leaves(jax.jvp(lambda u: problem.committed(u, v).history, (u,), (v,))[1])
     events = jnp.concatenate([switches(problem.varying_force, u, v), *map(jnp.ravel, rates)])
-    # one for zero, because CVODE ignores a function that begins with zero, such as the rate of a history at rest
+    # zero becomes one, because CVODE ignores a function that begins with zero, such as the rate of a history at rest
     return jnp.where(events == 0, 1.0, events)
 
 
 def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adams") -> Times:
-    """Times at which a switch of the internal force changes its sign or its history reverses, by CVODE's root finding.
+    """Times at which the internal force may have a kink, by CVODE's root finding.
 
-    At these times the force may have a kink; see :func:`study.mechanics.internal_force.switches`. A history reverses,
-    and is committed, where the rate of one of its numbers changes its sign. A zero without a change of sign is not
-    found. No kink is found after the time at which CVODE stops, for example at a force that switches without end.
+    The force may have a kink where one of its switches (:func:`study.mechanics.internal_force.switches`) changes its
+    sign, or where its history reverses. A history reverses where the rate of one of its numbers changes its sign; it is
+    committed at all times found. A zero without a change of sign is not found. No kink is found after the time at which
+    CVODE stops, for example at a force that switches without end.
 
     Parameters
     ----------
@@ -218,9 +219,9 @@ def period(problem: Problem, estimate: float, rtol: float = 1e-15, method: str =
     Raises
     ------
     ValueError
-        If the problem has no such period.
+        If the tolerance cannot be reached, or :func:`reference.solution.release` refuses the problem or the estimate.
     RouteFailed
-        If no turning point comes within three quarters of ``estimate``.
+        If no turning point comes within three quarters of ``estimate``, or CVODE stops early.
     """
     sign = release(f"CVODE {method}", problem, estimate)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import heyoka as hy
 import jax
-import jax.extend.core  # JAX promises no stability here, but has no other way to read a traced program
+import jax.extend.core  # JAX may change this module, but has no other way to read a traced program
 import numpy as np
 import sympy
 from sympy.printing.pycode import PythonCodePrinter
@@ -134,7 +134,7 @@ def first_order(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
 
 
 class _ToTheBit(PythonCodePrinter):
-    """Printer that writes constants with all their digits; SymPy's default is fifteen."""
+    """Printer that writes constants with all their digits; SymPy writes fifteen by default."""
 
     def _print_Float(self, expr):
         return repr(float(expr))

@@ -20,7 +20,7 @@ def _number(value, bits: int):
 
 
 def _integrator(problem: Problem, bits: int, formulation: Callable, **options) -> hy.taylor_adaptive:
-    """Integrator of a formulation at t = 0; its states are u, v and, if there is a third one, p(u)."""
+    """Integrator of a formulation at t = 0; its states are u, v and, in a formulation of three states, p(u)."""
     system = formulation(problem)
     start = [_number(float(problem.u0), bits), _number(float(problem.v0), bits)]
     kind = {} if bits == DOUBLE else {"fp_type": hy.real, "prec": bits}
@@ -44,7 +44,7 @@ def _check(problem: Problem, outcome, time) -> None:
 def trajectory(
     problem: Problem, t: Sequence, rtol: float = _EPS, bits: int = DOUBLE, formulation: Callable = first_order
 ) -> Solution:
-    """Displacement and velocity at the increasing times ``t``, from the Taylor series of the step that contains each.
+    """Displacement and velocity at the increasing times ``t``, from the Taylor series of the step at each time.
 
     Parameters
     ----------
@@ -60,7 +60,8 @@ def trajectory(
     Raises
     ------
     ValueError
-        If the tolerance cannot be reached, the problem has more than one unknown, or the times do not increase.
+        If the tolerance cannot be reached, the problem has more than one unknown, its mass is singular, one of its
+        functions has no translation (:mod:`reference.symbolic`), or the times do not increase.
     RouteFailed
         If the integration ends early.
     """
@@ -69,7 +70,7 @@ def trajectory(
         check_tolerance("heyoka", rtol, _EPS)
     options = {"tol": float(rtol)} if bits == DOUBLE else {}
     integrator = _integrator(problem, bits, formulation, **options)
-    times = t if t[0] == 0 else [0.0, *t]  # the grid must begin at the time of the integrator
+    times = t if t[0] == 0 else [0.0, *t]  # the grid must begin at the initial time of the integrator
     grid = np.array([_number(value, bits) for value in times])
     start = time.perf_counter()
     outcome, *_, steps, _, states = integrator.propagate_grid(grid)
@@ -89,9 +90,10 @@ def period(
     Raises
     ------
     ValueError
-        If the problem has no such period.
+        If :func:`reference.solution.release` refuses the problem or the estimate, or a function of the problem has no
+        translation (:mod:`reference.symbolic`).
     RouteFailed
-        If no turning point comes within three quarters of ``estimate``.
+        If no turning point comes within three quarters of ``estimate``, or the integration ends early.
     """
     sign = release("heyoka", problem, estimate)
     met: list = []

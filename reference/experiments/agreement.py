@@ -17,14 +17,14 @@ from study.mechanics.definition import Problem
 from study.problem.named import approximate_periods
 from study.problem.named import problems as problems_by_name
 
-#: Functions for the trajectory and the period of every route. Both take a problem and a tolerance; between them, the
-#: first takes the times and the second a rough period.
+#: Two functions of every route. The first takes a problem, times and a tolerance, and returns the trajectory. The
+#: second takes a problem, a rough period and a tolerance, and returns the period.
 ROUTES: dict[str, tuple[Callable, Callable]] = {
     "cvode_adams": (partial(sundials.trajectory, method="Adams"), partial(sundials.period, method="Adams")),
     "cvode_bdf": (partial(sundials.trajectory, method="BDF"), partial(sundials.period, method="BDF")),
     "dopri8": (partial(diffrax.trajectory, method="Dopri8"), partial(diffrax.period, method="Dopri8")),
     "tsit5": (partial(diffrax.trajectory, method="Tsit5"), partial(diffrax.period, method="Tsit5")),
-    # an implicit method of order five: without a limit of steps, a tight tolerance takes minutes for a hundred periods
+    # an implicit method of order five, with few steps allowed: a hundred periods at a tight tolerance take minutes
     "kvaerno5": (
         partial(diffrax.trajectory, method="Kvaerno5", max_steps=30_000),
         partial(diffrax.period, method="Kvaerno5"),
@@ -33,24 +33,25 @@ ROUTES: dict[str, tuple[Callable, Callable]] = {
 }
 FINISHED, STEP_LIMIT, FAILED, NOT_TRIED, LOST = range(5)
 STATUS_MEANINGS = ("finished", "step_limit", "failed", "not_tried", "lost")
-#: Error, in amplitudes, above which a solution has left the orbit.
+#: Error of the displacement, relative to its largest value, above which a solution counts as lost.
 LOST_ABOVE = 10
 #: Number of samples in a period; samples only at whole periods would hide an error of the phase.
 SAMPLES = 16
-#: Lengths of the windows, in periods.
+#: Lengths, in periods, of the windows over which the largest errors are taken.
 WINDOWS = (1, 10, 100)
 
 
 def instants(period: float) -> Times:
-    """Times at which the routes are compared with the exact solution: k T/16 up to the end of the last window."""
+    """Times at which the routes are compared with the exact solution: k T/16 up to the end of the longest window."""
     return np.arange(1, max(WINDOWS) * SAMPLES + 1) * period / SAMPLES
 
 
 def errors(problem: Problem, exact_solution: exact.ExactSolution, solution: Solution) -> dict[str, Windowed]:
     r"""Largest errors up to the end of every window, each (windows,).
 
-    They are :math:`\max|\Delta u|/\max|u|`, :math:`\max|\Delta\dot u|/\max|\dot u|` and :math:`\max|E/E_0 - 1|`. The
-    first is also given at whole periods alone.
+    The errors of displacement, velocity and energy are :math:`\max|\Delta u|/\max|u|`,
+    :math:`\max|\Delta\dot u|/\max|\dot u|` and :math:`\max|E/E_0 - 1|`. The error of the displacement is also given at
+    whole periods alone.
     """
     energy = np.asarray(jax.vmap(problem.energy)(solution.u, solution.v))
     initial = float(problem.energy(np.asarray(problem.u0), np.asarray(problem.v0)))
@@ -60,7 +61,7 @@ def errors(problem: Problem, exact_solution: exact.ExactSolution, solution: Solu
         "energy_error": np.abs(energy / initial - 1),
     }
     largest = {name: np.array([np.max(h[: w * SAMPLES]) for w in WINDOWS]) for name, h in histories.items()}
-    # the velocity is zero at whole periods, so a delay causes no error of first order there
+    # the velocity is zero at whole periods, so a delay causes no displacement error of first order there
     at_periods = histories["u_error"][SAMPLES - 1 :: SAMPLES]
     return largest | {"u_error_at_periods": np.array([np.max(at_periods[:w]) for w in WINDOWS])}
 
@@ -94,9 +95,9 @@ def _options(configuration: Mapping) -> Options:
 def agreement(problems: Springs, tolerances: Sequence[float]) -> xr.Dataset:
     """Measure the true errors and the effort of every reference solver at every tolerance.
 
-    A trajectory is not tried at tolerances tighter than one at which it reached the limit of steps. Its errors have the
-    shape (problem, route, tolerance, periods). They are NaN if it did not finish; the status has the reason. The error
-    of the period has the shape (problem, route, tolerance).
+    Once a route reaches the limit of steps, its trajectory is not computed at tighter tolerances. The errors of the
+    trajectory have the shape (problem, route, tolerance, periods). They are NaN if the trajectory did not finish;
+    ``status`` states the reason. The error of the period has the shape (problem, route, tolerance).
 
     Raises
     ------

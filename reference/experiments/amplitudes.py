@@ -13,7 +13,7 @@ from study.declaration.options import Springs
 from study.mechanics.definition import Problem
 from study.problem.named import problems as problems_by_name
 
-#: Number of decimal digits: more than the sixteen that are stored, and few enough for a hundred periods per second.
+#: Number of decimal digits: more than the sixteen that are stored. A hundred exact periods are computed in a second.
 DIGITS = 20
 #: A value for each motion.
 _ByAmplitude = Float[np.ndarray, "amplitudes"]
@@ -53,7 +53,7 @@ def amplitudes(problems: Springs, exponents: dict[str, float]) -> xr.Dataset:
     Raises
     ------
     ValueError
-        If the period of a problem has no closed form, as at its position of equilibrium.
+        If a period has no closed form, for instance if a spring is released at its position of equilibrium.
     """
     x = np.linspace(exponents["first"], exponents["last"], int(exponents["count"]))
     u0 = np.stack([float(problems_by_name[problem].u0) * 10**x for problem in problems])

@@ -15,11 +15,11 @@ from study.problem.inelastic import PERIOD
 from study.problem.named import approximate_periods
 from study.problem.named import problems as problems_by_name
 
-#: Tolerance of the solvers under step size control.
+#: Relative tolerance of diffrax and CVODE.
 RTOL = 1e-13
 
-#: Numbers of places in the shortest period at which exact pieces search for events; the difference of the two motions
-#: is their uncertainty.
+#: Numbers of instants in the shortest period at which exact pieces search for events. The difference between the
+#: motions with these two numbers is the uncertainty of the motion.
 PLACES = (200, 331)
 
 
@@ -29,7 +29,7 @@ def _in_pieces(problem, t: Times) -> tuple[str, Solution, Solution]:
 
 
 def from_kink_to_kink(problem: Problem, t: Times) -> tuple[str, Solution, Solution]:
-    """The route and the solutions by diffrax and CVODE, whose steps end at every kink of load and force."""
+    """Name of the route, and the solutions by diffrax and by CVODE, whose steps end at every kink of load and force."""
     declared = np.asarray(getattr(problem.load, "kinks", []), float)
     of_load = declared[(declared > 0) & (declared < t[-1])]
     of_force = sundials.kinks(problem, t[-1], of_load)
@@ -41,7 +41,7 @@ def from_kink_to_kink(problem: Problem, t: Times) -> tuple[str, Solution, Soluti
     return "diffrax Dopri8 from kink to kink", one, other
 
 
-#: Way to solve each problem.
+#: Function that solves each problem; problems without an entry are smooth.
 _WAYS = {
     "yielding": _in_pieces,
     "bouncing": _in_pieces,
@@ -66,9 +66,10 @@ def _options(configuration: Mapping) -> Options:
 def inelastic(problems: Kinked, periods: int, samples_per_period: int) -> xr.Dataset:
     """Compute the motion of oscillators with kinks and memory.
 
-    Yielding and bouncing are exact from event to event. Smooth hysteresis and the motions under a record and a pulse
-    are solved by diffrax and CVODE from one kink of force or load to the next. The uncertainty is the largest
-    difference of two such solutions. A smooth spring, solved by the Taylor method, is included for comparison.
+    The motions with yielding and with bouncing are solved exactly from event to event, with two numbers of instants at
+    which events are sought. Smooth hysteresis and the motions under a record and a pulse are solved by diffrax and by
+    CVODE from one kink of force or load to the next. The uncertainty is the largest difference between the two
+    solutions of a problem. A smooth spring, solved by the Taylor method, is included for comparison.
     """
     u, uncertainty, route, scale = [], [], [], []
     for name in problems:

@@ -1,4 +1,4 @@
-"""Number of evaluations of the force by general solvers for an error, on the problems of ``control_cost``."""
+"""Force evaluations that general solvers need for a given error, on the problems of ``control_cost``."""
 
 from collections.abc import Mapping
 from typing import Annotated, Literal
@@ -34,8 +34,9 @@ def solver_cost(
 ) -> xr.Dataset:
     """Measure error and force evaluations of CVODE, with Adams or BDF methods, and of diffrax with its PID controller.
 
-    The error is defined as in the dataset ``control_cost``, at the same samples of the exact motion. It is NaN if a
-    solver fails, and for forces with a history: these solvers take a force that is a function of time and state.
+    The error is defined as in the dataset ``control_cost``, at the same samples of the exact motion. Error and number
+    of force evaluations are NaN if a solver fails. They are also NaN for a force with a history, because a solver needs
+    a force that is a function of time and state.
 
     Variables have the shape (problem, solver, tolerance).
     """

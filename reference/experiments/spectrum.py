@@ -8,8 +8,8 @@ from study.declaration.experiment import experiment, progress
 from study.declaration.options import RecordDuration, RecordPeriods, Records, Reductions
 from study.problem.inelastic import ground_motions, yielding_under_record
 
-#: Numbers of places between two samples at which events are sought; the difference of the peaks is their
-#: uncertainty.
+#: Numbers of parts of an interval between two samples at whose ends events are sought. The difference between the
+#: peaks with these two numbers is the uncertainty of the peak.
 PLACES = (5, 8)
 
 #: Yield force that no motion reaches.
@@ -24,8 +24,9 @@ def _options(configuration) -> dict:
 def spectrum(records: Records, periods: RecordPeriods, reductions: Reductions, duration: RecordDuration) -> xr.Dataset:
     """Compute exact peak drifts for all records, periods and reductions of the strength.
 
-    The strength is the largest force of the elastic oscillator divided by the reduction. At a reduction of 1 no
-    oscillator yields. Motions end at the duration, and a shorter record is continued by a ground at rest.
+    The strength is the yield force. It is the largest force of the elastic oscillator divided by the reduction. At a
+    reduction of 1 no oscillator yields. Motions end at ``duration``. After the end of a shorter record, the ground
+    acceleration is zero.
     """
     grounds = ground_motions(records)
     spacing = float(grounds[0].dt)

@@ -46,8 +46,8 @@ def _witnessed(problem: Problem, times: Sequence[hy.real]) -> float:
 def _uncertainty(values: np.ndarray, rates: np.ndarray, t: float, certified: float) -> float:
     """Uncertainty of stored values: (ulp(max |u|) + max |u̇| ulp(t))/2 plus the certified difference.
 
-    ulp is the unit in the last place; the values u and the times up to t are rounded to half of it. ``rates`` are the
-    derivatives u̇.
+    ulp is the unit in the last place. The values u, and the times up to t, are rounded to half an ulp. ``values``
+    contains u, ``rates`` the derivatives u̇, and ``certified`` is the certified difference.
     """
     return 0.5 * (np.spacing(np.max(np.abs(values))) + np.max(np.abs(rates)) * np.spacing(t)) + certified
 
@@ -65,8 +65,8 @@ def _jobs(options: Options) -> dict[str, Options]:
 
 
 def _numbers_held(options: Options, configuration: Mapping) -> float:
-    """Numbers that a job holds at once."""
-    # for each phase, four integrations hold numbers of up to 192 bits, which are Python objects
+    """Number of values that a job holds at once."""
+    # a hundred values for each phase: four integrations hold numbers of up to 192 bits as Python objects
     return 100 * sum(options["steps_per_period"])
 
 
@@ -74,7 +74,8 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
 def reference(problem: Spring, steps_per_period: Sequence[int]) -> xr.Dataset:
     """Compute the exact period of a spring and its motion over one period.
 
-    Displacement and velocity have the shape (t,), with the times of every step of T/N, N in ``steps_per_period``.
+    Displacement and velocity have the shape (t,). The times t are the ends of all steps of T/N, with the period T and
+    every N in ``steps_per_period``.
 
     Raises
     ------

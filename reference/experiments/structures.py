@@ -1,4 +1,4 @@
-"""Reference solutions of the structures by closed forms, diffrax and CVODE; the best two give the uncertainty."""
+"""Reference solutions of the structures by closed forms, diffrax and CVODE, with their uncertainty."""
 
 from collections.abc import Mapping
 
@@ -12,12 +12,12 @@ from study.declaration.options import Structure
 from study.problem.named import problems as problems_by_name
 from study.problem.named import time_scales
 
-#: Limit of steps: a stiff mode takes about ten in each of its short periods.
+#: Limit of the number of steps; a stiff mode needs about ten steps in each of its short periods.
 MAX_STEPS = 10_000_000
 
 
 def _spread(one: History, other: History) -> np.ndarray:
-    """Largest difference over the unknowns, (t,)."""
+    """Largest absolute difference between two histories over the unknowns, (t,)."""
     return np.abs(one - other).reshape(len(one), -1).max(axis=1)
 
 
@@ -35,9 +35,9 @@ def _jobs(options: Options) -> dict[str, Options]:
 def structure_reference(problem: Structure, periods: float, samples_per_period: int, rtol: float) -> xr.Dataset:
     """Compute the reference motion of a structure by the best route, with its difference from the next best.
 
-    The routes in order are a closed form, diffrax's Dopri8 and CVODE's Adams method. No two routes share method, code
-    or control of the step, so the digits on which they agree are reliable. Displacement and velocity have the shape
-    (t, unknown), or (t,) for one unknown.
+    The routes, best first, are a closed form, diffrax's Dopri8 and CVODE's Adams method. No two routes share method,
+    code or control of the step, so the digits on which they agree are reliable. Displacement and velocity have the
+    shape (t, unknown), or (t,) for one unknown.
 
     Parameters
     ----------

@@ -51,11 +51,11 @@ MEASURES = {
     "max_energy_error": ("largest relative error of the total energy in the last period", "percent"),
     "energy_drift": ("signed relative error of the total energy at the end", "1"),
 }
-#: Lengths in periods of the runs; shorter lengths are beginnings of these runs.
+#: Lengths of the runs in periods. Results at other lengths come from the beginning of a run.
 RUNS = (100, 1000)
-#: Long name of a cost.
+#: Template for the long name of a cost.
 SHARE = "{} of a run; for a shorter length its proportional share"
-#: Samples of the last period of a run, in which its errors are measured.
+#: Number of samples in the last period of each length, at which errors are measured.
 SAMPLES = 16
 
 
@@ -86,7 +86,7 @@ def errors(
 
 
 def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> list[Solution]:
-    """Solutions of up to ``repeats`` equal runs, as many as begin within ``longest`` seconds; none if the run fails."""
+    """Solutions of up to ``repeats`` equal runs. No run begins after ``longest`` seconds or a failure."""
     runs: list[Solution] = []
     try:
         while len(runs) < repeats and sum(run.seconds for run in runs) < longest:
@@ -112,7 +112,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    """Steps of a scheme that take as long as all runs of the solvers may, at thirty nanoseconds per step."""
+    """Number of steps, of thirty nanoseconds each, that take as long as all runs of the solvers may take."""
     runs = len(options["problems"]) * len(SOLVERS) * len(options["tolerances"]) * len(RUNS)
     return runs * options["longest"] / 30e-9
 
@@ -136,9 +136,10 @@ def work_precision(
 
     Runs have 100 and 1,000 periods. A shorter length is the beginning of a run, with a proportional part of its time
     and evaluations. Errors are measured in the last period of each length only, where growing errors are the largest.
-    A run is repeated until the repeats have taken ``longest`` seconds. A run of 1,000 periods that would take longer is
-    left out (NaN), and so are all tolerances tighter than one at which a run failed or 100 periods took longer. The
-    classical Runge-Kutta method, which is also a scheme of the study, is timed in diffrax too.
+    A run is repeated up to ``repeats`` times, and no repeat begins after ``longest`` seconds. A run of 1,000 periods is
+    left out (NaN) if it would take longer, judged by the run of 100 periods. If a run fails, or 100 periods take
+    longer, all tighter tolerances are left out (NaN). The classical Runge-Kutta method, which is also a scheme of the
+    study, is timed in diffrax too.
 
     Variables of the solvers have the shape (problem, solver, tolerance, periods).
 
@@ -147,7 +148,7 @@ def work_precision(
     steps_per_period
         N in Δt = T/N of the classical Runge-Kutta method in diffrax.
     repeats, longest
-        Largest number of repeats of a run, and the time in seconds that they may take.
+        Largest number of repeats of a run, and the time in seconds after which no repeat begins.
     """
     shape = tuple(map(len, (problems, SOLVERS, tolerances, periods)))
     measured = {name: np.full(shape, np.nan) for name in MEASURES}

@@ -1,1 +1,4 @@
-"""The experiments of the study: each module declares one, which returns labelled datasets."""
+"""The experiments of the study. Each returns labelled datasets.
+
+Every module except ``circumstances`` and ``coordinates``, which experiments share, declares one experiment.
+"""

@@ -24,7 +24,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse step sizes at whose phases the references are not sampled."""
+    """Refuse numbers of steps per period whose phases the references do not contain."""
     sampled = configuration["references"]["steps_per_period"]
     return unlisted("steps_per_period", options["steps_per_period"], "references.steps_per_period", sampled)
 
@@ -48,7 +48,7 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
     FileNotFoundError
         If the reference of a problem has not been made.
     ValueError
-        If a reference lacks the phases of a step size.
+        If a reference does not contain the phases of a number of steps per period.
     """
     motions = [(problems_by_name[problem], io.open_dataset(f"reference/{problem}")) for problem in problems]
     dims = ("problem", "scheme", "steps_per_period", "periods")

@@ -28,7 +28,7 @@ def _single(values: np.ndarray) -> np.ndarray:
 
 
 def _column(runs: xr.Dataset, dt: np.ndarray, period: np.ndarray) -> dict[str, np.ndarray]:
-    """Variables of the maps at one step size, each (amplitudes,), from the ensemble of its runs."""
+    """Variables of the maps at one value of Δt/T, each (amplitudes,), from the ensemble of the runs with this value."""
     outcome, began = outcomes(runs, period)
     step = np.where(np.isnan(began), -1, np.rint(began / dt))
     return {
@@ -74,7 +74,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
     first, last, count = (options["dt_over_period"][key] for key in ("first", "last", "count"))
-    # the sum over at most 100 step sizes is scaled to their number
+    # the sum over at most 100 values of Δt/T is scaled to the number of values
     of_amplitude = np.sum(options["periods"] / np.logspace(first, last, min(count, 100))) * max(count / 100, 1)
     return len(options["problems"]) * of_amplitude * _number_of_amplitudes(configuration) / options["tiles"]
 
@@ -105,7 +105,7 @@ def atlas(
 ) -> xr.Dataset:
     """Find how the runs of a scheme end, over step size and amplitude.
 
-    The amplitudes of ``results/reference/amplitudes`` are split into ``tiles`` parts. One part is computed.
+    The amplitudes of ``results/reference/amplitudes`` are split into ``tiles`` parts. The function computes one part.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def atlas(
     periods
         Length of the runs in periods T.
     tile
-        Number of the part, from 0 on.
+        Number of the part, counted from 0.
 
     Returns
     -------

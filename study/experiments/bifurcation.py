@@ -39,11 +39,11 @@ def bifurcation(
     dt
         ``first``, ``last`` and ``count`` of the step sizes in seconds.
     steps
-        Length of the runs.
+        Number of steps of a run.
     shown
         Number of last displacements of a run that are kept.
     perturbation
-        Difference of the initial displacements of two neighbours.
+        Difference between the initial displacements of two neighbouring runs.
 
     Returns
     -------
@@ -65,7 +65,8 @@ def bifurcation(
     apart = np.abs(other - one) >= ORDER_ONE  # false after a failure, because the displacement is then NaN
     status, failed_at_step = (pairs[name].values[::2] for name in ("status", "failed_at_step"))
     whole = np.full(len(step_sizes), steps)
-    # in chaotic motion these runs may fail at another step than the pairs, so their own failures give their length
+    # a chaotic run for the exponent may fail at another step than the pair of runs, so it is repeated up to the step
+    # before its own failure
     growth = run(problem, scheme, dt=step_sizes, steps=whole, observe=["lyapunov_exponent"], on_failure="ignore")
     lasted = np.where(growth.status == COMPLETED, whole, np.maximum(growth.failed_at_step - 1, 1))
     growth = run(problem, scheme, dt=step_sizes, steps=lasted, observe=["lyapunov_exponent"], on_failure="ignore")

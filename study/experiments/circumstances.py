@@ -25,10 +25,10 @@ from study.words import printed
 #: Quantities that are compared.
 QUANTITIES = ("displacement", "velocity", "acceleration")
 
-#: Duration of a run, and the initial velocities of the runs; an error is the root mean square over these runs.
+#: Duration of every run, and the initial velocity of each run. An error is the root mean square over these runs.
 DURATION, SPEEDS = 6.0, np.linspace(0.6, 1.4, 12)
 
-#: Relative difference of alternately larger and smaller steps from the mean step.
+#: Relative difference between unequal steps, which are alternately larger and smaller, and their mean.
 UNEQUAL = 1 / 3
 
 #: Relative and absolute tolerance of the references, by the method of Dormand and Prince of eighth order.
@@ -36,12 +36,15 @@ TOLERANCES = {"rtol": 1e-13, "atol": 1e-14}
 
 
 def carries(state: Any) -> bool:
-    """Whether a state has one acceleration; some schemes carry the accelerations of their stages."""
+    """Whether a state contains one acceleration; the states of some schemes contain the accelerations of all stages."""
     return hasattr(state, "a") and state.a.shape == state.u.shape
 
 
 class AtTheEnd(Reduction):
-    """Displacement, velocity and acceleration at the end; the acceleration is carried or follows from the equation."""
+    """Displacement, velocity and acceleration at the end of a run.
+
+    The acceleration is part of the state, or follows from the equation of motion if the state contains none.
+    """
 
     variables: ClassVar = {name: {"long_name": name, "units": "1"} for name in QUANTITIES}
 
@@ -63,7 +66,7 @@ class AtTheEnd(Reduction):
 
 
 class FromNoAcceleration(Wrapper):
-    """Another scheme whose first acceleration is zero instead of following from the equation of motion.
+    """A scheme that starts with zero acceleration instead of the acceleration from the equation of motion.
 
     References
     ----------
@@ -79,17 +82,17 @@ class FromNoAcceleration(Wrapper):
     doi: ClassVar[str] = "10.1002/eqe.4290150710"
 
     def start(self, problem, u0, v0, dt):
-        """State at t = 0 without acceleration."""
+        """State of the wrapped scheme at t = 0, with zero acceleration."""
         state, effort = self.scheme.start(problem, u0, v0, dt)
         return state._replace(a=jnp.zeros_like(state.a)), effort
 
     def step(self, problem, state, t, dt):
-        """A step of the other scheme."""
+        """A step of the wrapped scheme."""
         return self.scheme.step(problem, state, t, dt)
 
 
 class LooselyBalanced(Wrapper):
-    """Another scheme whose Newton iterations end at a tolerance that is usual in practice.
+    """A scheme whose Newton iterations end at a given tolerance, as is usual in practice.
 
     References
     ----------
@@ -105,12 +108,12 @@ class LooselyBalanced(Wrapper):
     doi: ClassVar[str] = ""
 
     def start(self, problem, u0, v0, dt):
-        """State of the other scheme at t = 0."""
+        """State of the wrapped scheme at t = 0."""
         with ending_at(self.tolerance):
             return self.scheme.start(problem, u0, v0, dt)
 
     def step(self, problem, state, t, dt):
-        """A step of the other scheme."""
+        """A step of the wrapped scheme."""
         with ending_at(self.tolerance):
             return self.scheme.step(problem, state, t, dt)
 
@@ -130,9 +133,9 @@ class Circumstance:
     exact
         Displacement, velocity and acceleration at the end, each of the shape of ``u0``.
     unequal, inconsistent
-        Whether steps alternate between two sizes, and whether the first acceleration is zero.
+        Whether steps alternate between two sizes, and whether the initial acceleration is set to zero.
     tolerance
-        Tolerance of Newton's iteration; None means round-off.
+        Tolerance of Newton's iteration; with None the iteration ends at round-off.
     """
 
     title: str
@@ -145,7 +148,7 @@ class Circumstance:
     tolerance: float | None = None
 
     def final(self, scheme: Scheme, counts: list[int]) -> tuple[xr.Dataset, np.ndarray]:
-        """Motions at the end for each number of steps, and whether the runs were completed, (steps, runs)."""
+        """Motions at the end for each number of steps, and whether each run was completed, (steps, runs)."""
         runs, most = len(self.u0), len(counts)
         if self.inconsistent:
             scheme = FromNoAcceleration(scheme)
@@ -186,7 +189,7 @@ class Circumstance:
 
 
 def _by_adaptive_steps(rates: Callable, u0: np.ndarray, v0: np.ndarray, *internal: float) -> dict[str, np.ndarray]:
-    """Exact motions at the end of a system y' = rates(t, y) of first order, y = (u, u̇, internal variables)."""
+    """Exact motions at ``DURATION`` by the equations y' = rates(t, y), with y = (u, u̇, internal variables)."""
     ends = []
     for u, v in zip(u0, v0, strict=True):
         y = solve_ivp(rates, (0.0, DURATION), [u, v, *internal], "DOP853", **TOLERANCES).y[:, -1]
@@ -194,7 +197,7 @@ def _by_adaptive_steps(rates: Callable, u0: np.ndarray, v0: np.ndarray, *interna
     return dict(zip(QUANTITIES, np.array(ends).T, strict=True))
 
 
-# The functions are defined here once, so that problems that differ only in numbers share the compiled program.
+# These functions are defined once, so that problems that differ only in numbers share the compiled program.
 
 
 def _hardening(u):
@@ -265,10 +268,10 @@ def _support(ratio: float) -> Circumstance:
     The exact motion is the sum of the slow mode and the response to the load. The fast mode is at rest.
     """
     of_load, phase = 1.5, 0.7
-    soft = 1 - of_load**2  # the second equation is u₁ = soft u₂ for the response
+    soft = 1 - of_load**2  # by the second equation the response has u₁ = soft · u₂
     second = ratio / ((ratio + soft) * soft - 1)
     response = np.array([soft * second, second])
-    # the smaller root of ω⁴ − (κ + 2) ω² + κ = 0, without cancellation
+    # the smaller ω² of ω⁴ − (κ + 2) ω² + κ = 0, without cancellation
     square = 2 * ratio / (ratio + 2 + np.sqrt(ratio**2 + 4))
     mode, frequency = np.array([1 - square, 1.0]), np.sqrt(square)
 

@@ -1,4 +1,4 @@
-"""Number of forces for a given error with controlled and equal steps, on problems with kinks, records and stiffness."""
+"""Force evaluations for a given error with controlled and with equal steps, on kinked, shaken and stiff problems."""
 
 from collections.abc import Mapping
 
@@ -24,7 +24,7 @@ from study.scheme.wrapper.with_history import WithHistory
 #: Largest number of steps of a controlled run, as a multiple of the largest number of equal steps.
 MOST = 4
 
-#: Outcomes of a run; a scheme that does not fit a problem has no run.
+#: Outcomes of a run; ``not_run`` marks a scheme that does not fit a problem.
 STATUSES = (*ENDS, "not_run")
 NOT_RUN = STATUSES.index("not_run")
 
@@ -55,13 +55,13 @@ def control_cost(
     tolerances: FallingTolerances,
     steps_per_sample: RisingCounts,
 ) -> xr.Dataset:
-    """Measure error and forces of runs with controlled and with equal steps.
+    """Measure error and force evaluations of runs with controlled and with equal steps.
 
     In all runs, steps end at the samples of the exact motion. ``samples_per_period`` of the sections ``kinks`` and
     ``structures`` is the number of samples in a period. The error is the largest distance from the samples, relative
-    to the largest displacement. The number of forces of a controlled run includes all its trial steps and the
-    estimates. Each trial step is assumed to take the mean number of Newton iterations of the accepted steps. The
-    estimator is the default one of the scheme.
+    to the largest displacement. The number of force evaluations of a controlled run includes all its trial steps and
+    the estimates. Each trial step is assumed to take the mean number of Newton iterations of the accepted steps. The
+    estimator is the default estimator of the scheme.
 
     Variables have the shape (problem, scheme, tolerance); with equal steps (problem, scheme, steps_per_sample).
     """
@@ -129,7 +129,7 @@ OBSERVED = ["trajectory", "newton_iterations"]
 
 
 def _equal(problem: Problem, scheme: Scheme, exact: Known, parts: int) -> dict[str, float]:
-    """Error, forces and status of a run with a number of equal steps between two samples."""
+    """Error, number of force evaluations, and status of a run with ``parts`` equal steps between two samples."""
     steps = parts * len(exact.t)
     ds = run(problem, scheme, dt=exact.t[-1] / steps, steps=steps, every=parts, observe=OBSERVED, on_failure="ignore")
     marched = _marched(problem, scheme)
@@ -146,7 +146,7 @@ def _controlled(
     controller: str,
     most: int,
 ) -> dict[str, float]:
-    """Error, forces, steps, rejections and status of a run with a tolerance."""
+    """Error, numbers of force evaluations, steps and rejected steps, and status of a run with controlled steps."""
     ds = run(
         problem,
         scheme,
@@ -177,6 +177,6 @@ def _marched(problem: Problem, scheme: Scheme) -> Scheme:
 
 
 def _forces(scheme: Scheme, per_step: int, ds: xr.Dataset, steps: int, trials: int) -> float:
-    """Number of forces of a run whose trial steps each take the mean number of iterations of the accepted steps."""
+    """Number of force evaluations of a run, if every trial step takes the mean number of iterations per step."""
     of_iterations = 0 if scheme.explicit else scheme.forces_per_iteration * ds.newton_iterations.item() / max(steps, 1)
     return trials * (per_step + of_iterations)

@@ -1,4 +1,4 @@
-"""Automatic steps of finite element codes: steps in a period, energy, and the effect of a halved step."""
+"""Automatic steps of finite element codes: steps in a period, energy error, and the effect of a halved step."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -38,8 +38,8 @@ class Rule(NamedTuple):
     tolerances: tuple[float, ...]
 
 
-#: Rules by code. A tolerance is the half-increment residual over the largest force for Abaqus, the step over the
-#: apparent period for Nastran, and the number of Newton iterations for OpenSees.
+#: Rules by code. A tolerance is the half-increment residual over the largest force for Abaqus, the step size over
+#: the apparent period for Nastran, and the number of Newton iterations for OpenSees.
 RULES = {
     "Abaqus": Rule(hht_alpha, HalfStepResidual(), HalfIncrement(), (0.1, 1.0, 10.0)),
     "Nastran": Rule(average_acceleration, ApparentFrequency(), Nastran(), (1 / 40, 1 / 20, 1 / 10)),
@@ -67,11 +67,11 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
     ``class`` are the tight, middle and loose tolerance of each code. The first step is a hundredth of the period.
 
     ``halved_energy_error`` compares two runs of average acceleration. It is the energy error of a run whose step is
-    halved in the middle, divided by the error with the first step throughout.
+    halved in the middle, divided by the energy error of a run that keeps its first step.
 
     ``error_in_tolerances`` repeats a test of SciML, average acceleration on ü + u = 0 from u̇₀ = 1. It is the largest
     error of displacement or velocity, divided by the tolerance times the number of steps. Our tolerance is relative to
-    the largest displacement, and the one of SciML to one plus the displacement.
+    the largest displacement, and SciML's tolerance to one plus the displacement.
     """
     shape = (len(problems), len(RULES), len(CLASSES))
     steps, energy = np.full(shape, np.nan), np.full(shape, np.nan)

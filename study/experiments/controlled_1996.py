@@ -13,7 +13,7 @@ from study.marching.run import run
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: Exponents of ten of the smallest and largest tolerance tried first, and number of lanes of a run.
+#: Exponents of ten of the smallest and the largest tolerance tried first, and number of tolerances tried at once.
 WIDEST, LANES = (-9.0, 0.5), 64
 
 ESTIMATOR = "zienkiewicz_xie"
@@ -23,12 +23,13 @@ ESTIMATOR = "zienkiewicz_xie"
 def controlled_1996(
     problems: Springs, schemes: OneStepSchemes, controllers: Controllers, steps_per_period: Counts, periods: Count
 ) -> xr.Dataset:
-    """Find the largest energy error with as many steps as equal steps of T/N, controlled by the estimator of 1991.
+    """Find the largest energy error of controlled runs that take about as many steps as runs with equal steps of T/N.
 
-    64 tolerances are tried, and then 64 near the best ones. The result is from the run whose number of steps per period
-    is nearest to N = ``steps_per_period``. ``max_energy_error`` is eq. (17), in percent, of the shape (problem,
-    controller, steps_per_period, scheme). It is NaN if the number of steps of every run differs from the
-    number of equal steps by more than a tenth, and for schemes to which the estimator does not apply.
+    The steps are controlled by the estimator of 1991. 64 tolerances are tried, and then 64 near the best tolerances.
+    The result is from the completed run whose number of steps per period is nearest to N = ``steps_per_period``.
+    ``max_energy_error`` is eq. (17), in percent, of the shape (problem, controller, steps_per_period, scheme). It is
+    NaN if the number of steps of every run differs from the number of equal steps by more than a tenth. It is also NaN
+    for schemes to which the estimator does not apply.
     """
     shape = (len(problems), len(controllers), len(steps_per_period), len(schemes))
     error, taken, tolerance = (np.full(shape, np.nan) for _ in range(3))

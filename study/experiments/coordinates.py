@@ -1,4 +1,4 @@
-"""Coordinates and attributes that experiments share: names of problems and schemes, with their properties."""
+"""Coordinates and attributes that experiments share: problems, schemes, estimators and controllers, with properties."""
 
 from collections.abc import Iterable, Sequence
 
@@ -18,7 +18,11 @@ def problem_coordinates(names: Sequence[str]) -> dict:
 
 
 def scheme_coordinates(names: Sequence[str]) -> dict:
-    """Names of schemes along ``scheme``, with title, family, place in it, order, kind, number of forces and source."""
+    """Names of schemes along ``scheme``, with their properties.
+
+    The properties are title, family, place in the family, order of accuracy, kind (explicit or implicit), number of
+    force evaluations, and source.
+    """
     families = [[name for name, s in schemes.items() if s.family == schemes[one].family] for one in names]
     chosen = [schemes[name] for name in names]
     return {
@@ -83,6 +87,6 @@ def of_energy_error(periods: int) -> dict[str, str]:
 
 def periods(problem: str) -> dict[str, float]:
     """Periods of a spring: ``printed``, rounded as in the paper of 1996, and ``exact``, from its reference."""
-    problems.resolve(problem)  # its message on an unknown name is clearer than one on a missing dataset
+    problems.resolve(problem)  # the message on an unknown name is clearer than a message on a missing dataset
     exact = io.open_dataset(f"reference/{problem}").period.item()
     return {"printed": approximate_periods[problem], "exact": exact}

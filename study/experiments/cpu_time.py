@@ -16,7 +16,7 @@ from study.problem.named import approximate_periods
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: The scheme whose time is the unit of ``ratio``.
+#: Scheme whose time of a step is the unit of ``ratio``.
 BASELINE = "average_acceleration"
 
 
@@ -34,7 +34,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 def cpu_time(
     problems: Springs, schemes: Schemes, steps_per_period: Count, steps: Count, repeats: Repeats
 ) -> xr.Dataset:
-    """Measure the time of a step of every scheme with the energy observed, and separately its compile time.
+    """Measure the time of a step of every scheme with the energy observed, and the compile time of every scheme.
 
     The schemes are timed in turns, so that a slow moment of the machine affects all of them. The step size is T/N, with
     T the period printed by Xie (1996) and N = ``steps_per_period``. Times of a step have the shape

@@ -1,6 +1,6 @@
 """Drift of the energy over many step sizes.
 
-It explains why the printed error of the Runge-Kutta method falls to 1.0 % at T/20 and rises to 8.3 % at T/25.
+The drift explains why the printed error of the Runge-Kutta method falls to 1.0 % at T/20 and rises to 8.3 % at T/25.
 """
 
 from collections.abc import Mapping
@@ -21,9 +21,10 @@ from study.problem.named import approximate_periods
 
 
 def _steps_per_oscillation(u: np.ndarray, oscillations: int) -> float:
-    """Mean number of steps of the last ``oscillations`` oscillations of u (steps + 1,).
+    """Mean number of steps per oscillation, over the last ``oscillations`` oscillations of u with shape (steps + 1,).
 
-    An oscillation ends where u crosses zero upwards, interpolated linearly. NaN if there are fewer oscillations.
+    An oscillation ends where u, interpolated linearly, crosses zero upwards. The result is NaN if u has fewer
+    oscillations.
     """
     before = np.flatnonzero(crosses_upwards(u[:-1], u[1:], 0))[-oscillations - 1 :]
     if len(before) < oscillations + 1:
@@ -64,20 +65,20 @@ def energy_drift(
 ) -> xr.Dataset:
     """Compute the signed energy error at the end of a run and the steps per oscillation, over step sizes.
 
-    The energy error is (E − E₀)/|E₀| after ``periods`` periods; both variables are (steps_per_period,).
+    The energy error is (E − E₀)/|E₀| after ``periods`` periods. Both variables have the shape (steps_per_period,).
 
     Parameters
     ----------
     steps_per_period
         ``first``, ``last`` and ``step`` of N in Δt = T/N, with T the printed period.
     oscillations
-        Number of last oscillations of a run over which their steps are averaged.
+        Number of oscillations at the end of a run over which the steps per oscillation are averaged.
     """
     progress(f"energy drift of {scheme} on {problem}")
     first, last, step = (steps_per_period[key] for key in ("first", "last", "step"))
     parts = np.round(np.arange(first, last + step / 2, step), 10)
     steps = np.round(parts * periods).astype(int)
-    # one ensemble over all step sizes, long enough for the finest; each lane is evaluated at its own end
+    # all runs take as many steps as the run with the finest step; each run is evaluated at the end of its periods
     lanes = run(
         problem,
         scheme,

@@ -1,4 +1,4 @@
-"""Estimates of the error of a step, compared with the true one."""
+"""Estimates of the error of a step, compared with the true error."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -23,13 +23,13 @@ from study.scheme.embedded_nystrom import dormand_prince6
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.runge_kutta import rk4
 
-#: Schemes that solve for the true motion over one step of another scheme, without damping and with it.
+#: Schemes that compute the true motion over one step of the tested scheme, for undamped and for damped problems.
 UNDAMPED, DAMPED = dormand_prince6, rk4
 
-#: Smallest number of steps of these schemes in a step of the other scheme, and in a period of the stiffest mode.
+#: Smallest number of fine steps in one step of the tested scheme, and in one period of the stiffest mode.
 FINE_STEPS = 16
 
-#: Number of periods of the stiffest mode in the time scale of a problem that has one.
+#: Number of periods of the stiffest mode in the time scale of each stiff problem.
 STIFFEST = {"stiff_soft": 2635, "stiff_soft_sine": 2635, "elastic_pendulum": 7086}
 
 #: Phases, as fractions of the period, at which ``ratio`` is given.
@@ -37,7 +37,7 @@ PHASES = np.linspace(0, 1, 101)
 
 
 def _fine_steps(problem: str, steps: int) -> int:
-    """Number of steps that solve for the true motion over one step, where ``steps`` steps make a period."""
+    """Number of fine steps for the true motion over one step of a scheme that takes ``steps`` steps per period."""
     return math.ceil(FINE_STEPS * max(1.0, STIFFEST.get(problem, 0) / steps))
 
 
@@ -55,15 +55,16 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 def estimates(problems: Problems, schemes: Schemes, estimators: Estimators, steps_per_period: Counts) -> xr.Dataset:
     """Measure estimates of the error of a step over one period, next to the true error.
 
-    The true error of a step is its difference from the motion with the same start, solved with at least 16 steps of
-    Dormand and Prince's method of sixth order, or of the Runge-Kutta method if the problem is damped. It is the larger
-    of the errors of displacement and velocity, each relative to its largest value. The estimates are relative to the
-    largest values so far. ``true_displacement_error`` ignores the velocity, as does the estimate of Zienkiewicz and
-    Xie. ``estimate`` and the errors are the largest values in the period without its first tenth. ``ratio`` is the
-    estimate divided by the true error along the period, at the smallest step. ``linear_ratio`` is the closed form of
-    this ratio for a linear undamped oscillator that starts from a displacement (:mod:`study.control.leading`), and NaN
-    if there is none. For a structure, its time scale takes the place of the period. Problems with a history are left
-    out, because the motion cannot start again within a run.
+    The true error of a step is its difference from the true motion with the same start. The true motion is computed
+    with at least 16 steps of Dormand and Prince's method of sixth order, or of the classical Runge-Kutta method if the
+    problem is damped. ``true_error`` is the larger of the errors of displacement and velocity, each relative to its
+    largest value. ``true_displacement_error`` ignores the velocity, as does the estimate of Zienkiewicz and Xie. The
+    estimates are relative to the largest values so far. ``estimate`` and both errors are the largest values in the
+    period without its first tenth. ``ratio`` is the estimate divided by the true error, along the period, at the
+    smallest step size. ``linear_ratio`` is the closed form of this ratio for a linear undamped oscillator that starts
+    from a displacement (:mod:`study.control.leading`). It is NaN without a closed form. For a structure, its time scale
+    takes the place of the period. Problems with a history are left out, because their motion cannot start again within
+    a run.
     """
     shape = (len(problems), len(schemes), len(estimators), len(steps_per_period))
     estimate, true, displacement = (np.full(shape, np.nan) for _ in range(3))
@@ -148,7 +149,10 @@ class _Later(eqx.Module):
 
 
 def true_errors(problem: Problem, ds: xr.Dataset, steps: int = FINE_STEPS) -> tuple[np.ndarray, np.ndarray]:
-    """True errors of each step, relative to the largest values: of the displacement, and the larger of u and u̇."""
+    """True errors of each step, relative to the largest values.
+
+    The first array has the errors of the displacement, the second the larger errors of displacement and velocity.
+    """
     u, v, h = ds.u.values, ds.v.values, ds.step_size.values[1:]
     scheme = UNDAMPED if problem.damping is None else DAMPED
     fine: dict[str, Any] = {"dt": h / steps, "steps": steps, "every": steps}

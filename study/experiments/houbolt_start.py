@@ -1,4 +1,4 @@
-"""Energy error of Houbolt's method for each way to start it; Xie (1996) does not state which one he used."""
+"""Energy error of Houbolt's method for each way to start it; Xie (1996) does not state which way he used."""
 
 from collections.abc import Mapping
 
@@ -23,7 +23,7 @@ def houbolt_start(problems: Springs, steps_per_period: Counts, periods: Count) -
     """Compute the largest energy error of Houbolt's method for every way to start it.
 
     The error is max |E − E₀|/|E₀| over ``periods`` printed periods, in percent, of shape
-    (problem, steps_per_period, start). The ways are listed in ``study.scheme.houbolt.starts``.
+    (problem, steps_per_period, start). ``study.scheme.houbolt.starts`` lists the ways to start.
     """
     error = np.empty((len(problems), len(steps_per_period), len(starts)))
     for p, problem in enumerate(problems):

@@ -16,8 +16,8 @@ from study.mechanics.frequencies import highest_frequency
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: Errors that count towards the order: at least this multiple of the uncertainty of the reference, above round-off,
-#: below a tenth of the motion, and at this number of steps per period or more.
+#: Limits of the errors that count towards the order: smallest multiple of the uncertainty of the reference, smallest
+#: and largest error relative to the motion, and smallest number of steps per period.
 ABOVE, SMALLEST, LARGEST, RESOLVED = 100.0, 1e-11, 0.1, 64
 
 #: Largest number of periods of a run.
@@ -64,8 +64,8 @@ def kinks(
     """Measure error and order of schemes with yielding, memory and contact, and under a record.
 
     The error is max |u − u_ref| / max |u_ref| over the samples, (problem, scheme, steps_per_period). It is NaN where a
-    run fails, or where a scheme takes its force from a potential and the force dissipates. The observed
-    order is the slope of the logarithm of the error against the logarithm of the step.
+    run fails, or where a scheme takes its force from a potential and the force dissipates. The observed order is the
+    slope of the logarithm of the error against the logarithm of the step size.
     """
     reference = io.open_dataset("reference/inelastic")
     shape = (len(problems), len(schemes), len(steps_per_period))

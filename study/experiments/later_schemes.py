@@ -1,4 +1,4 @@
-"""Claims of the authors of later schemes that go beyond linear theory, measured on similar problems."""
+"""Claims of the authors of later schemes that go beyond linear theory, tested on similar problems."""
 
 from collections.abc import Mapping
 
@@ -39,10 +39,11 @@ WITH_MODEL: dict[str, Scheme] = {
     "kr_alpha": KolayRicles(rho_inf=1.0),
     "mkr_alpha": KolayRicles(rho_inf=1.0, modified=True),
 }
-#: Ratios of the tangent to the model that are tried, and largest excess of a spectral radius that counts as round-off.
+#: Ratios of tangent to model stiffness that are tried, and largest excess of a spectral radius over one that counts as
+#: round-off.
 RATIOS, GROWTH = np.geomspace(1.0001, 1e4, 20_000), 1e-7
 
-#: Schemes for the wave, and schemes of fourth order.
+#: Schemes for the wave along a bar.
 OF_WAVES: dict[str, Scheme] = {
     "rho_bathe": rho_bathe,
     "beta_bathe": beta_bathe,
@@ -50,6 +51,7 @@ OF_WAVES: dict[str, Scheme] = {
     "noh_bathe": noh_bathe,
     "central_difference": central_difference,
 }
+#: Schemes of fourth order that are compared at equal numbers of force evaluations.
 OF_FOURTH_ORDER: dict[str, Scheme] = {
     "blanes_moan4": blanes_moan4,
     "mclachlan4": mclachlan4,
@@ -63,7 +65,7 @@ PHASES, OSCILLATES = np.pi * np.array([0.5, 1.0, 2.0]), 2.0
 #: Orders M of mixed Padé methods and their ρ∞, and numbers of steps of their runs.
 TERMS, RHO_INF, LONG = (1, 2, 3, 4), 0.5, (8, 16, 32)
 
-#: Part of the bar that the front has passed at the end.
+#: Part of the bar, of unit length, that the front of the wave has passed at the end of a run.
 REACHED = 0.7
 
 
@@ -73,7 +75,7 @@ def _offset(stiffness):
 
 
 def _largest_stiffening(scheme: Scheme, dt: float) -> float:
-    """Largest ratio tried of tangent to model stiffness up to which undamped steps are stable; one if none is."""
+    """Largest tried ratio of tangent to model stiffness up to which undamped steps are stable; 1 if there is none."""
 
     def matrix(ratio):
         problem = Problem(_offset(ratio), 10.0)
@@ -109,7 +111,7 @@ def _exact_oscillatory(omega: float) -> np.ndarray:
 
 
 def _errors_of_trigonometric(steps: list[int]) -> np.ndarray:
-    """Largest error of the displacements over all ωΔt, (member, steps)."""
+    """Largest error of the displacements over all ωΔt, for each method and number of steps, (member, steps)."""
     final = Quantity(lambda u: u, name="end", reduce="final")
     errors = np.empty((len(filters), len(steps)))
     for k, count in enumerate(steps):
@@ -157,7 +159,11 @@ def _error_of_wave(scheme: Scheme, courant: float, elements: int) -> float:
 
 
 def _errors_of_mixed_pade() -> np.ndarray:
-    """Errors of displacement and velocity on ü + 0.2u̇ + u = cos(1.5t − 0.7) from u = 1 at rest, (terms, steps)."""
+    """Errors of mixed Padé methods at the end of a run, (terms, steps).
+
+    An error is the norm of the errors of u and u̇. The oscillator ü + 0.2u̇ + u = cos(1.5t − 0.7) starts from u = 1 at
+    rest.
+    """
     problem = Problem(
         stiffness=1.0, damping=0.2, u0=1.0, load=HarmonicLoad(1.0, frequency=1.5, phase=0.7), title="linear oscillator"
     )
@@ -174,7 +180,7 @@ def _errors_of_mixed_pade() -> np.ndarray:
 
 
 def _radius_of_mixed_pade(terms: int) -> float:
-    """Spectral radius without damping at ωΔt = 10⁶."""
+    """Spectral radius of a mixed Padé method without damping at ωΔt = 10⁶."""
     return LinearTheory(MixedPade(terms, RHO_INF), [1e6 / (2 * np.pi)]).spectral_radius.item()
 
 
@@ -189,20 +195,21 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 def later_schemes(
     omega_steps: Sizes, steps: RisingCounts, courant: Sizes, elements: Length, long_steps: Sizes, forces: Counts
 ) -> xr.Dataset:
-    """Measure the claims of the authors of later schemes beyond linear theory.
+    """Test claims of the authors of later schemes that go beyond linear theory.
 
     Parameters
     ----------
     omega_steps
-        ωΔt of the model. At each, the largest ratio of the tangent to the model is found up to which a step is stable.
+        ωΔt of the model. For each value, the largest ratio of tangent to model stiffness with stable steps is found.
     steps
-        Numbers of steps of trigonometric methods on a soft and a stiff unknown, and of the auxiliary variable.
+        Numbers of steps of the runs of trigonometric methods on a soft and a stiff unknown, and of the runs with the
+        auxiliary variable.
     courant, elements
         Courant numbers, Δt divided by the time in which a wave crosses an element, and number of elements of the bar.
     long_steps
-        Step sizes of runs of a thousand steps of the auxiliary variable on the hardening oscillator ü + u + u³ = 0.
+        Step sizes of runs of a thousand steps with the auxiliary variable on the hardening oscillator ü + u + u³ = 0.
     forces
-        Numbers of forces that schemes of fourth order evaluate over the same motion.
+        Numbers of forces that each scheme of fourth order evaluates over the same motion.
     """
     plain = circumstances_with([])["plain"]
     auxiliary: dict[str, Scheme] = {

@@ -23,7 +23,7 @@ from study.scheme.base import OneStep, Scheme
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.wrapper.compensated import Compensated
 
-#: Largest number of steps that a run of single precision can count.
+#: Largest number of steps that a run in single precision can count.
 MOST_STEPS = 2**30 - 1
 #: Arithmetics: whether each uses double precision, and whether it sums displacement and velocity with compensation.
 #: The last arithmetic is the reference of the others.
@@ -46,7 +46,7 @@ def _step_sizes(step: float, runs: int) -> np.ndarray:
     """Step sizes close to ``step`` of each kind in ``BITS``, (kind, run); all arithmetics represent them exactly.
 
     Neighbours differ by one unit in the last place of a short step size. So the runs have independent round-off, and
-    long ones end at different phases of the orbit.
+    long runs end at different phases of the orbit.
     """
     sizes = []
     for bits in BITS.values():
@@ -71,8 +71,8 @@ def _phase_error(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, 
     """Delay at the end of each run in periods, (run,); NaN for runs without an upward crossing of zero.
 
     The mean period T̄ is taken from the start to the last upward crossing; the delay is (T̄/T − 1) times the length of
-    the run in periods. It is computed in fractions: single precision cannot count the steps of long runs, and double
-    precision would leave few digits of their phase.
+    the run in periods. The delay is computed in fractions: single precision cannot count the steps of long runs, and
+    double precision would leave few digits of their phase.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def _measured(problem: Problem, scheme: Scheme, dt: np.ndarray, length: int, ste
 
 
 def _steps_of_arithmetic(options: Options) -> float:
-    """Steps of all runs of one scheme in one arithmetic."""
+    """Number of steps of all runs of one scheme in one arithmetic."""
     return len(BITS) * options["runs"] * options["steps_per_period"] * sum(options["periods"])
 
 
@@ -113,7 +113,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 
 def _jobs(options: Options) -> dict[str, Options]:
-    """A job for each scheme, or for each scheme and arithmetic where the runs are long."""
+    """The options of one job for each scheme or, if the runs are long, for each scheme and arithmetic."""
     if len(ARITHMETIC) * _steps_of_arithmetic(options) <= MOST_STEPS_OF_JOB:
         return {name: {**options, "schemes": [name], "arithmetics": list(ARITHMETIC)} for name in options["schemes"]}
     return {
@@ -166,14 +166,14 @@ def long_runs(
     """Measure the errors of energy and phase at the end of each very long run.
 
     Every length is run in every arithmetic with ``runs`` step sizes close to T/N, with T the exact period and
-    N = ``steps_per_period``, once with step sizes of 24 bits and once with step sizes of 12.
+    N = ``steps_per_period``, once with step sizes of 24 bits and once with step sizes of 12 bits.
 
     Parameters
     ----------
     schemes
         One-step schemes, because only their sums can be compensated.
     periods
-        Lengths of the runs, ascending.
+        Lengths of the runs in periods, ascending.
     arithmetics
         Keys of ``ARITHMETIC``.
 

@@ -7,7 +7,7 @@ from study import io
 from study.declaration.experiment import experiment
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 
-#: Arithmetic whose runs give the round-off of the others.
+#: Arithmetic of the runs from which the round-off of all other runs is measured.
 _LEAST_ROUND_OFF = "float64_compensated"
 
 
@@ -15,8 +15,9 @@ def growth(periods: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     """Exponent k of the law rms(values) ~ periods^k over the last two decades of lengths, and its standard error.
 
     k is the least squares slope of log rms against log periods. Its error is the jackknife estimate over runs, because
-    the values of one run at several lengths share their round-off. Both are NaN if there are fewer than three of these
-    lengths or fewer than two runs, if all values of a length, or all except one, are zero, or if a value is not finite.
+    the values of one run at several lengths share their round-off. Both are NaN if there are fewer than three lengths
+    in the last two decades, or fewer than two runs. They are also NaN if all values of a length, or all except one, are
+    zero, or if a value is not finite.
 
     Parameters
     ----------
@@ -37,7 +38,7 @@ def growth(periods: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     squares = values[..., late, :] ** 2
     total = squares.sum(axis=-1, keepdims=True)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # the slope is linear in the logarithms; it is found with all runs, and with each run left out in turn
+        # the slope is linear in the logarithms; it is computed with all runs, and with each run left out in turn
         whole, without = (x @ np.log(s) / (2 * x @ x) for s in (total, total - squares))
     error = np.sqrt((runs - 1) * without.var(axis=-1))
     known = np.isfinite(whole[..., 0] + error)
@@ -60,7 +61,7 @@ def summary(runs: xr.Dataset) -> xr.Dataset:
     -------
     xarray.Dataset
         Errors have the shape (scheme, arithmetic, step, periods), exponents and their standard errors
-        (quantity, scheme, arithmetic, step). They are NaN if one of the runs failed.
+        (quantity, scheme, arithmetic, step). All of them are NaN if one of the runs failed.
     """
     rounded = runs.arithmetic != _LEAST_ROUND_OFF
     less = runs - runs.sel(arithmetic=_LEAST_ROUND_OFF)

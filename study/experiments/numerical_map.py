@@ -37,7 +37,7 @@ def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, ste
     Returns
     -------
     xarray.Dataset
-        ``u`` and ``v`` have the shape (scheme, dt, u0, iterate), ``status`` has (scheme, dt, u0).
+        ``u`` and ``v`` have the shape (scheme, dt, u0, iterate), ``status`` has the shape (scheme, dt, u0).
     """
     starts = np.linspace(u0["first"], u0["last"], int(u0["count"]))
     of_lanes = np.tile(starts, len(dt)), np.repeat(dt, len(starts))
@@ -49,7 +49,7 @@ def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, ste
     dims = ("scheme", "dt", "u0")
 
     def iterates(name, units):
-        with np.errstate(over="ignore"):  # values of a diverging run may exceed single precision
+        with np.errstate(over="ignore"):  # values of a diverging run may exceed the range of single precision
             values = np.stack([one[name].values for one in runs]).astype(np.float32)
         return (*dims, "iterate"), values.reshape(*shape, -1), {**runs[0][name].attrs, "units": units}
 

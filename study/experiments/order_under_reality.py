@@ -21,8 +21,8 @@ from study.scheme.named import schemes as schemes_by_name
 #: Whether an order was measured, or why it is missing.
 STATUSES = ("measured", "does_not_apply", "failed", "exact")
 
-#: Fit of an order: smallest and largest error that counts, relative to the motion, and largest and smallest number of
-#: errors in the fit, taken from the finest steps.
+#: Limits of the fit of an order: smallest and largest error that counts, relative to the motion, and largest and
+#: smallest number of errors in the fit. The fit takes the errors with the finest steps.
 SMALLEST, LARGEST, MOST, LEAST = 1e-11, 1.0, 4, 3
 
 
@@ -37,7 +37,11 @@ def _applies(circumstance: Circumstance, scheme: Scheme) -> bool:
 
 
 def _order(counts: np.ndarray, error: np.ndarray) -> tuple[float, str]:
-    """Order by a least squares fit to the logarithms of the finest errors that count, and one of ``STATUSES``."""
+    """Order by a least squares fit, and one of ``STATUSES``.
+
+    The fit takes the logarithms of at most ``MOST`` errors that count, with the finest steps. The order is NaN if fewer
+    than ``LEAST`` errors count.
+    """
     useful = error < LARGEST
     if useful.sum() < LEAST:
         return np.nan, "failed"
@@ -62,9 +66,10 @@ def order_under_reality(
     """Measure the order of displacement, velocity and acceleration of schemes under the circumstances of real problems.
 
     The error is measured at the end of a run of six units of time. It is the root mean square over twelve motions and
-    all unknowns, relative to the root mean square of the exact motion. The order is the slope of its logarithm against
-    the logarithm of the step. References are exact, or computed by a Runge-Kutta method of eighth order with adaptive
-    steps. The acceleration is part of the scheme's state, or follows from the equation of motion if the state has none.
+    all unknowns, relative to the root mean square of the exact motion. The order is the slope of the logarithm of the
+    error against the logarithm of the step size. Reference motions are exact, or computed by a Runge-Kutta method of
+    eighth order with adaptive steps. The acceleration is part of the scheme's state, or follows from the equation of
+    motion if the state has none.
 
     - ``plain``, ``damping``, ``load``: the oscillator ü + c u̇ + u + u³ = f cos(1.5t − 0.7), free and undamped, with
       c = 0.2, or with f = 1;
@@ -83,7 +88,8 @@ def order_under_reality(
     stiffness_ratios
         Stiffness of the spring at the support over the stiffness between the masses.
     tolerances
-        Largest change of the displacement by the last correction of Newton's iteration, relative to the displacement.
+        Tolerances of Newton's iteration: largest change of the displacement by the last correction, relative to the
+        displacement.
     """
     circumstances, counts = circumstances_with(stiffness_ratios, tolerances), np.array(steps)
     shape = len(schemes), len(circumstances), len(QUANTITIES)

@@ -53,7 +53,7 @@ def phase_portrait(problem: Spring, schemes: Schemes, dt: float, duration: float
     progress(f"phase portraits of {problem}")
     steps = round(duration / dt)
     observe: list[str | Observer] = ["trajectory", "energy_error", Height(OutcomeObserver.of(problem).rest)]
-    # without a bound, so that the dataset has the step at which the numbers overflow, as in 1996
+    # without a bound of the displacement, so that the dataset has the step at which the numbers overflow, as in 1996
     marched = partial(run, problem, dt=dt, steps=steps, observe=observe, bound=np.inf, on_failure="ignore")
     runs = [marched(scheme=scheme) for scheme in schemes]
     dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(coordinates.scheme_coordinates(schemes))

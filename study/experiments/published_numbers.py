@@ -1,4 +1,4 @@
-"""Errors of schemes at displacements that sources print or that are exact."""
+"""Errors of schemes at known displacements, which are printed in sources or exact."""
 
 from collections.abc import Mapping
 from typing import Annotated
@@ -35,7 +35,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 
 def _error(at: Known, u: np.ndarray) -> float:
-    """Error of the displacement relative to the size of the known one."""
+    """Error of the displacement relative to the norm of the known displacement."""
     found = u if at.weights is None else at.weights @ u
     return float(np.linalg.norm(found - at.u) / np.linalg.norm(at.u))
 
@@ -62,7 +62,7 @@ def published_numbers(
     controlled: Annotated[list[KnownProblem], Len(1, 100)],
     tolerances: FallingTolerances,
 ) -> xr.Dataset:
-    """Compute errors at displacements that sources print or that are exact.
+    """Compute the errors of schemes at known displacements, which are printed in sources or exact.
 
     The error is |u − u_known| / |u_known| at the time of ``study.problem.named.known``, with Euclidean norms. It is NaN
     if the run failed or the scheme refuses the problem.
@@ -72,7 +72,7 @@ def published_numbers(
     coarsest
         Problems, each with the number of steps of its coarsest run.
     refinements
-        Number of runs of each scheme and problem, each with four times as many steps as the one before.
+        Number of runs of each scheme and problem, each with four times as many steps as the run before.
     controlled, tolerances
         Problems that are also run with the default step control of ``study.run``, and its tolerances.
 
@@ -80,7 +80,7 @@ def published_numbers(
     -------
     xarray.Dataset
         Variables of shape (problem, scheme, refinement) with equal steps, and (problem, scheme, tolerance) with
-        controlled ones, NaN for problems that are not ``controlled``.
+        controlled steps. Variables with controlled steps are NaN for problems that are not ``controlled``.
     """
     names = [one["problem"] for one in coarsest]
     steps = np.array([one["steps"] for one in coarsest])[:, None] * FINER ** np.arange(refinements)

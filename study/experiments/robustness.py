@@ -18,14 +18,15 @@ from study.problem.named import problems as problems_by_name
 def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray, lengths: Sequence[int]) -> np.ndarray:
     """Fewest steps per period that keep the energy within each level, (levels, lengths).
 
-    All larger candidates keep it too, at all amplitudes. The number is NaN if the largest candidate does not.
+    The number is the smallest candidate for which all candidates from it on keep the energy within the level at all
+    amplitudes. It is NaN if the largest candidate does not.
     """
     definition = problems_by_name[problem]
     observer = Excursions(OutcomeObserver.of(definition).rest)
     u0, period = lanes.u0.values, lanes.period.values
     needed = np.full((len(LEVELS), len(lengths)), np.nan)
     undecided = np.ones(needed.shape, bool)
-    # from the finest step size on; once a level is exceeded at a length, coarser steps cannot change its result
+    # from the finest step on; once a level is exceeded at a length, coarser steps cannot change its result
     for steps in sorted(candidates, reverse=True):
         for k, length in enumerate(lengths):
             if not undecided[:, k].any():
@@ -69,8 +70,8 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: RisingCounts) -> xr.Dataset:
     """Find the fewest steps per period that keep the energy within 1, 5 and 10 percent at all amplitudes.
 
-    The amplitudes are those of ``results/reference/amplitudes``; the period T in Δt = T/N is the exact one at each
-    amplitude. Errors of the energy are relative to its height above rest.
+    The amplitudes come from ``results/reference/amplitudes``. The period T in Δt = T/N is the exact period at each
+    amplitude. Errors of the energy are relative to the height of the energy above rest.
 
     Parameters
     ----------

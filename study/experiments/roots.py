@@ -34,7 +34,10 @@ GUESSES = {"last_acceleration": 1.0, "none": 0.0}
 
 @partial(jit, compiler=eqx.filter_jit)
 def _newton(problem: Problem, coefficient, predictor, guess):
-    """Displacement that Newton's iteration finds, or NaN, and number of iterations; shapes (guesses, predictors)."""
+    """Displacement that Newton's iteration finds, and number of iterations, each (guesses, predictors).
+
+    The displacement is NaN if the iteration does not converge.
+    """
 
     def one(predictor, guess):
         a, effort = balance(
@@ -54,7 +57,7 @@ class _Inexact(Newmark):
     tolerance
         Relative tolerance of the iteration.
     part_of_last
-        Factor of the acceleration before the step at which the iteration starts.
+        Factor by which the acceleration before the step is multiplied to start the iteration.
     """
 
     tolerance: float = eqx.field(default=1e-12, kw_only=True)
@@ -68,7 +71,7 @@ class _Inexact(Newmark):
 def _steps_together(problem: str, dt: np.ndarray, steps: int, tolerances: Sequence[float]) -> np.ndarray:
     """Number of steps until a run parts from the run with Newmark's own tolerance, (starts, tolerances, step sizes).
 
-    It is ``steps`` if the run never parts.
+    The number is ``steps`` if the run never parts.
     """
     newmark = cast(Newmark, schemes_by_name["average_acceleration"])
     inexact = partial(_Inexact, newmark.beta, newmark.gamma)
@@ -104,7 +107,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 
 def _numbers_held(options: Options, configuration: Mapping) -> float:
-    # a run holds three numbers a step; roots are sought among 4001 displacements
+    # a run holds three numbers for each step; roots are sought among 4001 displacements
     return options["dt"]["count"] * (3 * options["steps"] + 4001 * options["predictor"]["count"])
 
 
@@ -138,8 +141,8 @@ def roots(
     Returns
     -------
     xarray.Dataset
-        ``number_of_roots`` has the shape (scheme, dt, predictor), ``root`` and ``newton_iterations`` have
-        (scheme, guess, predictor), ``steps_together`` has (start, newton_tolerance, dt).
+        ``number_of_roots`` has the shape (scheme, dt, predictor). ``root`` and ``newton_iterations`` have the shape
+        (scheme, guess, predictor), and ``steps_together`` has the shape (start, newton_tolerance, dt).
 
     Raises
     ------

@@ -24,7 +24,7 @@ PHASE = Fraction(1, 8)
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse step sizes with which a run has no whole number of steps, and references without a sample at its end."""
+    """Refuse step sizes that do not divide a run, and references that have no sample at the end of a run."""
     refused = no_multiple("steps_per_period", options["steps_per_period"], PHASE.denominator)
     if refused is None and all(n % PHASE.denominator for n in configuration["references"]["steps_per_period"]):
         return f"steps_per_period: references.steps_per_period must contain a multiple of {PHASE.denominator}."

@@ -12,7 +12,8 @@ from study.experiments import coordinates
 from study.marching.run import run
 from study.problem.named import problems as problems_by_name
 
-#: Starts, as distances from the start of the problem in multiples of the perturbation.
+#: Initial displacements of the runs, as differences from the initial displacement of the problem in multiples of the
+#: perturbation.
 STARTS = (0, *(way * k for k in range(1, 5) for way in (1, -1)))
 
 #: Distance at which two displacements count as separated.
@@ -36,8 +37,8 @@ def sensitivity(problem: Spring, schemes: Schemes, dt: Size, duration: Size, per
     """Compute the distance over time of runs that start next to each other, for every scheme.
 
     The initial displacements of the first two runs differ by ``perturbation``. Their distance |Δu| has the shape
-    (scheme, t). The step at which a run parts from the first one, and the number of changes of sign, vary from run to
-    run in chaotic motion. They are given for nine runs, (scheme, start). ``dt`` and ``duration`` are in seconds.
+    (scheme, t). In chaotic motion, the step at which a run parts from the first run, and the number of changes of sign,
+    vary from run to run. Both are given for nine runs, (scheme, start). ``dt`` and ``duration`` are in seconds.
     """
     progress(f"sensitivity of {problem}")
     u0 = float(problems_by_name[problem].u0) + perturbation * np.array(STARTS)

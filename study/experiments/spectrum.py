@@ -24,8 +24,8 @@ RATIO = 1.1
 def steps_tried(coarsest: float, finest: float) -> tuple[np.ndarray, np.ndarray]:
     """Descending step sizes, and whether each is commensurate with the record.
 
-    Commensurate steps are integer fractions and multiples of the spacing. They are merged with a grid of a constant
-    ratio.
+    Commensurate step sizes are integer fractions and multiples of the spacing of the record's samples. They are merged
+    with a grid of step sizes in a constant ratio.
     """
     whole = np.arange(1, max(coarsest / SPACING, SPACING / finest) * (1 + 1e-9))
     commensurate = np.append(SPACING / whole, SPACING * whole[1:])
@@ -37,7 +37,7 @@ def steps_tried(coarsest: float, finest: float) -> tuple[np.ndarray, np.ndarray]
 
 
 def _counts(duration: float, steps: np.ndarray) -> np.ndarray:
-    """Number of steps of each size in which a run reaches the duration or passes it."""
+    """Number of steps of each size after which a run reaches or passes the duration."""
     return np.ceil(duration / steps - 1e-9).astype(int)
 
 
@@ -54,7 +54,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _needed(error: xr.DataArray, allowed: float) -> xr.DataArray:
-    """Largest step for which it and all finer steps keep the allowed error, NaN if there is none."""
+    """Largest step size that keeps the allowed error, as all smaller step sizes do; NaN if the smallest does not."""
     kept = error.sortby("step_size") <= allowed
     kept = kept.copy(data=np.logical_and.accumulate(kept.values, axis=kept.get_axis_num("step_size")))
     return kept.step_size.where(kept).max("step_size")
@@ -71,12 +71,12 @@ def spectrum(
     finest: Size,
     allowed_error: Tolerance,
 ) -> xr.Dataset:
-    """Measure the error of the peak drift at each step size, and find the largest step that keeps the allowed error.
+    """Measure the error of the peak drift for each step size, and the largest step size that keeps the allowed error.
 
-    All finer steps must keep it too. ``step_needed`` is given among all steps tried, and among the steps commensurate
-    with the record. A run ends with the step that reaches or passes the duration, after which the ground has no
-    acceleration. ``step_needed`` is NaN if not even the finest step is enough, or if a scheme takes its force from a
-    potential.
+    ``step_needed`` is the largest step size that keeps the allowed error, as all smaller step sizes do. It is given
+    among all step sizes tried, and among the step sizes commensurate with the record. It is NaN if not even the
+    smallest step size is enough, or if a scheme takes its force from a potential. A run ends with the step that reaches
+    or passes the duration. After the duration the ground acceleration is zero.
     """
     exact = io.open_dataset("reference/spectrum")
     table: Any = jnp.asarray(exact.ground.values)

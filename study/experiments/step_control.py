@@ -17,10 +17,11 @@ from study.marching.run import run
 from study.observer.motion import Quantity
 from study.problem.named import problems as problems_by_name
 
-#: Name of reversible control along ``control``, and of equal steps in the histories.
+#: Name of reversible control along ``control``, and name of equal steps along ``with_equal``.
 REVERSIBLE, EQUAL = "reversible", "equal"
 
-#: Largest number of steps per period, on average; a run whose energy grows takes ever smaller steps.
+#: Largest mean number of steps per period of a run. This limit ends runs whose energy grows, because their steps become
+#: ever smaller.
 MOST = 1000
 
 #: Observers of displacement and velocity at the end of a run.
@@ -56,10 +57,10 @@ def step_control(
     """March springs over whole periods with controlled and with equal steps.
 
     After whole periods the exact motion returns to its start. ``return_error`` is the distance of the numerical motion
-    from the start, the larger of displacement and velocity, each relative to its largest value. ``max_energy_error`` is
-    eq. (17) of Xie (1996), in percent. Reversible control takes about as many steps as the first controller at the
-    same tolerance. The histories are the largest energy errors of each period, for the first scheme at the middle
-    tolerance. The history with equal steps has as many steps as the history of the first controller.
+    from the start: the larger of the differences of displacement and velocity, each relative to its largest value.
+    ``max_energy_error`` is eq. (17) of Xie (1996), in percent. Reversible control takes about as many steps as the
+    first controller at the same tolerance. The histories are the largest energy errors of each period, for the first
+    scheme at the middle tolerance. The run with equal steps takes as many steps as the run of the first controller.
     """
     controls = [*controllers, REVERSIBLE]
     shape = (len(problems), len(schemes), len(controls), len(tolerances))
@@ -166,7 +167,7 @@ def _distance(ds: xr.Dataset, start, scale) -> np.ndarray:
 
 
 def _by_period(ds: xr.Dataset, period: float, periods: int) -> np.ndarray:
-    """Largest size of the energy error in each period; NaN from the end of a run that failed."""
+    """Largest size of the energy error in each period; NaN after the end of a run that failed."""
     number = np.minimum((ds.t.values[1:] / period - 1e-9).astype(int), periods - 1)
     largest = np.full(periods, np.nan)
     size = np.abs(ds.energy_error.values[1:])

@@ -1,4 +1,4 @@
-"""Errors of energy and period at all amplitudes, by the step times the highest frequency of the motion."""
+"""Errors of energy and period at all amplitudes, by the step size times the highest frequency of the motion."""
 
 from collections.abc import Mapping
 
@@ -15,7 +15,7 @@ from study.observer.crossings import Oscillations
 from study.observer.outcome import OutcomeObserver
 from study.problem.named import problems as problems_by_name
 
-#: Upper bound of ω T, averaged over the amplitudes, from which the number of steps is declared.
+#: Upper bound of ωT, averaged over the amplitudes; the declared number of steps follows from it.
 MOST_STIFF = 25
 
 

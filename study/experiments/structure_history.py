@@ -86,9 +86,9 @@ def structure_history(
 ) -> xr.Dataset:
     """Record the motion of a structure over time with every scheme at one step size, and its reference.
 
-    The histories of the chain are the energies of its stiff springs. The histories of other structures are displacement
-    and velocity, and the energy error unless the initial energy is zero. Histories have the shape (scheme, t, ...),
-    those of the reference (t_reference, ...).
+    The histories of ``fpu_chain`` are the energies of its stiff springs. The histories of other structures are
+    displacement and velocity, and the energy error unless the initial energy is zero. Histories have the shape
+    (scheme, t, ...), and histories of the reference have the shape (t_reference, ...).
 
     Parameters
     ----------

@@ -46,15 +46,16 @@ def structure_stability(
 ) -> xr.Dataset:
     """Find how the runs of every scheme on structures end, by excitation and step size.
 
-    The Lyapunov exponent λ is the largest one of the numerical map, times the time scale. It is the mean over the
-    second half of a run of N steps, (N λ_N − M λ_M)/(N − M) with M = ⌊N/2⌋.
+    λ is the largest Lyapunov exponent of the numerical map, times the time scale. It is the mean over the second half
+    of a run of N steps, (N λ_N − M λ_M)/(N − M) with M = ⌊N/2⌋.
 
     Parameters
     ----------
     lengths
-        ``problem`` and ``periods`` of each structure: its name, and the length of its runs in units of its time scale.
+        ``problem`` and ``periods`` of each structure: its name, and the length of its runs in time scales of the
+        structure.
     excitations
-        Factors of the initial velocity and of the load, including the load of the ground.
+        Factors of the initial velocity and of the load, including the load by ground motion.
     steps_per_period
         Steps in the time scale of the structure (``study.problem.named.time_scales``).
 
@@ -79,7 +80,7 @@ def structure_stability(
                     run(problem, scheme, dt=scale / parts, steps=n, observe=OBSERVED, on_failure="ignore")
                     for n in (steps // 2, steps)
                 )
-                # the first half is left out, because the perturbation first turns into the stiffest mode
+                # the first half is left out, because in it the perturbation turns towards the stiffest mode
                 rate = (steps * whole.lyapunov_exponent - steps // 2 * half.lyapunov_exponent) / (steps - steps // 2)
                 exponent[at], imbalance[at] = rate * scale, whole.max_energy_imbalance
                 outcome[at] = outcomes_of_balance(whole, exponent[at] * one["periods"])

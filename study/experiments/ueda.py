@@ -1,4 +1,4 @@
-"""The largest Lyapunov exponent of Ueda's oscillator by scheme and step."""
+"""The largest Lyapunov exponent of Ueda's oscillator by scheme and step size."""
 
 from collections.abc import Mapping
 from typing import Annotated

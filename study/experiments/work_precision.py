@@ -18,14 +18,14 @@ from study.observer.energy import EnergyDrift
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: Approximate time of a timed run in seconds, which is long compared with the tenth of a millisecond of a call.
+#: Approximate duration of a timed run in seconds, long compared with the overhead of a call, a tenth of a millisecond.
 LONG_ENOUGH = 0.004
-#: Steps of a first run, whose time gives the number of steps of the timed runs.
+#: Number of steps of a first run, whose duration gives the number of steps of the timed runs.
 FIRST_STEPS = 10_000
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse problems, schemes and step sizes whose errors are not measured."""
+    """Refuse problems, schemes and step sizes whose errors ``accuracy`` does not measure."""
     for key in ("problems", "schemes", "steps_per_period"):
         refused = unlisted(key, options[key], f"accuracy.{key}", configuration["accuracy"][key])
         if refused is not None:
@@ -36,7 +36,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    """Upper bound of the steps of the timed runs: the fastest steps take twenty nanoseconds."""
+    """Upper bound of the number of steps of the timed runs; the fastest steps take twenty nanoseconds."""
     runs = options["repeats"] * len(options["problems"]) * len(options["schemes"]) * len(options["steps_per_period"])
     return runs * LONG_ENOUGH / 20e-9
 
@@ -72,7 +72,7 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
     for p, problem in enumerate(problems):
         progress(f"timing on {problem}")
         period = io.open_dataset(f"reference/{problem}").period.item()
-        # compiled concurrently, because nothing is timed yet; the runs are timed one after the other
+        # the programs are compiled concurrently, because nothing is timed yet; the runs are timed one after the other
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             timed = list(pool.map(partial(Timed, problems_by_name[problem], reductions=(EnergyDrift(),)), chosen))
         for k, parts in enumerate(steps_per_period):
