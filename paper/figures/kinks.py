@@ -9,7 +9,7 @@ from paper.data import of_kinds
 from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
 from paper.products import figure
 
-#: Schemes of every kind.
+#: Schemes in the figure, of every kind.
 SHOWN = [
     "average_acceleration",
     "central_difference",
