@@ -10,7 +10,7 @@ EQUAL = 1e-6
 
 
 def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
-    """Fewest forces per period at a number of steps that keeps the allowed error, as all larger ones tried do."""
+    """Fewest forces per period at numbers of steps that keep the allowed error, as must all larger numbers tried."""
     fine = runs.sortby("steps_per_period", ascending=False)
     of_step = fine.forces_per_step + fine.forces_per_iteration * fine.iterations_per_step
     kept = (fine[error] <= ALLOWED).astype(int).cumprod("steps_per_period")
@@ -20,7 +20,7 @@ def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
 def costs(kinks: xr.Dataset, structures: xr.Dataset) -> xr.DataArray:
     """Forces per period for the allowed error, over (problem, scheme); NaN if no step keeps it.
 
-    The schemes are those of both datasets.
+    The schemes are those that both datasets have.
     """
     common = [name for name in kinks.scheme.values if name in structures.scheme.values]
     parts = [_forces(kinks.sel(scheme=common), "error"), _forces(structures.sel(scheme=common), "displacement_error")]
