@@ -9,7 +9,7 @@ import xarray as xr
 
 from paper.published import PROBLEMS, SCHEMES, STEPS
 
-#: Datasets with the assessments of the springs of the paper's tables.
+#: Names of the datasets with the assessments of the springs of the paper's tables.
 ASSESSED = [f"assessment/{name}" for name in PROBLEMS]
 
 #: Titles of the general solvers that figures and tables show, by their names in the datasets.
@@ -89,7 +89,7 @@ def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
 
 
 def largest_omega_step(rule: xr.Dataset, error: float) -> xr.DataArray:
-    """Largest ω Δt up to which all steps tried keep energy and period within a relative error; zero if none does."""
+    """Largest ω Δt up to which all steps tried keep energy and period within a relative error; zero if no step does."""
     kept = (rule.energy_error <= error) & (rule.period_error <= error)
     unbroken = kept.sortby("omega_step").astype(int).cumprod("omega_step")
     return (unbroken.omega_step * unbroken).max("omega_step")

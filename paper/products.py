@@ -126,26 +126,26 @@ def _declared(kind: str, name: str, caption: str, requires: Requirements | None,
 def figure(
     caption: str, *, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]
 ) -> Callable:
-    """Declare a figure, named as its module unless ``name`` is given: a function of datasets that draws it."""
+    """Declare a figure that a function of datasets draws. The default name is the name of the module."""
     return _declared("figure", name, caption, requires, reads)
 
 
 def table(
     title: str = "", *, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]
 ) -> Callable:
-    """Declare a table, named as its module unless ``name`` is given: a function of datasets that returns a frame."""
+    """Declare a table that a function of datasets returns as a frame. The default name is the name of the module."""
     return _declared("table", name, title, requires, reads)
 
 
 def page(
     caption: str, *, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]
 ) -> Callable:
-    """Declare a page, named as its module unless ``name`` is given: a function of datasets that returns HTML."""
+    """Declare a page that a function of datasets returns as HTML. The default name is the name of the module."""
     return _declared("page", name, caption, requires, reads)
 
 
 def numbers(*, requires: Requirements | None = None, **reads: str | Sequence[str]) -> Callable:
-    """Declare numbers of the text: a function of datasets that returns them by name."""
+    """Declare numbers of the text, which a function of datasets returns by name."""
     return _declared("numbers", "", "", requires, reads)
 
 
@@ -214,8 +214,7 @@ def main(module: str, name: str, results: str, output: str, width: float | None 
     ------
     SystemExit
         If the module has no such product, if a width is given for a page, or if the function of a figure does not
-        return a figure.
-        The message is one sentence.
+        return a figure. The message is one sentence.
     """
     importlib.import_module(module)
     of_module = [product for product in PRODUCTS.values() if product.module == module and product.name == name]

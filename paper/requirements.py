@@ -47,7 +47,7 @@ def fourfold(values: list[float]) -> str:
 
 
 def spans(*values: float) -> Requirement:
-    """Require that a range from ``first`` to ``last`` includes some values."""
+    """Require that a range from ``first`` to ``last`` includes all of ``values``."""
 
     def check(span: dict) -> str:
         left_out = [value for value in values if not span["first"] <= value <= span["last"]]

@@ -1,9 +1,9 @@
 """Claims on the costs of the schemes, in sections 3.1, 3.2 and 5.
 
 Every claim depends on ratios of times per step. Each repeat of the measurement runs all schemes one after the other
-and gives one value of each ratio. The ledger states the median over the repeats. A ratio counts as above or below a
-bound only if both its lower and its upper quartile are. Otherwise the repeats do not decide about the ratio, and a
-claim that depends on it is undecided.
+and gives one value of each ratio. The ledger states the median over the repeats. A ratio counts as above a
+bound only if both its quartiles are above it, and as below a bound only if both are below it. Otherwise the repeats
+do not decide about the ratio, and a claim that depends on the ratio is undecided.
 """
 
 import xarray as xr
@@ -23,13 +23,13 @@ def _quartiles(ratio: xr.DataArray) -> tuple[float, float, float]:
 
 
 def _to(cpu_time: xr.Dataset, scheme: str, others: list[str], problem: str) -> tuple[float, float, float]:
-    """Quartiles over the repeats: time per step of ``scheme`` over the largest time per step of ``others``."""
+    """Quartiles, over the repeats, of the time of a scheme divided by the largest time of the other schemes."""
     time = cpu_time.time_per_step.sel(problem=problem)
     return _quartiles(time.sel(scheme=scheme) / time.sel(scheme=others).max("scheme"))
 
 
 def _found(ratios: Ratios, least: float = 0.0, most_of_all: float = float("inf")) -> Finding:
-    """Finding whether most of the ratios lie between two bounds, with a sentence on the exceptions.
+    """A finding: whether most of the ratios lie between two bounds, with a sentence on the exceptions.
 
     The claim is undecided if it would hold only with ratios on which the repeats do not decide.
     """

@@ -1,4 +1,4 @@
-"""Claims on later schemes, decided by runs, by the growth of motion in a first step of large ωΔt, or by stability."""
+"""Claims on later schemes, decided by runs, by the growth of motion at large ωΔt, or by stability."""
 
 import numpy as np
 import xarray as xr
@@ -84,7 +84,7 @@ def same_power_of_overshoot(spectral):
 
 
 def _power(spectral: xr.Dataset, scheme: str) -> float:
-    """Largest power of ωΔt with which an undamped displacement or velocity grows in a first step of large ωΔt."""
+    """Largest power of ωΔt with which an undamped displacement or velocity grows in a first step with large ωΔt."""
     free = spectral.sel(damping_ratio=0, scheme=scheme)
     return max(float(free[f"growth_{one}_from_{start}"]) for one in "uv" for start in "uv")
 
@@ -178,7 +178,7 @@ def order_with_loose_tolerances(order_under_reality):
 
 
 def _slope(error: xr.DataArray, steps: str) -> float:
-    """Observed order: minus the slope of log error over log number of steps, by least squares; ``steps`` is a name."""
+    """Order of an error: slope of log error over log step size, by least squares along the coordinate ``steps``."""
     return float(-np.polyfit(np.log(error[steps]), np.log(error), 1)[0])
 
 

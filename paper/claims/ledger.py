@@ -83,7 +83,7 @@ OURS = {
     "stability": "stability_claims",
     "structures": "structure_claims",
 }
-#: Prefixes of the names of datasets whose configured schemes must include those of 1996 for a claim of the paper.
+#: Prefixes of names of datasets. If a claim of the paper reads such a dataset, it must have the schemes of 1996.
 _OVER_SCHEMES = ("accuracy", "cpu_time", "energy_error", "large_steps", "sensitivity", "spectral", "phase_portrait/")
 
 
@@ -108,7 +108,7 @@ def claim(
     section, statement, quantity, printed, words
         Attributes of :class:`Claim`. A claim of the paper needs ``words``; other claims have none.
     whose
-        Source of the claim; a claim of the paper has the source ``XIE`` without it.
+        Source of the claim, ignored for a claim of the paper, whose source is ``XIE``.
     requires, reads
         As in :class:`paper.products.Product`.
 

@@ -10,7 +10,8 @@ from paper.published import PROBLEMS
 
 AVERAGE, GENERALIZED = "average_acceleration", "generalized_alpha"
 
-#: Largest deviation from one of the ratio of a true estimate to the true error, and ratio of a blind estimate.
+#: Bounds on the ratio of estimate to true error: a true estimate deviates from one by less than the first number, and
+#: a blind estimate is below the second number.
 TRUE, BLIND = 0.1, 0.1
 
 

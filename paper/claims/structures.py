@@ -10,7 +10,7 @@ from paper.data import TURNING
 from paper.published import SCHEMES
 from paper.requirements import samples_of_history
 
-#: Structures with modes far too fast for the steps.
+#: Structures with modes that are far too fast for the steps to resolve.
 STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]
 #: Algebraically stable methods, which are BN-stable by a theorem of Burrage and Butcher.
 BN_STABLE = ["implicit_midpoint", "gauss4"]
@@ -19,7 +19,7 @@ SAMPLES_OF_SAWTOOTH = 4
 
 
 def kept(runs: xr.Dataset, problems: list[str] | None = None) -> xr.DataArray:
-    """Whether each run completed and kept the balance of energies; ``problems`` selects runs, by default all."""
+    """Whether each run completed and kept the balance of energies, on the given problems or by default on all."""
     if problems is not None:
         runs = runs.sel(problem=[name for name in problems if name in runs.problem.values])
     return (runs.status == 0) & (100 * runs.max_energy_imbalance <= REASONABLE)
@@ -32,7 +32,7 @@ def sawtooth(velocity: xr.DataArray) -> np.ndarray:
 
 
 def _share(runs: xr.DataArray, schemes: list[str]) -> dict[str, float]:
-    """Percentage of the runs with a true value in ``runs``, by scheme."""
+    """Percentage of true values in ``runs``, by scheme."""
     return by_name(100 * runs.sel(scheme=schemes).mean(["problem", "steps_per_period"]))
 
 

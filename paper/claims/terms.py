@@ -54,5 +54,5 @@ ROUND_OFF = 1e-10
 #: Error of a displacement in percent above which it matters, and error of a balance of energies in percent below which
 #: it is unnoticed.
 MATTERS, UNNOTICED = 0.1, 1e-6
-#: Number of steps in a period by the rule of practice, which is the paper's T/20.
+#: Number of steps in a period by the rule of practice; the paper's rule, T/20, is the same.
 RULE = 20

@@ -35,7 +35,7 @@ def packed(blocks: Mapping[str, np.ndarray]) -> tuple[dict[str, Any], str]:
 
 
 def _logarithmic(values: np.ndarray) -> np.ndarray:
-    """Base-2 logarithms as integers of two bytes; the smallest integer is NaN, and larger logarithms are clipped."""
+    """Base-2 logarithms as integers of two bytes. The smallest integer is NaN; logarithms out of range are clipped."""
     with np.errstate(divide="ignore"):
         codes = np.clip(np.round(LOG_CODES * np.log2(values)), -32767, 32767)
     return np.where(np.isnan(codes), -32768, codes).astype(np.int16)

@@ -22,7 +22,7 @@ FIRST: dict[str, Any] = {
 }
 #: Names of the scripts, each after the scripts that it uses.
 SCRIPTS = ("springs", "schemes", "data", "choice", "classes", "map", "panels", "page")
-#: The springs of the page.
+#: Names of the springs of the page.
 PROBLEMS = ["hardening", "softening", "double_well"]
 CASES = ["hardening", "softening", "softening_large", "double_well"]
 
@@ -58,7 +58,7 @@ def _outcomes(outcome: xr.DataArray) -> list[dict[str, str]]:
 
 def _cases(cases: list[xr.Dataset]) -> list[dict[str, Any]]:
     """Spring, initial displacement and step size of each run of the paper."""
-    # runs from the large amplitude of the softening spring have a longer name of the problem
+    # the problem softening_large is the softening spring from its large amplitude
     return [
         {
             "problem": next(name for name in PROBLEMS if case.problem.startswith(name)),

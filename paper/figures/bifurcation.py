@@ -33,7 +33,7 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     axes[1].plot(dt, a_step, ".", markersize=2, color="#0072B2")
     axes[1].axhline(0, color="black", linewidth=0.6)
     axes[1].set(ylabel="exponent × step")
-    # a perturbation grows by the factor exp(λΔt) per step; points are omitted if it stays below order one in the run
+    # a perturbation grows by the factor exp(λΔt) per step; steps are omitted if it is not of order one by the end
     small, large = bifurcation.perturbation.item(), bifurcation.order_one.item()
     growth = np.log(large / small)
     chaotic = (a_step.values > growth / bifurcation.steps.item()) & (bifurcation.status == 0).values

@@ -1,4 +1,4 @@
-"""Our values minus the printed ones for all 98 cells, and the differences that rounding explains."""
+"""Our values minus the printed values for all 98 cells of Tables 1 and 2, and the differences due to rounding."""
 
 import numpy as np
 import xarray as xr

@@ -1,4 +1,4 @@
-"""Estimates over true errors; energy error against time, and final error against steps, controlled and equal."""
+"""Ratios of estimates to true errors; energy errors and final errors with controlled and with equal steps."""
 
 import numpy as np
 import xarray as xr

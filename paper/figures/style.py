@@ -193,7 +193,7 @@ def save(figure: Figure, output: Path) -> None:
         ".svg": partial(FigureCanvasSVG(figure).print_svg, metadata={"Date": None}),
     }
     for suffix, printer in printers.items():
-        figure.dpi = plt.rcParams["savefig.dpi"]  # of rasters; the printers of PDF and SVG set it to 72
+        figure.dpi = plt.rcParams["savefig.dpi"]  # resolution of rasters; printing PDF or SVG resets it
         content = BytesIO()
         printer(content)
         write(content.getvalue(), output.with_suffix(suffix))

@@ -77,7 +77,7 @@ def of_accuracy(accuracy: xr.Dataset) -> dict:
     },
 )
 def of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
-    """Measured over linear loss of amplitude of damped schemes, and over linear elongation of undamped schemes."""
+    """Ratios of measured to linear values: loss of amplitude of damped schemes, and elongation of undamped schemes."""
     linear = spectral.sel(damping_ratio=0.0).interp(dt_over_period=1 / 64)
     measured = accuracy.sel(steps_per_period=64, periods=3, problem=["hardening", "softening"])
     loss = measured.amplitude_decay / linear.amplitude_decay
@@ -106,7 +106,7 @@ def _meaning(runs: xr.Dataset, name: str) -> int:
     },
 )
 def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
-    """Properties of the schemes by linear theory, and where the springs depart from it."""
+    """Properties of the schemes by linear theory, and the schemes that depart from linear theory on the springs."""
     free = spectral.sel(damping_ratio=0.0)
     damped = spectral.sel(damping_ratio=spectral.damping_ratio.max())
     unlimited = free.scheme.values[np.isinf(free.stability_limit.values)]
@@ -145,6 +145,6 @@ def of_references(references: list[xr.Dataset]) -> dict:
 
 @numbers(requires={"round_off.schemes": ["rk4"]})
 def of_round_off(round_off: xr.Dataset) -> dict:
-    """Largest errors of the Runge-Kutta method at its five finest steps, with each kind of sum."""
+    """Largest errors of the Runge-Kutta method at its five finest steps, with plain and with compensated sums."""
     finest = round_off.error.sel(scheme="rk4").isel(steps_per_period=slice(-5, None)).max("steps_per_period")
     return {f"floor_{name}": f"{finest.sel(summation=name).item():.0e}" for name in round_off.summation.values}

@@ -12,7 +12,7 @@ from study.words import span
 
 #: Schemes whose energies grow on the softening spring from its large amplitude.
 _GROWING = ["average_acceleration", "central_difference", "hht_alpha_1996"]
-#: Largest relative distance from an eighth of the period of steps that are close to the step of 1996.
+#: Largest relative difference between an eighth of the period and a step that is close to the step of 1996.
 NEAR = 0.01
 
 
@@ -96,7 +96,7 @@ def of_the_softening_spring(portrait: xr.Dataset) -> dict:
 
 
 def _near_an_eighth(parts: list[float]) -> str:
-    """Require at least two step sizes close to an eighth of the period."""
+    """Require at least two step sizes within ``NEAR`` of an eighth of the period."""
     near = np.abs(np.array(parts) * 8 - 1) <= NEAR
     return "" if near.sum() > 1 else f"needs two steps within {100 * NEAR:g} % of an eighth"
 

@@ -1,4 +1,4 @@
-"""Numbers of the text: the step for the peak drift of oscillators that yield under records."""
+"""Numbers of the text: steps that suffice for the peak drift of oscillators under records of ground motion."""
 
 import numpy as np
 import xarray as xr
@@ -42,7 +42,7 @@ def largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
     requires={"spectrum.schemes": ["average_acceleration", "rk4"], "spectrum.periods": [SHORT, LONG]},
 )
 def of_spectrum(spectrum: xr.Dataset) -> dict:
-    """Steps that suffice for all records and strengths, among commensurate or all steps, and shares of other runs."""
+    """Steps that suffice under all records, commensurate or any, and shares of the runs that exceed the error."""
     needed = spectrum.step_needed.min(["record", "reduction"], skipna=False)
     at_spacing, between = share_at_the_spacing(spectrum), share_between(spectrum)
     found = {

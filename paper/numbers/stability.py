@@ -1,4 +1,4 @@
-"""Numbers of the text: maps of stability, their causes, and long times."""
+"""Numbers of the text: maps of stability, several roots, chaos, and long times."""
 
 import numpy as np
 import xarray as xr
@@ -49,7 +49,7 @@ def of_long_times(runs: xr.Dataset) -> dict:
 
 
 def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str, float]:
-    """Fraction of failures of explicit schemes below their linear limit at the stiffest point, by problem."""
+    """Fraction of failures in runs of explicit schemes below the linear limit at the stiffest point, by problem."""
     limits = spectral.stability_limit.sel(damping_ratio=0.0, scheme=atlas.scheme)
     explicit = atlas.isel(scheme=np.flatnonzero((atlas.explicit.values == 1) & np.isfinite(limits.values)))
     limit = limits.sel(scheme=explicit.scheme)

@@ -27,7 +27,7 @@ def growth(step_control: xr.Dataset) -> xr.DataArray:
 
 
 def forces_needed(error: xr.DataArray, forces: xr.DataArray, allowed: float, along: str) -> xr.DataArray:
-    """Fewest forces at and above which all runs along a dimension keep an error; NaN if no run does."""
+    """Fewest forces at and above which all runs along a dimension keep an error; NaN if the run with most does not."""
 
     def fewest(error: np.ndarray, forces: np.ndarray) -> float:
         exceeding = forces[np.isfinite(forces) & ~(error <= allowed)].max(initial=0.0)

@@ -18,7 +18,7 @@ EXACTING = 1e-10
 
 
 def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time: xr.DataArray) -> tuple[str, float]:
-    """The fastest scheme or solver of a dimension with an error up to ``EXACTING``, and its time in milliseconds."""
+    """The fastest scheme or solver along a dimension with an error up to ``EXACTING``, and its time in milliseconds."""
     error, time = error.sel({dimension: data[dimension]}), time.sel({dimension: data[dimension]})
     enough = time.where(error <= EXACTING).min(set(time.dims) - {dimension})
     return enough.idxmin(dimension).item(), 1e3 * enough.min().item()
@@ -79,7 +79,7 @@ def _fastest(springs: list[xr.Dataset]) -> pd.DataFrame:
 
 @numbers(springs=ASSESSED, requires=OF_THE_ASSESSMENTS)
 def of_recommendations(springs: list[xr.Dataset]) -> dict:
-    """The fastest schemes of the assessed springs, over all quantities and errors, and among the schemes of 1996."""
+    """The fastest schemes on the assessed springs, among all schemes and among the schemes of 1996."""
     best = _fastest(springs)
     explicit = best.kind == "explicit"
     there = [name for name in SCHEMES if name in springs[0].scheme.values]

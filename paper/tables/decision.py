@@ -45,7 +45,7 @@ def _column(error: float) -> str:
 
 
 def _by_class(runs: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
-    """Each class of schemes, with the part of a dataset that has its schemes."""
+    """Name of each class of schemes, with the part of a dataset that has the schemes of the class."""
     for name, flag in CLASSES.items():
         yield name, runs.isel(scheme=np.flatnonzero(runs.explicit.values == flag))
 
@@ -119,7 +119,7 @@ def _remembering(kinks: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dic
 
 
 def _losing(one: xr.Dataset) -> str:
-    """A remark on the schemes that fail or lose the balance of energies at some step, or on the others if fewer."""
+    """A remark on the schemes that fail or lose the balance of energies, or on the others if these are fewer."""
     loses = ((one.status != 0) | ~(one.max_energy_imbalance <= LEVEL)).any("steps_per_period").values
     if not loses.any():
         return ""

@@ -1,4 +1,4 @@
-"""Houbolt's method with each way to start it: one error that differs, and the number of cells reproduced."""
+"""Houbolt's method with each way to start it: the error in one cell, and the number of cells reproduced."""
 
 import pandas as pd
 import xarray as xr

@@ -7,7 +7,7 @@ import xarray as xr
 from paper.data import families
 from paper.products import table
 
-#: Largest ratio of an amplitude near the amplitude of 1996 to the latter, or of the latter to the former.
+#: Factor up to which an amplitude larger or smaller than the amplitude of 1996 is near it.
 SPAN = 3.0
 #: Title of the column of each failure, by the name of the outcome in the maps.
 FAILURES = {
