@@ -9,7 +9,7 @@ import xarray as xr
 
 from paper.published import PROBLEMS, SCHEMES, STEPS
 
-#: Assessments of the springs of the paper's tables.
+#: Names of the datasets with the assessments of the springs of the paper's tables.
 ASSESSED = [f"assessment/{name}" for name in PROBLEMS]
 
 #: Titles of the general solvers that figures and tables show, by their names in the datasets.
@@ -33,7 +33,7 @@ def of_the_paper(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def of_the_tables(energy_errors: xr.Dataset) -> xr.Dataset:
-    """The part of a dataset with the schemes, problems and step sizes of Tables 1 and 2, in their order."""
+    """The part of a dataset with the schemes, problems and step sizes of Tables 1 and 2, in the order of the tables."""
     return of_the_paper(energy_errors).sel(problem=PROBLEMS, steps_per_period=STEPS)
 
 
@@ -44,7 +44,7 @@ def families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
 
 
 def of_kinds(dataset: xr.Dataset, schemes: Sequence[str]) -> xr.Dataset:
-    """The part of a dataset with the given schemes that it has, or with its first schemes if it has none of them."""
+    """The part of a dataset with the given schemes that it has; if it has none, with as many of its first schemes."""
     there = [name for name in schemes if name in dataset.scheme.values]
     return dataset.sel(scheme=there or dataset.scheme.values[: len(schemes)])
 
@@ -52,9 +52,9 @@ def of_kinds(dataset: xr.Dataset, schemes: Sequence[str]) -> xr.Dataset:
 def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataArray:
     """Size of the change of amplitude per period of the longer runs, NaN where the change is not steady.
 
-    Schemes that keep the amplitude have a ripple, which depends on where steps fall and does not grow with the length
-    of the run. A change is steady if its size per period is the same, within a factor of two, in runs of both lengths
-    at five neighbouring step sizes.
+    If a scheme keeps the amplitude, the measured change is a ripple, which depends on where steps fall and does not
+    grow with the length of the run. A change is steady if its size per period is the same, within a factor of two, in
+    runs of both lengths at five neighbouring step sizes.
     """
     size = abs(errors.amplitude_decay)
     ratio = size.sel(periods=longer) / size.sel(periods=shorter)
@@ -82,14 +82,14 @@ def keeps(atlas: xr.Dataset, error: float) -> xr.DataArray:
 def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
     """Largest Δt/T at and below which all steps of the maps keep energy and period within an error in percent.
 
-    It is zero if the finest step exceeds the error.
+    The result is zero if the finest step exceeds the error.
     """
     unbroken = keeps(atlas, error).sortby("dt_over_period").astype(int).cumprod("dt_over_period")
     return (unbroken.dt_over_period * unbroken).max("dt_over_period")
 
 
 def largest_omega_step(rule: xr.Dataset, error: float) -> xr.DataArray:
-    """Largest ω Δt up to which all steps tried keep energy and period within an error; zero if there is none."""
+    """Largest ω Δt up to which all steps tried keep energy and period within a relative error; zero if no step does."""
     kept = (rule.energy_error <= error) & (rule.period_error <= error)
     unbroken = kept.sortby("omega_step").astype(int).cumprod("omega_step")
     return (unbroken.omega_step * unbroken).max("omega_step")

@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 
 #: Measures of error whose order is fitted, with the number of periods of the run. Errors affect each other over time: a
-#: loss of amplitude changes the period. The run is therefore the shortest that has the measure, which is three periods
-#: for means over periods.
+#: loss of amplitude changes the period. The run is therefore as short as the measure permits. A mean over periods needs
+#: three periods.
 PERIODS = {
     "max_trajectory_error": 1,
     "rms_trajectory_error": 1,
@@ -15,22 +15,22 @@ PERIODS = {
     "max_energy_error": 1,
     "energy_drift": 1,
 }
-#: Smallest relative error in a fit; smaller errors are near the round-off of such a run.
+#: Smallest relative error in a fit; smaller errors are near the round-off of the run.
 FLOOR = 1e-10
-#: Largest error in a fit, except for phase errors; larger errors are saturated.
+#: Largest relative error in a fit, except for phase errors; larger errors are saturated.
 SATURATED = 0.5
-#: Number of neighbouring octaves of the step size in a fit; they are the finest above the floor.
+#: Number of step sizes in a fit, each twice the next finer one.
 POINTS = 5
-#: Largest change of the slope from one step size to the next within a fit.
+#: Largest difference between the slopes of neighbouring pairs of step sizes in a fit.
 STEADY = 0.2
 
 
 def observed_order(error: xr.DataArray) -> float:
-    """Slope of log |error| over log Δt at the finest ``POINTS`` neighbouring octaves of the step size above the floor.
+    """Slope of log |error| over log Δt at the finest ``POINTS`` consecutive step sizes with valid errors.
 
-    Octaves are counted from the finest step size; steps between them are omitted. The order is NaN if there are fewer
-    points, or if the slope changes within them: two errors of different order are then of similar size or of opposite
-    sign.
+    Only step sizes that are the finest one times a power of two are used. An error is valid above ``FLOOR`` and, unless
+    it is a phase error, below ``SATURATED``. The order is NaN if there are fewer such step sizes, or if the slope
+    changes between them: two errors of different order are then of similar size or of opposite sign.
 
     An error in percent is taken as a fraction, so that one floor serves all measures.
     """

@@ -11,14 +11,15 @@ from paper.data import steps_of_period
 from study.analysis.recommendation import recommend
 from study.words import number
 
-#: Errors of the columns.
+#: Allowed relative errors, one for each column of the table.
 ERRORS = (0.1, 0.01, 0.001)
-#: Largest relative error of an energy.
+#: Largest relative error of energy and phase of a spring, of a balance of energies, and of a displacement.
 LEVEL = 0.1
 #: Verdict of a search that ends at the coarsest step.
 COARSEST = "already the coarsest step"
-#: Largest errors of a structure's motion, divided by its size. A scheme that removes an unresolved oscillation misses
-#: half of the velocity and all of the acceleration, which these bounds allow. A sawtooth causes larger errors.
+#: Largest errors of a structure's motion, each divided by the size of the quantity. These bounds admit a scheme that
+#: removes an unresolved oscillation: it misses half of the velocity and all of the acceleration. A sawtooth causes
+#: larger errors.
 BOUNDS = {"displacement_error": LEVEL, "velocity_error": 0.75, "acceleration_error": 1.25}
 #: Largest ratio of a number of force evaluations to the fewest at which the two numbers tie.
 TIED = 1.1
@@ -33,8 +34,8 @@ class Pick(NamedTuple):
 
     ``step`` is the step or the number of steps in a period, and ``forces`` the number of force evaluations per period
     or second, both as texts. ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` is the stability
-    limit of Δt·ω in linear theory.
-    ``acceleration_error`` is the error of the acceleration of a structure at the step.
+    limit of Δt·ω in linear theory. ``acceleration_error`` is the error of the acceleration of a structure at the step,
+    NaN for other problems.
     """
 
     title: str
@@ -67,7 +68,7 @@ def tied(forces: np.ndarray, error: np.ndarray) -> np.ndarray:
 
 
 def sentence(title: str) -> str:
-    """A title as the beginning of a sentence."""
+    """A title with a capital first letter, as at the beginning of a sentence."""
     return title[0].upper() + title[1:]
 
 
@@ -91,10 +92,10 @@ def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataF
 
 
 def fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Fewest forces per period at which each scheme keeps an error, as at all finer steps, and the step's index.
+    """Fewest forces per period with which each scheme keeps an error, and the index of the step.
 
-    A run does not keep the error if its balance of energies is wrong by more than ``LEVEL``, or if it exceeds a bound
-    in ``BOUNDS``. The number is NaN if no step keeps the error.
+    All finer steps must keep the error too. A run does not keep the error if its balance of energies is wrong by more
+    than ``LEVEL``, or if it exceeds a bound in ``BOUNDS``. The number of forces is NaN if no step keeps the error.
     """
     sound = runs.max_energy_imbalance <= LEVEL
     for name, level in BOUNDS.items():
@@ -115,7 +116,7 @@ def marked(steps: np.ndarray, place: int) -> str:
 
 
 def picks_of(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits: Mapping[str, float]) -> list[Pick]:
-    """The schemes that tie for the fewest forces per period at an error, with their steps."""
+    """The schemes that tie for the fewest forces per period with an allowed error, with their steps."""
     dims = ("scheme", "steps_per_period")
     runs, error = runs.transpose(*dims, ...), error.transpose(*dims)
     fewest, best = fewest_forces(runs, error, allowed)

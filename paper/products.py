@@ -25,7 +25,7 @@ from study.io import one_sentence, read, write
 #: The key "" stands for the whole configuration. A key that leads into a list of mappings stands for the list of their
 #: values.
 Requirements = Mapping[str, Any]
-#: The dataset that each argument of a function takes, or a list of datasets.
+#: Name of the dataset that each argument of a function takes, or a list of names.
 Reads = Mapping[str, str | Sequence[str]]
 #: Folders and modules of ``paper`` that hold declarations.
 PLACES = ("claims", "explorer", "figures", "manuscript", "numbers", "pages", "tables")
@@ -97,7 +97,7 @@ def enter(product: Product) -> None:
 
 
 def reads_of(function: Callable, given: Reads) -> Reads:
-    """The dataset that each argument of a function takes: the given one, or else the dataset with the argument's name.
+    """Name of the dataset for each argument of a function: the given name, or else the name of the argument.
 
     Raises
     ------
@@ -126,31 +126,31 @@ def _declared(kind: str, name: str, caption: str, requires: Requirements | None,
 def figure(
     caption: str, *, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]
 ) -> Callable:
-    """Declare a figure, named as its module unless ``name`` is given: a function of datasets that draws it."""
+    """Declare a figure that a function of datasets draws. The default name is the name of the module."""
     return _declared("figure", name, caption, requires, reads)
 
 
 def table(
     title: str = "", *, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]
 ) -> Callable:
-    """Declare a table, named as its module unless ``name`` is given: a function of datasets that returns a frame."""
+    """Declare a table that a function of datasets returns as a frame. The default name is the name of the module."""
     return _declared("table", name, title, requires, reads)
 
 
 def page(
     caption: str, *, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]
 ) -> Callable:
-    """Declare a page, named as its module unless ``name`` is given: a function of datasets that returns HTML."""
+    """Declare a page that a function of datasets returns as HTML. The default name is the name of the module."""
     return _declared("page", name, caption, requires, reads)
 
 
 def numbers(*, requires: Requirements | None = None, **reads: str | Sequence[str]) -> Callable:
-    """Declare numbers of the text: a function of datasets that returns them by name."""
+    """Declare numbers of the text, which a function of datasets returns by name."""
     return _declared("numbers", "", "", requires, reads)
 
 
 def discover(places: Iterable[str] = PLACES) -> list[Product]:
-    """Import the modules in some places of the paper, and return the products declared there by kind and name."""
+    """Import the modules in some places of the paper, and return their products, sorted by kind and name."""
     for place in places:
         package = importlib.import_module(f"paper.{place}")
         for module in pkgutil.iter_modules(getattr(package, "__path__", []), f"{package.__name__}."):
@@ -167,8 +167,8 @@ def check(products: Iterable[Product], config: dict) -> None:
     Raises
     ------
     ValueError
-        If a requirement is not met. The message is one sentence that names the key. It also names the product, unless
-        the requirement is a function, which words the message itself.
+        If a requirement is not met. The message is one sentence that names the key. If the requirement is a function
+        of an existing value, the function words the message. Every other message also names the product.
     """
     for product in products:
         for key, wanted in product.requires.items():
@@ -208,13 +208,13 @@ def made(product: Product, read: Callable[[str], Any]) -> Any:
 def main(module: str, name: str, results: str, output: str, width: float | None = None) -> None:
     """Make one figure, in all its formats next to ``output``, or one page.
 
-    A figure has its own width unless another is given in millimetres.
+    A figure has its own width unless ``width`` gives another in millimetres.
 
     Raises
     ------
     SystemExit
-        If the module has no such product, if a page is given a width, or if the function of a figure returns no figure.
-        The message is one sentence.
+        If the module has no such product, if a width is given for a page, or if the function of a figure does not
+        return a figure. The message is one sentence.
     """
     importlib.import_module(module)
     of_module = [product for product in PRODUCTS.values() if product.module == module and product.name == name]
@@ -243,7 +243,7 @@ def _width(text: str) -> float:
 
 
 if __name__ == "__main__":
-    from paper import products  # declarations are added to this module, of which ``__main__`` is a second copy
+    from paper import products  # declarations enter this module and not its copy ``__main__``
 
     parser = argparse.ArgumentParser("python -m paper.products", description="Make one figure or page.")
     for argument in ("module", "name", "results", "output"):

@@ -47,7 +47,7 @@ def fourfold(values: list[float]) -> str:
 
 
 def spans(*values: float) -> Requirement:
-    """Require that a range from ``first`` to ``last`` includes some values."""
+    """Require that a range from ``first`` to ``last`` includes all of ``values``."""
 
     def check(span: dict) -> str:
         left_out = [value for value in values if not span["first"] <= value <= span["last"]]
@@ -57,17 +57,17 @@ def spans(*values: float) -> Requirement:
 
 
 def as_many(number: int) -> Requirement:
-    """Require a list of as many entries as the text or a figure has room for."""
+    """Require a list with exactly ``number`` entries, as the text or a figure needs."""
     return lambda values: "" if len(values) == number else f"must have {number} entries, not {len(values)}"
 
 
 def one_of(known: Sequence[str]) -> Requirement:
-    """Require one of some values."""
+    """Require a value that is one of ``known``."""
     return lambda value: "" if value in known else f"must be one of {', '.join(known)}, not {value!r}"
 
 
 def steps_of_portrait(least: int) -> Requirement:
-    """Require at least the given number of steps of a phase portrait."""
+    """Require that a phase portrait has at least the given number of steps."""
     return lambda portrait: (
         f"has a duration of less than {least} steps, which a figure and the ledger need"
         if portrait["duration"] / portrait["dt"] < least

@@ -10,7 +10,7 @@ EQUAL = 1e-6
 
 
 def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
-    """Fewest forces per period at a number of steps that keeps the allowed error, as all larger ones tried do."""
+    """Fewest forces per period over numbers of steps at and above which every number tried keeps the allowed error."""
     fine = runs.sortby("steps_per_period", ascending=False)
     of_step = fine.forces_per_step + fine.forces_per_iteration * fine.iterations_per_step
     kept = (fine[error] <= ALLOWED).astype(int).cumprod("steps_per_period")
@@ -20,7 +20,7 @@ def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
 def costs(kinks: xr.Dataset, structures: xr.Dataset) -> xr.DataArray:
     """Forces per period for the allowed error, over (problem, scheme); NaN if no step keeps it.
 
-    The schemes are those of both datasets.
+    The schemes are those that both datasets have.
     """
     common = [name for name in kinks.scheme.values if name in structures.scheme.values]
     parts = [_forces(kinks.sel(scheme=common), "error"), _forces(structures.sel(scheme=common), "displacement_error")]
@@ -31,8 +31,9 @@ def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:
     """Numbers that should be small, over (respect, scheme): costs, then properties in undamped linear theory.
 
     These properties are the spectral radius at infinite frequency, the damping of a resolved oscillation, the inverse
-    of the stability limit, and the largest power of ωΔt with which the motion grows in a long first step. Radius and
-    power are infinite for a scheme with a stability limit, and a cost is infinite if no step keeps the error.
+    of the stability limit, and the largest power of ωΔt with which the motion grows in a first step with large ωΔt.
+    Radius and power are infinite for a scheme with a stability limit, and a cost is infinite if no step keeps the
+    error.
     """
     free = spectral.sel(damping_ratio=0, scheme=costs_at.scheme.values)
     limited = np.isfinite(free.stability_limit)

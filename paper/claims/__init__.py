@@ -1,1 +1,1 @@
-"""The ledger of claims: every checkable statement of the paper and its verdict from the datasets."""
+"""The ledger of claims: checkable statements of the paper, further claims, and their verdicts from the datasets."""

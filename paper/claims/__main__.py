@@ -12,7 +12,7 @@ from study.io import one_sentence, write
 
 @one_sentence()
 def main(results: Path, output: Path) -> None:
-    """Write the ledger: the claims of the paper by section, then the other claims with the numbers A1, A2, ..."""
+    """Write the ledger as CSV: the paper's claims by section, numbered 1, 2, ..., then the other claims, A1, A2, ..."""
     discover(["claims"])
     read = reader(results)
     rows = []

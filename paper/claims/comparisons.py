@@ -20,7 +20,7 @@ from paper.claims.wording import joined, listed, number
 from paper.published import PROBLEMS, same, twice
 from paper.requirements import steps_of_portrait
 
-#: Titles of the problems of the paper in its statements.
+#: Names of the problems of the paper in the statements of claims.
 _SPRINGS = {
     "hardening": "the hardening spring",
     "softening": "the softening spring",
@@ -31,7 +31,7 @@ OVER_BOTH_SPRINGS = {"accuracy.problems": PROBLEMS, "accuracy.periods": [100]}
 
 
 def claim_period(section: str, problem: str, decimals: int, words: str) -> None:
-    """Enter the claim that the period of a problem is the printed one."""
+    """Enter the claim that the exact period of a problem rounds to the printed period."""
 
     def period(reference: xr.Dataset) -> Finding:
         exact = reference.period.item()
@@ -42,7 +42,7 @@ def claim_period(section: str, problem: str, decimals: int, words: str) -> None:
 
 
 def at_step(steps: object) -> str:
-    """A step size as a part of the period."""
+    """A step size as a fraction of the period, such as T/20 for 20 steps per period."""
     return f"T/{steps}"
 
 
@@ -134,7 +134,7 @@ def newmark_is_worst(energy_error):
 def claim_printed_error(
     section: str, statement: str, problem: str, steps: int, scheme: str, printed: float, words: str
 ) -> None:
-    """Enter the claim that the error of one run equals the printed value when rounded as in the tables."""
+    """Enter the claim that the error of one run, rounded to two decimals and then to one, is the printed value."""
 
     def error_of_run(energy_error: xr.Dataset) -> Finding:
         value = errors(energy_error, problem).sel(steps_per_period=steps, scheme=scheme)
@@ -202,7 +202,7 @@ def runge_kutta_converges_fastest(energy_error):
 
 
 def lost_energy(portrait: xr.Dataset) -> dict[str, float]:
-    """Mean signed energy error over the last tenth of the time, in percent, of the three strongly damped schemes."""
+    """Mean signed energy error of each strongly damped scheme over the last tenth of the run, in percent."""
     error = 100 * portrait.energy_error.sel(scheme=DISSIPATIVE)
     return by_name(error.isel(t=slice(-(error.sizes["t"] // 10), None)).mean("t"))
 

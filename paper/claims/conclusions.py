@@ -29,7 +29,7 @@ def _some_above_a_fifth(dt_over_period: list[float]) -> str:
 
 
 def _cells(energy_error: xr.Dataset) -> xr.DataArray:
-    """The errors of Tables 1 and 2 over problem, steps_per_period and scheme."""
+    """Computed energy errors of the cells of Tables 1 and 2, over (problem, steps_per_period, scheme)."""
     return energy_error.max_energy_error.sel(period_used="printed", problem=PROBLEMS)
 
 

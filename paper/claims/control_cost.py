@@ -1,4 +1,4 @@
-"""Claims about the cost of controlled steps and about the automatic steps of codes, decided by our runs."""
+"""Claims about the cost of step control, and about the step control of published codes, decided by our runs."""
 
 from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
 from paper.claims.terms import ALMOST, REASONABLE
@@ -9,7 +9,7 @@ from study.words import span
 
 AVERAGE = "average_acceleration"
 
-#: Range of error / (tolerance × steps) that the tests of OrdinaryDiffEqNewmark report for the linear oscillator.
+#: Range of error / (tolerance × number of steps) in the tests of OrdinaryDiffEqNewmark on the linear oscillator.
 OF_SCIML = 0.2, 3.0
 
 

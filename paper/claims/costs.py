@@ -1,8 +1,9 @@
 """Claims on the costs of the schemes, in sections 3.1, 3.2 and 5.
 
-One definition holds for all of them. Each repeat runs all schemes one after the other and gives one ratio of
-their times per step. The ledger states the median over the repeats. A ratio lies above or below a bound only if both
-quartiles do; otherwise the repeats do not decide, and a claim that depends on the ratio is undecided.
+Every claim depends on ratios of times per step. Each repeat of the measurement runs all schemes one after the other
+and gives one value of each ratio. The ledger states the median over the repeats. A ratio counts as above a
+bound only if both its quartiles are above it, and as below a bound only if both are below it. Otherwise the repeats
+do not decide about the ratio, and a claim that depends on the ratio is undecided.
 """
 
 import xarray as xr
@@ -22,15 +23,15 @@ def _quartiles(ratio: xr.DataArray) -> tuple[float, float, float]:
 
 
 def _to(cpu_time: xr.Dataset, scheme: str, others: list[str], problem: str) -> tuple[float, float, float]:
-    """Quartiles, over the repeats, of the ratio of the time of a scheme to the largest time of the others."""
+    """Quartiles, over the repeats, of the time of a scheme divided by the largest time of the other schemes."""
     time = cpu_time.time_per_step.sel(problem=problem)
     return _quartiles(time.sel(scheme=scheme) / time.sel(scheme=others).max("scheme"))
 
 
 def _found(ratios: Ratios, least: float = 0.0, most_of_all: float = float("inf")) -> Finding:
-    """Whether most of the ratios lie between two bounds, with a sentence on the exceptions.
+    """A finding: whether most of the ratios lie between two bounds, with a sentence on the exceptions.
 
-    The claim is undecided if it holds only with the ratios that the repeats do not decide.
+    The claim is undecided if it would hold only with ratios on which the repeats do not decide.
     """
     cells = {name: least < low and high < most_of_all for name, (low, _, high) in ratios.items()}
     open_ones = [name for name, (low, _, high) in ratios.items() if any(low <= b <= high for b in (least, most_of_all))]

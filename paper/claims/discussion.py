@@ -1,4 +1,4 @@
-"""Claims of section 4 on accuracy and stability: accidents of the step size, and the α-method."""
+"""Claims of section 4: smaller steps with larger errors, unconditional stability, and the α-method."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from paper.claims.wording import joined, listed, number
 from paper.published import printed_energy_errors
 from paper.requirements import OF_THE_DRIFT, rising
 
-#: The two springs; the softening spring with both initial displacements.
+#: Problems of the two springs: the hardening spring, and the softening spring with both initial displacements.
 _OF_TWO_SPRINGS = ["hardening", "softening", "softening_large"]
 
 
@@ -113,7 +113,7 @@ def smaller_may_be_unstable(large_steps):
 def five_are_unconditionally_stable(spectral):
     radius = spectral.spectral_radius.sel(damping_ratio=0)
     excess = radius.sel(scheme=UNCONDITIONAL).max().item() - 1
-    # a double root on the unit circle is accurate to half the digits
+    # a radius up to 1 + 1e-6 counts as one: a double root on the unit circle has only half of the digits
     others = bool((radius.sel(scheme=EXPLICIT).max("dt_over_period") > 1 + 1e-6).all())
     return Finding(number(excess, ".0e"), excess < ROUND_OFF and others)
 

@@ -8,10 +8,10 @@ from paper.claims.terms import APART, AT_REST, DAMPED, EXPLICIT, IRREGULAR, REAS
 from paper.claims.wording import listed, number, title
 from study.words import span
 
-#: (E₀ − E_rest)/|E₀| with the energy E_rest at rest, for S₁ = −0.5, S₂ = −1 and u₀ = 0.5.
+#: Initial energy above rest, (E₀ − E_rest)/|E₀|, for S₁ = −0.5, S₂ = −1 and u₀ = 0.5.
 _HEIGHT = (7 / 128 - 1 / 8) / (-7 / 128)
 
-#: Requirements on the runs from neighbouring starts.
+#: Requirements on the configuration of the runs from neighbouring starts.
 _OF_STARTS = {"sensitivity.problem": "double_well", "sensitivity.perturbation": 1e-10}
 
 claim_period("4", "double_well", 1, "The period of this oscillator is equal to 7·3")

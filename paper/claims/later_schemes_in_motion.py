@@ -1,4 +1,4 @@
-"""Claims on later schemes, decided by runs, by the growth of the first step at large ωΔt and by spectral radii."""
+"""Claims on later schemes, decided by runs, by the growth of motion at large ωΔt, or by stability."""
 
 import numpy as np
 import xarray as xr
@@ -90,7 +90,7 @@ def same_power_of_overshoot(spectral):
 
 
 def _power(spectral: xr.Dataset, scheme: str) -> float:
-    """Largest power of ωΔt with which displacement or velocity grows in a long first step without damping."""
+    """Largest power of ωΔt with which an undamped displacement or velocity grows in a first step with large ωΔt."""
     free = spectral.sel(damping_ratio=0, scheme=scheme)
     return max(float(free[f"growth_{one}_from_{start}"]) for one in "uv" for start in "uv")
 
@@ -184,7 +184,7 @@ def order_with_loose_tolerances(order_under_reality):
 
 
 def _slope(error: xr.DataArray, steps: str) -> float:
-    """Order of an error, by a fit of least squares through all numbers of steps."""
+    """Order of an error: slope of log error over log step size, by least squares along the coordinate ``steps``."""
     return float(-np.polyfit(np.log(error[steps]), np.log(error), 1)[0])
 
 
@@ -214,7 +214,7 @@ def order_with_an_auxiliary_variable(later_schemes):
 
 
 def _uniformity(later_schemes: xr.Dataset, member: str) -> float:
-    """Ratio over step sizes of the largest to the smallest error / Δt²; each error is the largest over all ωΔt."""
+    """Ratio of the largest to the smallest error / Δt² over step sizes. Each error is the largest over all ωΔt."""
     scaled = later_schemes.trigonometric_error.sel(member=member) * later_schemes.steps**2
     return (scaled.max() / scaled.min()).item()
 

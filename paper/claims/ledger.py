@@ -27,7 +27,7 @@ class Finding:
     """Our value as a text, whether the claim holds, and a qualification.
 
     A claim that holds with a qualification is reproduced with that qualification. If a claim does not hold, its
-    qualification is the reason. A claim that the noise of measured times leaves open is not decided.
+    qualification is the reason. ``decided`` is false if the noise of measured times leaves the claim open.
     """
 
     ours: str
@@ -54,13 +54,13 @@ class Claim:
     section
         Number of a section of the paper, or a name in ``OURS``.
     whose
-        Who makes the claim: ``XIE`` if it is the paper's.
+        Source of the claim, such as an author; ``XIE`` for the paper of 1996.
     statement, words
         The claim in our words, and a short quotation. Only claims of the paper have a quotation.
     quantity, printed
         The quantity that decides the claim, and its value in the paper, if it is printed there.
     product
-        The check.
+        Product that checks the claim.
     """
 
     section: str
@@ -73,9 +73,9 @@ class Claim:
 
 
 CLAIMS: list[Claim] = []
-#: Sources of claims: the paper of 1996; its verdicts, applied beyond its runs; common practice; this study.
+#: Sources of claims: the paper of 1996; its verdicts, extended beyond its own runs; common practice; this study.
 XIE, XIE_EXTENDED, PRACTICE, STUDY = "Xie", "Xie, extended", "practice", "this study"
-#: Sections with claims that are not in the paper, and the prefix of their numbers in the text.
+#: Sections of claims that the paper does not make, each with the prefix of the names of its counts in the text.
 OURS = {
     "adaptive": "adaptive_claims",
     "materials": "material_claims",
@@ -83,7 +83,7 @@ OURS = {
     "stability": "stability_claims",
     "structures": "structure_claims",
 }
-#: Beginnings of the names of datasets whose schemes include those of 1996, and later ones if configured.
+#: Prefixes of names of datasets. If a claim of the paper reads such a dataset, it must have the schemes of 1996.
 _OVER_SCHEMES = ("accuracy", "cpu_time", "energy_error", "large_steps", "sensitivity", "spectral", "phase_portrait/")
 
 
@@ -108,7 +108,7 @@ def claim(
     section, statement, quantity, printed, words
         Attributes of :class:`Claim`. A claim of the paper needs ``words``; other claims have none.
     whose
-        Who makes the claim, if not the paper.
+        Source of the claim, ignored for a claim of the paper, whose source is ``XIE``.
     requires, reads
         As in :class:`paper.products.Product`.
 
@@ -139,7 +139,7 @@ def claim(
 
 
 def _of_1996(check: Callable[..., Finding]) -> Callable[..., Finding]:
-    """The check, on datasets reduced to the paper's schemes. A dataset that lacks any of them is not reduced."""
+    """The check, on datasets reduced to the schemes of the paper. A dataset without all of them is not reduced."""
 
     def cut(data: Any) -> Any:
         over_schemes = isinstance(data, xr.Dataset) and "scheme" in data.dims
@@ -149,12 +149,12 @@ def _of_1996(check: Callable[..., Finding]) -> Callable[..., Finding]:
 
 
 def errors(energy_error: xr.Dataset, problem: str) -> xr.DataArray:
-    """Largest energy errors with the paper's step sizes, over steps_per_period and scheme."""
+    """Largest energy errors on a problem with the step sizes of the paper, over (steps_per_period, scheme)."""
     return energy_error.max_energy_error.sel(period_used="printed", problem=problem)
 
 
 def most(cells: Mapping[str, bool]) -> tuple[bool, list[str]]:
-    """Whether a statement holds in most of its cells, and the cells in which it does not."""
+    """Whether a statement holds in most of its cells, and the names of the cells in which it does not hold."""
     exceptions = [name for name, holds in cells.items() if not holds]
     return len(exceptions) < (1 - MOST) * len(cells), exceptions
 

@@ -1,4 +1,4 @@
-"""Claims on problems whose answer is published or exact."""
+"""Claims on problems whose solution is published or exact."""
 
 import numpy as np
 import xarray as xr
@@ -9,7 +9,7 @@ from paper.claims.wording import listed, number
 
 #: Small parameter ε of van der Pol's oscillator, its shortest time scale.
 FASTEST = 1e-6
-#: Largest error of an orbit that counts as closed.
+#: Largest relative error of the displacement at the end of an orbit that counts as closed.
 CLOSED = 0.01
 
 
@@ -33,7 +33,7 @@ def exact_on_a_bar(published_numbers):
 
 
 def steps_of_orbit(published_numbers: xr.Dataset) -> dict[str, dict[str, float]]:
-    """Fewest steps that close Arenstorf's orbit within 1 %, equal and controlled, by scheme; NaN if no run does."""
+    """Fewest equal and fewest controlled steps that close Arenstorf's orbit, by scheme; NaN if no run closes it."""
     orbit = published_numbers.sel(problem="arenstorf")
     equal = orbit.steps.where(orbit.error <= CLOSED).min("refinement")
     controlled = orbit.controlled_steps.where(orbit.controlled_error <= CLOSED).min("tolerance")
@@ -62,7 +62,7 @@ def fewer_controlled_steps(published_numbers):
 
 
 def largest_step(published_numbers: xr.Dataset) -> dict[str, float]:
-    """Largest Δt/ε that keeps the displacement of van der Pol's oscillator, by implicit scheme; NaN if none does."""
+    """Largest Δt/ε with a reasonable error on van der Pol's oscillator, by implicit scheme; NaN if there is none."""
     one = published_numbers.sel(problem="van_der_pol")
     one = one.isel(scheme=np.flatnonzero(one.explicit.values == 0))
     steps = (one.time / one.steps / FASTEST).where(100 * one.error <= REASONABLE)
@@ -87,7 +87,7 @@ def beyond_the_fastest_time(published_numbers):
 
 
 def fewest_steps(ueda: xr.Dataset) -> dict[str, float]:
-    """Fewest steps per period at and above which all runs keep the printed exponent, by scheme; NaN if none does."""
+    """Fewest steps per period at and above which every exponent is close to the printed one; NaN if none is."""
     kept = 100 * abs(ueda.exponent / ueda.printed_exponent - 1) <= REASONABLE
     onwards = kept.isel(steps_per_period=slice(None, None, -1)).cumprod("steps_per_period").astype(bool)
     return {name: onwards.steps_per_period.where(onwards.sel(scheme=name)).min().item() for name in ueda.scheme.values}

@@ -16,7 +16,7 @@ claim_period("3.2", "softening", 2, "The period of this oscillator is equal to 1
     words="the behaviour of the integration schemes is similar to that for the previous hardening spring",
 )
 def springs_agree(energy_error):
-    # one column per step size, one row per scheme
+    # ranks of the errors of each spring: one column per step size, one row per scheme
     ranks = [errors(energy_error, name).to_series().unstack("steps_per_period").rank() for name in PROBLEMS]
     alike = {at_step(steps): value for steps, value in ranks[0].corrwith(ranks[1]).items()}
     holds, exceptions = most({step: value > ALIKE for step, value in alike.items()})

@@ -10,17 +10,18 @@ from paper.published import PROBLEMS
 
 AVERAGE, GENERALIZED = "average_acceleration", "generalized_alpha"
 
-#: Ratio of estimate to true error: largest deviation from one of a true estimate, and value below which it is blind.
+#: Bounds on the ratio of estimate to true error: a true estimate deviates from one by less than the first number, and
+#: a blind estimate is below the second number.
 TRUE, BLIND = 0.1, 0.1
 
 
 def _smooth(estimates):
-    """The problems without a stiff mode and without a kink of the load."""
+    """The estimates on problems without a stiff mode and without a kink of the load."""
     return estimates.sel(problem=[one for one in estimates.problem.values if one not in (PULSE, *STIFF)])
 
 
 def _ratio(estimates, estimator, error="true_error"):
-    """Ratio of the largest estimate to the largest true error of a period, at the smallest step."""
+    """Largest estimate in a period over the largest true error in the period, at the smallest step."""
     finest = estimates.sel(estimator=estimator).isel(steps_per_period=-1)
     return finest.estimate / finest[error]
 

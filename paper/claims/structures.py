@@ -1,4 +1,4 @@
-"""Claims about structures, which the paper did not compute; most claims extend its verdicts to structures."""
+"""Claims about structures, which the paper did not compute; some of the claims extend its verdicts to structures."""
 
 import numpy as np
 import xarray as xr
@@ -10,29 +10,29 @@ from paper.data import TURNING
 from paper.published import SCHEMES
 from paper.requirements import samples_of_history
 
-#: Structures with modes far too fast for the steps.
+#: Structures with modes that are far too fast for the steps to resolve.
 STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]
 #: Algebraically stable methods, which are BN-stable by a theorem of Burrage and Butcher.
 BN_STABLE = ["implicit_midpoint", "gauss4"]
-#: Minimum number of samples of a history after its start. Its last half then has three, which can alternate.
+#: Minimum number of samples of a history after its start. The last half then has three samples, which can alternate.
 SAMPLES_OF_SAWTOOTH = 4
 
 
 def kept(runs: xr.Dataset, problems: list[str] | None = None) -> xr.DataArray:
-    """Whether each run of some problems, or of all, completed and kept the balance of energies."""
+    """Whether each run completed and kept the balance of energies, on the given problems or by default on all."""
     if problems is not None:
         runs = runs.sel(problem=[name for name in problems if name in runs.problem.values])
     return (runs.status == 0) & (100 * runs.max_energy_imbalance <= REASONABLE)
 
 
 def sawtooth(velocity: xr.DataArray) -> np.ndarray:
-    """Amplitude of the part of a velocity that changes its sign with every step, over the last half of a history."""
+    """Largest amplitude of the part of a velocity that changes sign at every sample, in the last half of a history."""
     late = velocity.isel(t=slice(velocity.sizes["t"] // 2, None)).values
     return np.abs(late[..., 2:] - 2 * late[..., 1:-1] + late[..., :-2]).max(axis=-1) / 4
 
 
 def _share(runs: xr.DataArray, schemes: list[str]) -> dict[str, float]:
-    """Share of the runs in percent, by scheme."""
+    """Percentage of true values in ``runs``, by scheme."""
     return by_name(100 * runs.sel(scheme=schemes).mean(["problem", "steps_per_period"]))
 
 

@@ -8,29 +8,29 @@ UNCONDITIONAL = ["average_acceleration", *DAMPED]
 EXPLICIT = ["central_difference", "rk4"]
 IMPLICIT_NEWMARK = ["average_acceleration", "newmark_dissipative"]
 
-#: Largest error in percent of the energy or the displacement that is "reasonable" or "fairly accurate", and of a
-#: balance of energies that is kept. A scheme with a larger error is "unsuitable", and "never" to be used if its error
-#: is always larger.
+#: Largest error, in percent, of an energy or a displacement that is "reasonable" or "fairly accurate". Also the largest
+#: error of a balance of energies that counts as kept. A scheme with a larger error is "unsuitable". If its
+#: error is always larger, it is "never" to be used.
 REASONABLE = 10.0
-#: Energy error in percent above which a result is "far" from the exact one, in "grave" error, "meaningless", or
+#: Energy error in percent above which a result is "far" from the exact solution, in "grave" error, "meaningless", or
 #: "strongly" damped.
 FAR_OFF = 50.0
 #: Energy error in percent above which a run is "unstable". A run of a spring that only loses energy stays below
 #: 100, up to round-off.
 UNSTABLE = 101.0
-#: Least gain of the energy in percent, in the second half of a run, that counts as growth.
+#: Gain of the energy in the second half of a run, in percent of the initial energy, above which the energy grows.
 GROWN = 100.0
 #: Ratio of errors up to which a scheme is "almost as accurate" as another, and above which a run is "less accurate".
 ALMOST = 1.1
 #: Least ratio of errors for an accuracy that is improved "significantly".
 SIGNIFICANTLY = 2.0
-#: Least ratio of errors of a scheme that is "far more accurate", and of results that "vary greatly".
+#: Least ratio of errors if one scheme is "far more accurate" than another, or if results "vary greatly".
 GREATLY = 10.0
-#: Least rank correlation of errors that order the runs alike.
+#: Rank correlation of the errors on two springs above which the schemes behave alike.
 ALIKE = 0.8
 #: Number of periods within which a motion that is damped "rapidly" loses ``FAR_OFF`` percent of its energy.
 RAPIDLY = 10.0
-#: Largest ratio of times of a scheme that costs "much less", and of one that costs "slightly more".
+#: Largest ratio of the times of two schemes if the first costs "much less", and if it costs "slightly more".
 MUCH_LESS, SLIGHTLY_MORE = 0.75, 1.5
 #: Share of cases above which something happens in "most" of them or "often".
 MOST = 0.5
@@ -38,7 +38,8 @@ MOST = 0.5
 NOT_UNCOMMON = 0.05
 #: Distance beyond which two runs with almost equal starts are different motions, and the scheme is "chaotic".
 APART = 0.1
-#: Lyapunov exponent per step above which a map is chaotic. In a regular map it is below 0.01 after a thousand steps.
+#: Lyapunov exponent per step above which a map is chaotic. After a thousand steps of a regular map the computed
+#: exponent is below 0.01.
 CHAOTIC = 0.05
 #: Number of different durations of stays in a well above which jumps are "irregular".
 IRREGULAR = 5
@@ -50,7 +51,8 @@ AT_REST = 0.01
 SECOND_ORDER, THIRD_ORDER = 1.5, 2.5
 #: Largest relative size that counts as zero up to round-off.
 ROUND_OFF = 1e-10
-#: Errors in percent: of a displacement, above which it matters; of a balance of energies, below which it is unnoticed.
+#: Error of a displacement in percent above which it matters, and error of a balance of energies in percent below which
+#: it is unnoticed.
 MATTERS, UNNOTICED = 0.1, 1e-6
-#: Steps in a period by the rule of practice; the paper's rule is T/20.
+#: Number of steps in a period by the rule of practice; the paper's rule, T/20, is the same.
 RULE = 20

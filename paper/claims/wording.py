@@ -9,7 +9,7 @@ from study import words
 
 
 def number(value: float, form: str = ".1f", missing: str = "failed") -> str:
-    """A number with a minus sign and powers of ten; ``missing`` if it is not a number."""
+    """A number as a text with the minus sign − and powers of ten; ``missing`` in place of NaN."""
     if np.isnan(value):
         return missing
     return words.printed(f"{value:{form}}".replace("inf", "∞"))
@@ -29,7 +29,7 @@ def title(name: str, data: Mapping[str, xr.Dataset]) -> str:
 
 
 def joined(names: Iterable[str], data: Mapping[str, xr.Dataset]) -> str:
-    """Titles as a list of words, with semicolons if a title has a comma; 'none' if there are no names."""
+    """Titles as a list in words, separated by semicolons if a title has a comma; 'none' if there are no names."""
     titles = [title(name, data) for name in names] or ["none"]
     return words.listed(titles, "; " if any("," in one for one in titles) else ", ")
 
@@ -37,5 +37,5 @@ def joined(names: Iterable[str], data: Mapping[str, xr.Dataset]) -> str:
 def listed(
     values: Mapping[str, float], data: Mapping[str, xr.Dataset], form: str = ".1f", missing: str = "failed"
 ) -> str:
-    """Titles with their values."""
+    """Titles with their values, as one text."""
     return "; ".join(f"{title(name, data)}: {number(value, form, missing)}" for name, value in values.items())

@@ -1,4 +1,4 @@
-"""Data of the page: maps and largest safe steps, packed as bytes."""
+"""Data of the page: maps of stability and largest safe steps, packed as text."""
 
 import base64
 import zlib
@@ -10,7 +10,7 @@ import xarray as xr
 
 from paper.data import largest_safe
 
-#: Largest number of amplitudes, and of step sizes, of a map on the page: a cell is then about ten pixels wide.
+#: Largest number of amplitudes, and of step sizes, of a map on the page. A cell is then about ten pixels wide.
 CELLS = 64
 #: Selectable allowed errors, in percent.
 ERRORS = (10.0, 1.0, 0.1)
@@ -22,7 +22,7 @@ def packed(blocks: Mapping[str, np.ndarray]) -> tuple[dict[str, Any], str]:
     """Arrays as one text, and the place of each array in it: offset, type and shape by name.
 
     The text is base64 of the compressed bytes, which browsers can unpack without a library. Arrays of wider numbers
-    come first, so that each starts at a multiple of its own width.
+    come first, so that each array starts at a multiple of the width of its numbers.
     """
     order = sorted(blocks, key=lambda name: -blocks[name].itemsize)
     offsets = np.cumsum([0, *(blocks[name].nbytes for name in order)]).tolist()
@@ -35,7 +35,7 @@ def packed(blocks: Mapping[str, np.ndarray]) -> tuple[dict[str, Any], str]:
 
 
 def _logarithmic(values: np.ndarray) -> np.ndarray:
-    """Logarithms as integers of two bytes; the smallest one is NaN, and values beyond the ends are clipped."""
+    """Base-2 logarithms as integers of two bytes. The smallest integer is NaN; logarithms out of range are clipped."""
     with np.errstate(divide="ignore"):
         codes = np.clip(np.round(LOG_CODES * np.log2(values)), -32767, 32767)
     return np.where(np.isnan(codes), -32768, codes).astype(np.int16)

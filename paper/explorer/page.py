@@ -11,7 +11,7 @@ from paper.explorer.data import ERRORS, LOG_CODES, coarse, of_maps, packed
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import page
 
-#: Initial choice; ``step`` is the step size over the period.
+#: Initial state of the controls of the page; ``step`` is the step size over the period.
 FIRST: dict[str, Any] = {
     "problem": "hardening",
     "schemes": ["average_acceleration", "central_difference"],
@@ -20,9 +20,9 @@ FIRST: dict[str, Any] = {
     "error": 1.0,
     "colour": "error",
 }
-#: Scripts in the order in which they build on each other.
+#: Names of the scripts, each after the scripts that it uses.
 SCRIPTS = ("springs", "schemes", "data", "choice", "classes", "map", "panels", "page")
-#: The springs of the page.
+#: Names of the springs of the page.
 PROBLEMS = ["hardening", "softening", "double_well"]
 CASES = ["hardening", "softening", "softening_large", "double_well"]
 
@@ -48,7 +48,7 @@ def _problems(atlas: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def _outcomes(outcome: xr.DataArray) -> list[dict[str, str]]:
-    """Label, colour and meaning of each outcome, in the order of the map's numbers."""
+    """Label, colour and meaning of each outcome, in the order of the numbers that stand for outcomes in the maps."""
     meanings, notes = outcome.attrs["flag_meanings"].split(), outcome.attrs["flag_explanations"].split("; ")
     return [
         {"label": OUTCOME_STYLES[name][0], "colour": OUTCOME_STYLES[name][1], "note": note}
@@ -58,7 +58,7 @@ def _outcomes(outcome: xr.DataArray) -> list[dict[str, str]]:
 
 def _cases(cases: list[xr.Dataset]) -> list[dict[str, Any]]:
     """Spring, initial displacement and step size of each run of the paper."""
-    # the softening spring has another name at its large amplitude
+    # the problem softening_large is the softening spring from its large amplitude
     return [
         {
             "problem": next(name for name in PROBLEMS if case.problem.startswith(name)),
@@ -82,7 +82,7 @@ def _as_script(value: object) -> str:
     requires={"atlas.problems": PROBLEMS, "atlas.schemes": FIRST["schemes"]},
 )
 def explorer(atlas: xr.Dataset, cases: list[xr.Dataset]) -> str:
-    """The page with all its parts; equal data give equal text.
+    """The page as HTML with all its parts; equal data give equal text.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""One module per figure, or per figures of one kind; each declares what it reads with :func:`paper.products.figure`."""
+"""One module per figure or group of similar figures; each declares what it reads with :func:`paper.products.figure`."""

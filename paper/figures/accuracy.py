@@ -15,7 +15,7 @@ MEASURES = {
     "max_energy_error": "energy (%)",
 }
 PROBLEMS = ("hardening", "softening")
-#: Periods of the runs, and of shorter runs that show whether a change of amplitude is steady.
+#: Number of periods of the runs, and of the shorter runs that show whether a change of amplitude is steady.
 PERIODS, SHORTER = 100, 3
 
 
@@ -30,7 +30,7 @@ PERIODS, SHORTER = 100, 3
     },
 )
 def draw(accuracy: xr.Dataset) -> Figure:
-    """One row per problem, one column per measure, over 100 periods; errors near the uncertainty are omitted."""
+    """One row per problem, one column per measure; errors that the reference does not resolve are omitted."""
     accuracy = of_the_paper(accuracy)
     losses = loss_of_amplitude(accuracy, SHORTER, PERIODS)
     accuracy = accuracy.sel(periods=PERIODS)

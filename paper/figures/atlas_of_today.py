@@ -1,4 +1,4 @@
-"""Maps of how runs end over step size and amplitude, for the later schemes: one small panel per problem."""
+"""Maps of how runs end over step size and amplitude, for the later schemes: one panel per scheme and problem."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -9,9 +9,9 @@ from paper.products import figure
 from paper.published import SCHEMES
 from paper.requirements import contained
 
-#: Schemes side by side.
+#: Number of schemes side by side.
 COLUMNS = 3
-#: Largest height in cm.
+#: Largest height of the figure in cm.
 TALLEST = 19.0
 
 
@@ -30,7 +30,7 @@ def _others(schemes: list[str]) -> str:
     },
 )
 def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
-    """One block per scheme: hardening spring, softening spring, double well from left to right."""
+    """One block of panels per scheme, with one panel per problem from left to right."""
     atlas = atlas.drop_sel(scheme=SCHEMES, errors="ignore")
     number, problems = atlas.sizes["scheme"], atlas.problem.values
     blocks = min(number, COLUMNS)

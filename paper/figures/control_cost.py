@@ -1,4 +1,4 @@
-"""Error against evaluations of the force, with controlled and with equal steps, and with general solvers."""
+"""Error against evaluations of the force, with controlled and with equal steps, and with a general solver."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -8,7 +8,7 @@ from paper.figures.style import PAGE, curve_styles_in_order, legend_below, lette
 from paper.numbers.step_control import ALLOWED
 from paper.products import figure
 
-#: Schemes and solver in the figure, and maximum number of panels.
+#: Schemes in the figure, general solver in the figure, and maximum number of panels.
 SHOWN, SOLVER, MOST = ["average_acceleration", "generalized_alpha", "rk4", "dormand_prince6"], "cvode_adams", 8
 COLUMNS = 4
 

@@ -8,7 +8,7 @@ from paper.products import figure
 from paper.published import printed_energy_errors
 from paper.requirements import OF_THE_DRIFT
 
-#: The two step sizes that the paper compares, and the places of their labels.
+#: Numbers of steps per period that the paper compares, each with the place of its label.
 _MARKED = {20: (22.0, -68), 25: (27.0, -38)}
 _CURVE = {"color": "#0072B2", "linewidth": 0.6, "marker": ".", "markersize": 2.5}
 
@@ -21,7 +21,7 @@ _CURVE = {"color": "#0072B2", "linewidth": 0.6, "marker": ".", "markersize": 2.5
     requires=OF_THE_DRIFT,
 )
 def draw(drift: xr.Dataset) -> Figure:
-    """Signed drift (above) and steps per oscillation at the end (below) over the step size."""
+    """Signed energy error (above) and steps per oscillation at the end (below) over the steps per period."""
     figure, ((above,), (below,)) = panels(2, 1, COLUMN, 8.5, sharex=True)
     parts = drift.steps_per_period
     above.axhline(0, color="0.7", linewidth=0.6)

@@ -1,4 +1,4 @@
-"""Energy error on rotating structures whose stiff modes the step does not resolve."""
+"""Energy error against time on rotating structures whose stiff modes the step does not resolve."""
 
 import numpy as np
 import xarray as xr

@@ -8,12 +8,12 @@ from paper.figures.style import COLUMN, curve_styles, legend_below, letter, pane
 from paper.products import figure
 from paper.requirements import steps_of_portrait
 
-#: Number of steps in a stretch whose largest error is drawn.
+#: Number of steps in each stretch of a run; the largest error of the stretch is drawn.
 STRETCH = 20
 
 
 def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
-    """Largest |error| within each ``steps`` samples: the oscillation within a period would blacken the panel."""
+    """Largest |error| of each group of ``steps`` samples. All samples, which oscillate, would blacken the panel."""
     return abs(error).isel(t=slice(1, None)).coarsen(t=steps, boundary="trim").max()
 
 

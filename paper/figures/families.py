@@ -1,4 +1,4 @@
-"""Error against time for every scheme, one panel per family."""
+"""Error against the computing time of a run for every scheme, one panel per family."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -7,7 +7,7 @@ from paper.figures.style import curve_styles, legend_in, of_families
 from paper.products import figure
 
 PROBLEM, PERIODS = "hardening", 100
-#: Largest error drawn; at larger ones the phase is lost.
+#: Largest error drawn; at larger errors the phase is lost.
 TOP = 3
 
 
@@ -22,7 +22,7 @@ TOP = 3
     },
 )
 def draw(data: xr.Dataset) -> Figure:
-    """Error of the displacement against time; the classical Runge-Kutta method and heyoka in grey in every panel."""
+    """Error of the displacement against computing time; grey: the Runge-Kutta method and heyoka, in every panel."""
     data = data.sel(problem=PROBLEM, periods=PERIODS)
     figure, columns = of_families(data, 1, 4.2)
     common = data.sel(scheme="rk4")

@@ -1,4 +1,4 @@
-"""Error against the step on smooth forces, with yielding, memory and contact, and under a record."""
+"""Error against the step on a smooth spring, with yielding, memory and contact, and under a ground motion."""
 
 import numpy as np
 import xarray as xr
@@ -9,7 +9,7 @@ from paper.data import of_kinds
 from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
 from paper.products import figure
 
-#: Schemes of every kind.
+#: Schemes in the figure, of every kind.
 SHOWN = [
     "average_acceleration",
     "central_difference",

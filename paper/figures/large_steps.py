@@ -13,7 +13,7 @@ from paper.products import figure
 from paper.published import SCHEMES
 from paper.requirements import rising
 
-#: Classes of the outcome. Worse outcomes are darker, in steps that differ in greyscale.
+#: Colour of each class of outcomes. Worse outcomes are darker, and all colours differ in greyscale.
 CLASSES = {
     "error below 1 %": "#ffffff",
     "below 10 %": "#cbdff2",

@@ -7,13 +7,14 @@ from matplotlib.figure import Figure
 from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 
-#: Units of each quantity, and the exponents of its round-off by Brouwer's law and with a drift.
+#: Unit of each quantity.
 _UNITS = {"energy": "%", "phase": "periods"}
+#: Exponent, with its label, of the growth of round-off by Brouwer's law of random errors, and of a growth by drift.
 _RANDOM, _DRIFTING = {"energy": (0.5, "½"), "phase": (1.5, "3/2")}, {"energy": (1.0, "1"), "phase": (2.0, "2")}
 
 
 def _guide(ax: Axes, round_off: xr.DataArray, offset: float, law: tuple[float, str]) -> None:
-    """Draw a line with the slope of a law over the last part of the run, a factor ``offset`` from the round-off."""
+    """Draw a line with the slope of a law over the last part of the runs, at ``offset`` times the final round-off."""
     exponent, label = law
     x = round_off.periods.values[round_off.periods.values >= round_off.periods.values[-1] / 50]
     last = round_off.isel(periods=-1)

@@ -1,4 +1,4 @@
-"""Order of schemes under the circumstances of real problems, one cell for each."""
+"""Order of schemes under the circumstances of real problems, one cell per scheme and circumstance."""
 
 import numpy as np
 import xarray as xr

@@ -12,7 +12,7 @@ STYLES = (("#0072B2", "--", "s"), ("#D55E00", "-.", "v"), ("#009E73", ":", "^"))
 
 
 def total(history: xr.Dataset) -> xr.DataArray:
-    """The sum of the oscillatory energies."""
+    """The sum of the oscillatory energies of all stiff springs."""
     energies = history[[f"oscillatory_energy_{spring}" for spring in SPRINGS]]
     return energies.to_dataarray("spring").sum("spring", skipna=False)
 

@@ -1,4 +1,4 @@
-"""Maps of how runs end: their colours, their lines, and the cases of the paper on them."""
+"""Maps of how runs end, with the linear limit of stability and the runs of the paper."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -16,7 +16,7 @@ from paper.figures.style import OUTCOME_STYLES, legend_below
 
 
 class RunOf1996(NamedTuple):
-    """A run of the paper: its place on a map, and its scheme, or None for all schemes."""
+    """A run of the paper with its marker on a map. ``scheme`` is None if the maps of all schemes have the marker."""
 
     title: str
     problem: str
@@ -26,7 +26,7 @@ class RunOf1996(NamedTuple):
     marker: str
 
     def place(self, one: xr.Dataset) -> tuple[float, float]:
-        """Step size over period and relative amplitude, by the nearest amplitude of a map."""
+        """Step size over period and relative amplitude; the period belongs to the nearest amplitude of the map."""
         nearest = one.isel(amplitude=int(np.argmin(np.abs(np.log(one.u0.values / self.u0)))))
         return self.dt / nearest.period.item(), self.u0 / nearest.u0.item() * nearest.amplitude.item()
 
@@ -38,7 +38,7 @@ PAPER_CASES = (
 )
 
 
-#: Look of the linear limit, visible on black and on white.
+#: Style of the line of the linear limit of stability, visible on black and on white.
 LIMIT: dict[str, Any] = {
     "color": "black",
     "linewidth": 1.1,
@@ -47,7 +47,7 @@ LIMIT: dict[str, Any] = {
 }
 
 
-#: Options of an image of outcomes. A mesh would be rasterized on the whole page for each panel and exhaust the memory.
+#: Options of an image of outcomes. Each panel of a mesh would be rasterized on the whole page and exhaust the memory.
 IMAGE: dict[str, Any] = {
     "cmap": ListedColormap([colour for _, colour in OUTCOME_STYLES.values()]),
     "vmin": -0.5,
@@ -66,14 +66,14 @@ def _edges(axis: xr.DataArray) -> tuple[float, float]:
 
 
 def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
-    """Outcomes over step size and amplitude, with the linear limit of stability at the stiffest place of each motion.
+    """Draw outcomes over step size and amplitude, with the linear limit of stability at a motion's stiffest place.
 
     Parameters
     ----------
     one
-        One scheme on one problem.
+        Map of one scheme on one problem.
     limit
-        Ω up to which the scheme is stable on the linear oscillator.
+        Stability limit of ωΔt on the linear oscillator. If it is infinite, no line is drawn.
     """
     ax.set(xscale="log", yscale="log", xlim=_edges(one.dt_over_period), ylim=_edges(one.amplitude))
     # in panel coordinates, because cells have different sizes in data coordinates
@@ -83,7 +83,7 @@ def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
 
 
 def step_ticks(ax: Axes, labels: Mapping[float, str]) -> None:
-    """Ticks of the step size; the outer labels stay within the panel, so that labels of two panels do not touch."""
+    """Set the ticks of the step size. Outer labels stay within the panel, so that labels of two panels do not touch."""
     ax.set_xticks(list(labels), list(labels.values()))
     ax.minorticks_off()
     first, *_, last = ax.get_xticklabels()

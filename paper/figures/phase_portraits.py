@@ -18,14 +18,14 @@ _PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 1}
 
 
 def _order(portrait: xr.Dataset) -> list[str]:
-    """Schemes in the paper's order; on the double well the explicit ones, which have no panel there, come last."""
+    """Schemes in the order of panels. On the double well explicit schemes, which the paper's figure omits, are last."""
     if portrait.problem != "double_well":
         return portrait.scheme.values.tolist()
     return portrait.scheme.sortby("explicit").values.tolist()
 
 
 def _limits(reference: np.ndarray, values: np.ndarray) -> tuple[float, float]:
-    """Limits around the exact orbit and the points of the schemes, at most ``_REACH`` widths of the orbit away."""
+    """Limits of an axis around the exact orbit and all points at most ``_REACH`` widths of the orbit away from it."""
     low, high = reference.min(), reference.max()
     reach = _REACH * (high - low)
     low, high = max(min(low, np.nanmin(values)), low - reach), min(max(high, np.nanmax(values)), high + reach)
@@ -71,7 +71,7 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
         ax, run = used[index], portrait.sel(scheme=scheme)
         time = {"c": periods, "cmap": _TIME, "vmin": 0, "vmax": periods[-1]}
         points = ax.scatter(run.u, run.v, s=3.5, linewidths=0, rasterized=True, **time)
-        # over the points, which would hide the exact orbit where a scheme is accurate
+        # drawn after the points, which would hide the exact orbit where a scheme is accurate
         ax.plot(reference.u, reference.v, color="#D55E00", linestyle="-", linewidth=0.5)
         letter(ax, index, run.scheme_title.item())
         if run.status != 0:

@@ -1,4 +1,4 @@
-"""Our values minus the printed ones for all 98 cells, and the differences that rounding explains."""
+"""Our values minus the printed values for all 98 cells of Tables 1 and 2, and the differences due to rounding."""
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,7 @@ from paper.requirements import OF_THE_TABLES
     requires=OF_THE_TABLES,
 )
 def draw(energy_error: xr.Dataset) -> Figure:
-    """One panel for the step sizes of the printed periods, one for those of the exact periods."""
+    """One panel with step sizes from the printed periods, and one with step sizes from the exact periods."""
     figure, axes = panels(2, 1, COLUMN, 10.5, sharex=True)
     printed = printed_energy_errors()
     energy_error = of_the_tables(energy_error)

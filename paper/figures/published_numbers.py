@@ -1,4 +1,4 @@
-"""Errors at known displacements, and the Lyapunov exponent of Ueda's oscillator, over the number of steps."""
+"""Errors of known displacements, and the Lyapunov exponent of Ueda's oscillator, over the number of steps."""
 
 import xarray as xr
 from matplotlib.axes import Axes
@@ -8,7 +8,7 @@ from paper.data import of_kinds
 from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
 from paper.products import figure
 
-#: Schemes of every kind.
+#: Schemes in the figure, of every kind.
 SHOWN = [
     "average_acceleration",
     "central_difference",
@@ -19,14 +19,14 @@ SHOWN = [
     "dormand_prince6",
 ]
 COLUMNS = 5
-#: Largest error drawn; at larger ones the motion is lost.
+#: Largest error drawn; at larger errors the motion is lost.
 BEYOND = 3.0
 #: Smallest error drawn; smaller ones, which may be zero, are drawn at this value.
 SMALLEST = 1e-16
 
 
 def _errors(ax: Axes, one: xr.Dataset, styles: dict) -> None:
-    """Error of each scheme over the number of steps."""
+    """Draw the error of each scheme on a problem over the number of steps."""
     for name, style in styles.items():
         error = one.error.sel(scheme=name)
         ax.plot(one.steps, error.where(error < BEYOND).clip(min=SMALLEST), label=error.scheme_title.item(), **style)
@@ -37,7 +37,7 @@ def _errors(ax: Axes, one: xr.Dataset, styles: dict) -> None:
 
 
 def _exponents(ax: Axes, ueda: xr.Dataset, styles: dict) -> None:
-    """Exponent of each scheme over the steps in a period of the load, and the printed one."""
+    """Draw the exponent of each scheme over the steps in a period of the load, and the printed exponent."""
     for name, style in styles.items():
         if name in ueda.scheme.values:
             ax.plot(ueda.steps_per_period, ueda.exponent.sel(scheme=name), **style)
@@ -54,7 +54,7 @@ def _exponents(ax: Axes, ueda: xr.Dataset, styles: dict) -> None:
     "its error exceeds 3; an error of zero is drawn at 1e-16.",
 )
 def draw(published_numbers: xr.Dataset, ueda: xr.Dataset) -> Figure:
-    """One panel per problem, the last one for the exponent."""
+    """One panel per problem for the error, and a last panel for the Lyapunov exponent of Ueda's oscillator."""
     shown = of_kinds(published_numbers, SHOWN)
     number = shown.sizes["problem"] + 1
     columns = min(number, COLUMNS)

@@ -1,4 +1,4 @@
-"""Number of roots of the effective equation of a step in the double well, and the root that Newton finds."""
+"""Number of roots of the effective equation in the double well, and the root that Newton's iteration finds."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -27,7 +27,7 @@ BELOW = {"loc": "upper left", "bbox_to_anchor": (0, -0.22)}
     requires={"stability.roots.schemes": ["houbolt"], "stability.roots.tolerances": as_many(len(COLOURS))},
 )
 def draw(roots: xr.Dataset) -> Figure:
-    """Regions with three roots, the root that Newton finds, and the steps for which runs with two tolerances agree."""
+    """Regions with three roots, the root that Newton's iteration finds, and the steps until two runs differ."""
     figure, axes = panels(1, 3, PAGE, 6.8)
     several, found, together = axes[0]
     styles = curve_styles(roots.scheme)

@@ -1,4 +1,4 @@
-"""General solvers at a series of tolerances, and two schemes at fixed steps."""
+"""Error against cost of general solvers at a series of tolerances, and of two schemes at fixed steps."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -7,11 +7,11 @@ from paper.data import SOLVERS
 from paper.figures.style import PAGE, curve_styles_in_order, legend_below, letter, panels, wrapped
 from paper.products import figure
 
-#: Largest error drawn; at larger ones the solution is lost.
+#: Largest error drawn; at larger errors the solution is lost.
 TOP = 3
 #: Schemes at fixed steps, with their shades of grey.
 SCHEMES = {"central_difference": "0.8", "rk4": "0.55"}
-#: Labels of the costs, with the names of their variables for schemes and for solvers.
+#: Label of each cost, with the names of its variables for schemes and for solvers.
 _COSTS = {
     "time (s)": ("time_per_run", "solver_time_per_run"),
     "evaluations of the force": ("force_evaluations", "solver_evaluations"),
@@ -25,7 +25,7 @@ _COSTS = {
     requires={"work_precision.schemes.schemes": list(SCHEMES), "work_precision.solvers.periods": [100]},
 )
 def draw(data: xr.Dataset) -> Figure:
-    """Error of the displacement over a hundred periods against time (above) and evaluations (below)."""
+    """Error of the displacement over a hundred periods against computing time (above) and force evaluations (below)."""
     data = data.sel(periods=100)
     size = data.sizes["problem"]
     figure, axes = panels(2, size, PAGE, 10, sharex="row", sharey=True)

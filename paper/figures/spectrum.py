@@ -1,4 +1,4 @@
-"""The step that schemes need for the peak drift of oscillators that yield under records."""
+"""Step sizes that suffice for the peak drift of elastic and yielding oscillators under records of ground motion."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -11,7 +11,7 @@ from paper.products import figure
 
 #: Two implicit schemes, one with damping, and two explicit ones.
 SHOWN = ["average_acceleration", "central_difference", "rho_bathe", "rk4"]
-#: Titles of the panels of sufficient steps, by the steps that were tried.
+#: Titles of the two panels of sufficient steps, by the kind of steps among which they were found.
 TRIED = {"commensurate": "commensurate steps", "all": "all steps"}
 
 
@@ -22,7 +22,7 @@ TRIED = {"commensurate": "commensurate steps", "all": "all steps"}
     "Grey: a fiftieth of the period, and the spacing.",
 )
 def draw(spectrum: xr.Dataset) -> Figure:
-    """Sufficient steps by period, among commensurate steps and among all; share of runs above the error, by step."""
+    """Sufficient steps by period, among commensurate and among all steps; share of runs above the error, by step."""
     spectrum = of_kinds(spectrum, SHOWN)
     spacing, curves = 1e3 * spectrum.spacing.item(), curve_styles(spectrum.scheme)
     figure, axes = panels(1, 3, PAGE, 5.6)

@@ -1,4 +1,4 @@
-"""Estimates over true errors, energy against time, and error against steps, of controlled and of equal steps."""
+"""Ratios of estimates to true errors; energy errors and final errors with controlled and with equal steps."""
 
 import numpy as np
 import xarray as xr
@@ -10,7 +10,7 @@ from paper.figures.style import PAGE, curve_styles_in_order, letter, panels
 from paper.numbers.step_control import PROBLEM, SCHEME
 from paper.products import figure
 
-#: Smallest ratio that is shown; the closed form is zero at turning points.
+#: Smallest ratio of estimate to true error that is shown; the closed form of the ratio is zero at turning points.
 LEAST = 3e-3
 
 
@@ -27,7 +27,7 @@ LEAST = 3e-3
     },
 )
 def draw(estimates: xr.Dataset, step_control: xr.Dataset) -> Figure:
-    """Three panels side by side."""
+    """Three panels side by side: ratios of estimates, energy errors and final errors."""
     figure, ((first, second, third),) = panels(1, 3, PAGE, 7.2)
     _ratios(first, estimates.sel(problem=PROBLEM, scheme=SCHEME))
     control = step_control.sel(problem=PROBLEM, scheme=SCHEME)

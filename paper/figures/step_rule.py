@@ -7,7 +7,7 @@ from paper.data import largest_omega_step
 from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 
-#: Allowed error of energy and period.
+#: Allowed relative error of energy and period.
 ERROR = 0.01
 
 
@@ -18,7 +18,7 @@ ERROR = 0.01
     rule="stability/step_rule",
 )
 def draw(rule: xr.Dataset) -> Figure:
-    """One panel per spring, one curve per scheme along the amplitudes."""
+    """One panel per spring, one marker per scheme and amplitude."""
     safe = largest_omega_step(rule, ERROR)
     safe = safe.where(safe > 0)
     figure, axes = panels(1, rule.sizes["problem"], PAGE, 7, sharex=True, sharey=True)

@@ -1,4 +1,4 @@
-"""A mass on a stiff spring: velocity of the schemes where no step resolves the mode."""
+"""Velocity of a mass on a stiff spring, by schemes whose steps do not resolve its oscillation."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -14,7 +14,7 @@ from paper.products import figure
     requires={"structure_history.stiff_soft.problem": "stiff_soft"},
 )
 def draw(history: xr.Dataset) -> Figure:
-    """One panel per scheme, drawn over the reference in grey."""
+    """One panel per scheme: its velocity, drawn over the reference in grey."""
     rows = history.sizes["scheme"]
     figure, axes = panels(rows, 1, COLUMN, 2.3 * rows + 0.8, sharex=True, sharey=True)
     styles = curve_styles(history.scheme)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
 from paper.products import figure
 
-#: Largest exponent of a panel with a linear scale.
+#: Largest absolute value of an exponent in a panel with a linear scale.
 LINEAR = 2.0
 COLUMNS = 5
 

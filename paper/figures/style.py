@@ -31,8 +31,8 @@ plt.style.use("paper.figures.style")
 COLUMN, PAGE = 8.4, 17.4
 _CM = 1 / 2.54
 
-#: Label and colour of each outcome of a run, by its name in the maps of stability. Worse outcomes are darker, in steps
-#: that differ in greyscale.
+#: Label and colour of each outcome of a run, by its name in the maps of stability. Worse outcomes are darker, and all
+#: colours differ in greyscale.
 OUTCOME_STYLES = {
     "accurate": ("accurate", "#ffffff"),
     "bounded": ("bounded", "#cbdff2"),
@@ -44,14 +44,14 @@ OUTCOME_STYLES = {
     "unbounded": ("unbounded", "#000000"),
 }
 
-#: Characters in a line of a legend below the panel of a family.
+#: Maximum number of characters in a line of the legend of a family.
 ENTRY = 14
 
 _COLOURS = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#7A1F4B"]
 _LINES = ["-", "--", "-.", ":", (0, (7, 1.5)), (0, (3, 1, 1, 1, 1, 1)), (0, (1, 0.6))]
 _MARKERS = ["o", "s", "v", "^", "D", "P", "X", "<"]
 
-#: Numbers of the curve styles of each family, by the place of a scheme in it. The first eight schemes of a family have
+#: Numbers of the curve styles of each family, in the order of its schemes. The first eight schemes of a family have
 #: different colours.
 _STYLE_NUMBERS = {
     "Newmark and Wilson": (0, 1, 2, 3, 21, 23, 36, 38),
@@ -73,7 +73,7 @@ def curve_styles(schemes: xr.DataArray) -> dict[str, dict[str, Any]]:
 
 
 def curve_styles_in_order(names: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """One style for each of some curves that are not schemes."""
+    """One style for each of some curves, by their order in the figure and not by family."""
     return {name: _curve_style(index) for index, name in enumerate(names)}
 
 
@@ -113,19 +113,19 @@ def wrapped(title: str, width: int) -> str:
 
 
 def letter(axes: Axes, index: int, title: str) -> None:
-    """Title of a panel: (a), (b), ..., (z), (aa), ... and what it shows."""
+    """Set the title of a panel: its letter, (a), (b), ..., (z), (aa), ..., and what the panel shows."""
     turn, place = divmod(index, 26)
     axes.set_title(f"({chr(ord('a') + place) * (turn + 1)}) {title}")
 
 
 def legend_below(figure: Figure, columns: int, axes: Axes | None = None, handles: list | None = None) -> None:
-    """A legend below all panels, of the curves of a panel (the first one if none is given) or of some handles."""
+    """Draw a legend of ``handles`` below all panels, by default of the curves of ``axes`` or of the first panel."""
     handles = (axes or figure.axes[0]).get_legend_handles_labels()[0] if handles is None else handles
     figure.legend(handles=handles, loc="outside lower center", ncols=min(columns, max(len(handles), 1)))
 
 
 def legend_in_gap(figure: Figure, axes: np.ndarray, number: int, columns: int) -> None:
-    """A legend in place of the panels after the first ``number`` ones, or below all panels if none is left."""
+    """Draw a legend in place of the panels after the first ``number``; without such panels, below all panels."""
     if number == axes.size:
         legend_below(figure, columns)
         return
@@ -138,7 +138,7 @@ def legend_in_gap(figure: Figure, axes: np.ndarray, number: int, columns: int) -
 
 
 def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, list[tuple[xr.Dataset, np.ndarray]]]:
-    """A figure as wide as the page with a column of panels for each family, and room for its legend below.
+    """A figure as wide as the page with a column of panels for each family, and a place for a legend below it.
 
     Parameters
     ----------
@@ -148,13 +148,13 @@ def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, 
     Returns
     -------
     figure, columns
-        The figure; and for each family its part of the dataset, and an array of its panels from top to bottom, with the
-        place of its legend last.
+        The figure, and a pair for each family: its part of the dataset, and an array of its panels from top to bottom
+        with the place of its legend last.
     """
     parts = families(dataset)
     entries = [[wrapped(title, ENTRY) for title in part.scheme_title.values] for part in parts.values()]
     legend = max(0.08 * len(titles) + 0.31 * sum(title.count("\n") + 1 for title in titles) for titles in entries)
-    figure = empty(PAGE, rows * (height + 0.3) + legend + 1.7)  # titles and labels take the rest
+    figure = empty(PAGE, rows * (height + 0.3) + legend + 1.7)  # with room for titles and labels
     grid = figure.add_gridspec(rows + 1, len(parts), height_ratios=[height] * rows + [legend])
     columns: list[tuple[xr.Dataset, np.ndarray]] = []
     for index, (name, part) in enumerate(parts.items()):
@@ -177,12 +177,12 @@ def legend_in(place: Axes, axes: Axes) -> None:
     legend = place.legend(
         handles, titles, loc="upper left", borderaxespad=0, handlelength=2.2, bbox_to_anchor=(-0.1, 1.0)
     )
-    legend.set_in_layout(False)  # the columns keep one width
+    legend.set_in_layout(False)  # long entries do not narrow the column
 
 
 def save(figure: Figure, output: Path) -> None:
     """Save a figure as PDF, PNG and SVG next to ``output``, with equal bytes for equal data."""
-    # The layout takes as long as drawing, so that all three files share it. Each canvas prints directly, because
+    # The layout takes as long as drawing, so all three files share one layout. Each canvas prints directly, because
     # figure.savefig would draw twice.
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
@@ -193,13 +193,13 @@ def save(figure: Figure, output: Path) -> None:
         ".svg": partial(FigureCanvasSVG(figure).print_svg, metadata={"Date": None}),
     }
     for suffix, printer in printers.items():
-        figure.dpi = plt.rcParams["savefig.dpi"]  # for rasters; vectors reset it to points
+        figure.dpi = plt.rcParams["savefig.dpi"]  # resolution of rasters; printing PDF or SVG resets it
         content = BytesIO()
         printer(content)
         write(content.getvalue(), output.with_suffix(suffix))
 
 
 def at_width(figure: Figure, millimetres: float) -> Figure:
-    """The figure at another width. It keeps its height and the size of its text, and panels fill the room."""
+    """The figure with another width, which its panels fill. Its height and the size of its text remain."""
     figure.set_figwidth(millimetres / 10 * _CM)
     return figure

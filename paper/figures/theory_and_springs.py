@@ -9,7 +9,7 @@ from paper.figures.style import PAGE, legend_below, letter, panels
 from paper.products import figure
 from paper.requirements import contained
 
-#: Steps per period and periods of the runs that are shown.
+#: Number of steps per period, and number of periods, of the runs that are shown.
 STEPS, PERIODS = 64, 3
 MEASURES = {"period_elongation": "period elongation", "amplitude_decay": "loss of amplitude per period"}
 PROBLEMS = {"hardening": ("s", "#0072B2"), "softening": ("^", "#D55E00")}

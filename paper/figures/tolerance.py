@@ -1,4 +1,4 @@
-"""True error of general solvers over their longest runs against the tolerance."""
+"""True error of general solvers in their longest runs, against the tolerance."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -7,7 +7,7 @@ from paper.data import SOLVERS
 from paper.figures.style import COLUMN, curve_styles_in_order, legend_below, letter, panels
 from paper.products import figure
 
-#: Titles of the problems, whose dataset has none.
+#: Titles of problems, where they differ from the names; the dataset has no titles.
 _TITLES = {"softening_large": "softening,\nlarge amplitude"}
 
 

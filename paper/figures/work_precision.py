@@ -1,4 +1,4 @@
-"""Every measure of error against the time, or the forces, of a run of a hundred periods."""
+"""Four measures of error against the computing time, or the force evaluations, of a run of a hundred periods."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -8,7 +8,7 @@ from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.published import SCHEMES
 
-#: Periods of the runs, and of shorter runs that show whether a change of amplitude is steady.
+#: Number of periods of the runs, and of the shorter runs that show whether a change of amplitude is steady.
 PERIODS, SHORTER = 100, 3
 MEASURES = {
     "max_trajectory_error": "displacement",
@@ -16,7 +16,7 @@ MEASURES = {
     "amplitude_decay": "loss of amplitude",
     "max_energy_error": "energy (%)",
 }
-#: Smallest error drawn; below it round-off of a hundred periods dominates.
+#: Smallest error drawn; in smaller errors the round-off of a hundred periods dominates.
 FLOOR = 1e-14
 _REQUIRES = {
     "work_precision.schemes.schemes": SCHEMES,
@@ -26,7 +26,7 @@ _REQUIRES = {
 
 
 def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
-    """One row per problem, one column per measure of error, against a cost."""
+    """One row per problem, one column per measure of error, against the variable ``cost``."""
     data = of_the_paper(data)
     losses = loss_of_amplitude(data, SHORTER, PERIODS)
     data = data.sel(periods=PERIODS)
@@ -60,7 +60,7 @@ def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
     requires=_REQUIRES,
 )
 def over_time(data: xr.Dataset) -> Figure:
-    """Errors against the time of a run; heyoka, a general solver, in grey."""
+    """Errors against the computing time of a run; heyoka, a general solver, in grey."""
     return _draw(data, "time_per_run", "time (s)")
 
 

@@ -14,7 +14,7 @@ from study.words import printed
 
 
 def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[str, str | bool | None]:
-    """All numbers by name, as texts; facts as true or false; None for missing products.
+    """All numbers of the products by name: numbers as texts, facts as true or false, and None for missing numbers.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[st
 
 
 def commits(products: Iterable[Product], read: Callable[[str], Any]) -> str | None:
-    """Commits of all datasets that the numbers are read from, with a mark for uncommitted changes."""
+    """Commits of all datasets that the products read, with a mark for uncommitted changes; None if none is known."""
     reads = [one for product in products for one in product.reads.values()]
     names = {name for one in reads for name in ([one] if isinstance(one, str) else one)}
     described = {read(name).attrs.get("commit", "unknown") for name in names if not Path(name).suffix} - {"unknown"}
@@ -46,7 +46,7 @@ def commits(products: Iterable[Product], read: Callable[[str], Any]) -> str | No
 
 @one_sentence()
 def main(results: Path, output: Path) -> None:
-    """Write the numbers of a folder of results."""
+    """Write the numbers from a folder of results as JSON."""
     products = [product for product in discover(["numbers"]) if product.kind == "numbers"]
     read = reader(results)
     numbers = {**gathered(products, read), "commits": commits(products, read)}

@@ -8,11 +8,12 @@ from paper.claims.wording import joined
 from paper.products import numbers
 from paper.tables.stability import GAIN, PROBLEMS
 
-#: Schemes whose loss of amplitude, and schemes whose elongation, the text compares with linear theory.
+#: Schemes whose loss of amplitude the text compares with linear theory.
 _DAMPED = ["hht_alpha_1996", "bathe", "rk4"]
+#: Schemes whose period elongation the text compares with linear theory.
 _FAITHFUL = ["average_acceleration", "central_difference", "energy_momentum"]
 _COMPARED = [*_DAMPED, *_FAITHFUL]
-#: Solvers whose errors at a tolerance the text compares.
+#: General solvers whose errors at one tolerance the text compares.
 _SOLVERS = ["cvode_adams", "cvode_bdf", "dopri8", "tsit5", "heyoka"]
 
 
@@ -20,7 +21,7 @@ _SOLVERS = ["cvode_adams", "cvode_bdf", "dopri8", "tsit5", "heyoka"]
     agreement="reference_agreement", requires={"agreement.tolerances": [1e-9], "references.problems": ["hardening"]}
 )
 def of_agreement(agreement: xr.Dataset) -> dict:
-    """True errors of general solvers at a tolerance."""
+    """True errors of general solvers on the hardening spring, at one tolerance and at the best tolerance."""
     error = agreement.u_error.sel(periods=100, problem="hardening")
     # a mapping, because `sel` has an argument with the name `tolerance`
     at_nine = error.sel({"tolerance": 1e-9}, method="nearest")
@@ -47,7 +48,7 @@ def of_agreement(agreement: xr.Dataset) -> dict:
     },
 )
 def of_accuracy(accuracy: xr.Dataset) -> dict:
-    """Errors over a hundred periods."""
+    """Errors of schemes over a hundred periods, and numbers of errors that the reference does not resolve."""
     accuracy = accuracy.sel(periods=100)
     run = accuracy.sel(problem="hardening", scheme="average_acceleration").sel(steps_per_period=64)
     flagged = (accuracy.flagged == 1).sum(["problem", "scheme", "steps_per_period"])
@@ -76,7 +77,7 @@ def of_accuracy(accuracy: xr.Dataset) -> dict:
     },
 )
 def of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
-    """Ratios of measured to linear loss of amplitude and elongation, with damped and undamped schemes."""
+    """Ratios of measured to linear values: loss of amplitude of damped schemes, and elongation of undamped schemes."""
     linear = spectral.sel(damping_ratio=0.0).interp(dt_over_period=1 / 64)
     measured = accuracy.sel(steps_per_period=64, periods=3, problem=["hardening", "softening"])
     loss = measured.amplitude_decay / linear.amplitude_decay
@@ -93,7 +94,7 @@ def of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
 
 
 def _meaning(runs: xr.Dataset, name: str) -> int:
-    """Value of the named status."""
+    """Number that stands for the named status."""
     return runs.status.flag_meanings.split().index(name)
 
 
@@ -105,7 +106,7 @@ def _meaning(runs: xr.Dataset, name: str) -> int:
     },
 )
 def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
-    """Properties of the schemes by linear theory, and where the springs depart from it."""
+    """Properties of the schemes by linear theory, and the schemes that depart from linear theory on the springs."""
     free = spectral.sel(damping_ratio=0.0)
     damped = spectral.sel(damping_ratio=spectral.damping_ratio.max())
     unlimited = free.scheme.values[np.isinf(free.stability_limit.values)]
@@ -136,7 +137,7 @@ def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
     references=["reference/hardening", "reference/softening", "reference/softening_large", "reference/double_well"]
 )
 def of_references(references: list[xr.Dataset]) -> dict:
-    """Uncertainties of the exact motions of the springs, beyond double precision."""
+    """Largest relative uncertainties of the exact periods and motions of the springs."""
     period = max((one.period_certified / one.period).item() for one in references)
     motion = max((one.u_certified / abs(one.u).max()).item() for one in references)
     return {"period_doubt": f"{period:.0e}", "motion_doubt": f"{motion:.0e}"}
@@ -144,6 +145,6 @@ def of_references(references: list[xr.Dataset]) -> dict:
 
 @numbers(requires={"round_off.schemes": ["rk4"]})
 def of_round_off(round_off: xr.Dataset) -> dict:
-    """Floors of the error."""
+    """Largest errors of the Runge-Kutta method at its five finest steps, with plain and with compensated sums."""
     finest = round_off.error.sel(scheme="rk4").isel(steps_per_period=slice(-5, None)).max("steps_per_period")
     return {f"floor_{name}": f"{finest.sel(summation=name).item():.0e}" for name in round_off.summation.values}

@@ -5,7 +5,7 @@ import pandas as pd
 from paper.claims.ledger import OURS, Verdict
 from paper.products import numbers
 
-#: Verdicts of 1996 on numerical damping, on the worst scheme and on chaos, which the article discusses.
+#: Claims of 1996 on numerical damping, on the worst scheme and on chaos, which the article discusses.
 JUDGED = [
     "The grave errors of Newmark (γ = 0.6), Houbolt and Wilson come from strong numerical damping.",
     "Newmark with β = 0.3025 and γ = 0.6 is the worst of the seven.",
@@ -15,7 +15,7 @@ JUDGED = [
 
 @numbers(claims="claims.csv")
 def of_claims(claims: pd.DataFrame) -> dict:
-    """Counts of claims of the paper, and of each additional section."""
+    """Counts of claims by verdict, for the paper and for each additional section."""
     ours = claims["section"].isin(list(OURS))
     parts = {"claims": claims[~ours]} | {prefix: claims[claims["section"] == name] for name, prefix in OURS.items()}
     counts: dict = {}

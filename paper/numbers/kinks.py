@@ -7,24 +7,26 @@ from paper.products import numbers
 from paper.requirements import fourfold
 from study.words import span
 
-#: Problems with a history, and problems with any kink except contact.
+#: Problems whose force depends on the history of the motion.
 REMEMBER = ["yielding", "hysteretic"]
+#: Problems with a kink of the force, except contact.
 KINKED = [*REMEMBER, "shaken"]
-#: Order below which Runge-Kutta has lost its order, and ratio of another error to its own above which it is better.
+#: Observed order below which Runge-Kutta has lost its order. Ratio of the error of another scheme
+#: to the error of Runge-Kutta above which Runge-Kutta is more accurate.
 LOST, GAINED = 3.0, 1.5
-#: Error of the balance of energies, in percent of the energy, below which that balance counts as kept.
+#: Error of the balance of energies, in percent of the energy, below which the balance counts as kept.
 KEPT = 0.01
-#: Steps in a period that resolve the motion.
+#: Smallest number of steps in a period that resolves the motion.
 RESOLVED = 64
 
 
 def _orders(kinks: xr.Dataset, problem: str, *schemes: str) -> str:
-    """Range of observed orders, as whole numbers because errors at kinks decrease irregularly."""
+    """Range of the observed orders of some schemes, as whole numbers because errors at kinks decrease irregularly."""
     return span(kinks.observed_order.sel(problem=problem, scheme=list(schemes)), ".0f")
 
 
 def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
-    """Ratio of errors: central difference with four times the steps of Runge-Kutta, to Runge-Kutta, by its steps."""
+    """Error of central difference over the error of Runge-Kutta with a fourth of its steps, by steps of Runge-Kutta."""
     four_times = 4 * kinks.steps_per_period
     steps = kinks.steps_per_period[four_times.isin(kinks.steps_per_period)]
     central = kinks.error.sel(scheme="central_difference", steps_per_period=(4 * steps).values)
@@ -39,7 +41,7 @@ def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
     },
 )
 def of_kinks(kinks: xr.Dataset) -> dict:
-    """Orders on kinks, and the remaining gain of an expensive scheme, at steps that resolve the motion."""
+    """Observed orders with kinks, and the gain in accuracy that Runge-Kutta keeps, at steps that resolve the motion."""
     kinks = kinks.isel(steps_per_period=np.flatnonzero(kinks.steps_per_period.values >= RESOLVED))
     coarsest = kinks.isel(steps_per_period=0)
     of_two = [name for name in kinks.scheme.values if kinks.order.sel(scheme=name) >= 2]

@@ -10,13 +10,13 @@ from study.words import printed, span
 
 #: Circumstances with kinks of the force, and smooth circumstances.
 KINKED, SMOOTH = ["hysteresis", "contact"], ["plain", "damping", "load"]
-#: Largest observed orders that count as one and as two.
+#: Largest observed order that counts as first order, and largest that counts as second order.
 ONE, TWO = 1.6, 2.5
 
 
 @numbers(orders="order_under_reality", requires={"order_under_reality.schemes": ["generalized_alpha"]})
 def of_order_under_reality(orders: xr.Dataset) -> dict:
-    """The orders under each circumstance, and the schemes that do not converge with the stiffest support."""
+    """Observed orders under the circumstances, and the schemes that do not converge with the stiffest support."""
     observed, data = orders.observed_order, {"orders": orders}
     displacement = observed.sel(quantity="displacement")
     kinked = displacement.sel(circumstance=KINKED)

@@ -1,4 +1,4 @@
-"""Numbers of the text: displacements that are known, and chaos of Ueda's oscillator."""
+"""Numbers of the text: errors of known displacements, and chaos of Ueda's oscillator."""
 
 import numpy as np
 import xarray as xr
@@ -19,7 +19,7 @@ _NEEDED = ["arenstorf", "van_der_pol", "loaded_bar"]
     }
 )
 def of_published_numbers(published_numbers: xr.Dataset, ueda: xr.Dataset) -> dict:
-    """Steps that the known displacements and the exponent need."""
+    """Steps that schemes need for the known displacements and for the Lyapunov exponent of Ueda's oscillator."""
     orbit = steps_of_orbit(published_numbers)
     bar = published_numbers.sel(problem="loaded_bar", scheme="central_difference")
     stiff = np.array(list(largest_step(published_numbers).values()))

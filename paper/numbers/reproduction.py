@@ -12,7 +12,7 @@ from study.words import span
 
 #: Schemes whose energies grow on the softening spring from its large amplitude.
 _GROWING = ["average_acceleration", "central_difference", "hht_alpha_1996"]
-#: Relative distance from an eighth of the period within which steps are close to the step of 1996.
+#: Largest relative difference between an eighth of the period and a step that is close to the step of 1996.
 NEAR = 0.01
 
 
@@ -23,7 +23,7 @@ def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
 
 @numbers(requires=OF_THE_TABLES)
 def of_cells(energy_error: xr.Dataset) -> dict:
-    """Our table and the printed one, cell by cell."""
+    """Computed and printed errors of Tables 1 and 2, compared cell by cell."""
     printed = printed_energy_errors()
     cells = of_the_tables(energy_error).max_energy_error
     ours, exact = cells.sel(period_used="printed"), cells.sel(period_used="exact")
@@ -51,10 +51,10 @@ def of_cells(energy_error: xr.Dataset) -> dict:
 
 
 def _caught(drift: xr.Dataset) -> np.ndarray:
-    """Whole number of steps per oscillation that holds each run, zero otherwise.
+    """Whole number of steps per oscillation at which a resonance holds each run; zero for other runs.
 
     A run is held if its final steps per oscillation equal that number to one part in a thousand, and if it has lost
-    less than half of the median energy that runs at neighbouring step sizes have lost.
+    less than half of the energy that the median of the runs at neighbouring step sizes has lost.
     """
     count, lost = drift.steps_per_oscillation.values, -drift.energy_drift.values
     whole = np.round(count)
@@ -66,7 +66,7 @@ def _caught(drift: xr.Dataset) -> np.ndarray:
 def of_drift(drift: xr.Dataset) -> dict:
     """Energy drift of the Runge-Kutta method over step size, with its resonances."""
     parts, caught = drift.steps_per_period, _caught(drift)
-    # NaN where no run is held at twenty steps
+    # steps per period of the runs that are held at twenty steps per oscillation, NaN for other runs
     near_20 = parts.where(caught == 20)
     around = {}
     for part in (20, 20.5, 25):
@@ -86,7 +86,7 @@ def of_drift(drift: xr.Dataset) -> dict:
 
 @numbers(portrait="phase_portrait/softening", requires={"phase_portrait.softening.schemes": SCHEMES})
 def of_the_softening_spring(portrait: xr.Dataset) -> dict:
-    """Energy that schemes have lost by the end."""
+    """Energy that schemes have lost by the end of their runs on the softening spring."""
     lost = -100 * portrait.energy_error.isel(t=-1)
     damped, faithful = lost.sel(scheme=DISSIPATIVE), abs(lost.sel(scheme=FAITHFUL))
     return {
@@ -96,7 +96,7 @@ def of_the_softening_spring(portrait: xr.Dataset) -> dict:
 
 
 def _near_an_eighth(parts: list[float]) -> str:
-    """Require steps close to an eighth of the period."""
+    """Require at least two step sizes within ``NEAR`` of an eighth of the period."""
     near = np.abs(np.array(parts) * 8 - 1) <= NEAR
     return "" if near.sum() > 1 else f"needs two steps within {100 * NEAR:g} % of an eighth"
 
@@ -111,7 +111,7 @@ def _near_an_eighth(parts: list[float]) -> str:
     },
 )
 def of_instability(portrait: xr.Dataset, large_steps: xr.Dataset) -> dict:
-    """Largest growth of the energies, in the run of 1996 and at steps close to its step."""
+    """Largest energy over the initial energy, in the run of 1996 and at steps close to the step of this run."""
     near = large_steps.isel(dt_over_period=np.flatnonzero(abs(large_steps.dt_over_period.values * 8 - 1) <= NEAR))
     close = 1 + near.max_energy_error.sel(problem="softening_large") / 100
     growth = 1 + portrait.energy_error.max("t")
@@ -135,7 +135,7 @@ def of_instability(portrait: xr.Dataset, large_steps: xr.Dataset) -> dict:
     },
 )
 def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
-    """Chaos in the double well, over neighbouring starts."""
+    """Chaos in the double well from neighbouring starts, and the steps at which explicit schemes fail."""
     runs = sensitivity.sel(scheme="average_acceleration")
     parted = runs.parted_at_step.sel(start=[-1, 1])
     return {

@@ -10,7 +10,7 @@ from paper.respects import ALLOWED, costs, dominated_by, respects
 
 @numbers(requires={"spectral.damping_ratios": [0.0]})
 def of_respects(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> dict:
-    """Schemes compared on all problems, the cheapest on most, and those that are dominated."""
+    """Schemes that keep the error on all problems, schemes that are the cheapest on some, and dominated schemes."""
     forces = costs(kinks, structures)
     of, data = respects(forces, spectral), {"spectral": spectral}
     names = forces.scheme.values

@@ -1,4 +1,4 @@
-"""Numbers of the text: the step for the peak drift of oscillators that yield under records."""
+"""Numbers of the text: steps that suffice for the peak drift of oscillators under records of ground motion."""
 
 import numpy as np
 import xarray as xr
@@ -13,25 +13,25 @@ SHORT = 0.2
 
 
 def share_beyond(spectrum: xr.Dataset) -> xr.DataArray:
-    """Share of the runs at long periods that exceed the allowed error, by scheme and step."""
+    """Share of the runs at periods of ``LONG`` and more that exceed the allowed error, by scheme and step."""
     kept = spectrum.error.sel(period=spectrum.period >= LONG) <= spectrum.allowed_error
     return 1 - kept.mean(["record", "period", "reduction"])
 
 
 def share_at_the_spacing(spectrum: xr.Dataset) -> xr.DataArray:
-    """The same share at a step equal to the spacing of the records, by scheme."""
+    """Value of :func:`share_beyond` at a step equal to the spacing of the records, by scheme."""
     return share_beyond(spectrum).sel(step_size=spectrum.spacing, method="nearest")
 
 
 def share_between(spectrum: xr.Dataset) -> xr.DataArray:
-    """Mean of the same share over the steps between half the spacing and the spacing, which do not divide it."""
+    """Mean of :func:`share_beyond` over incommensurate steps from half the spacing of the records to the spacing."""
     off = spectrum.commensurate == 0
     between = off & (spectrum.step_size > spectrum.spacing / 2) & (spectrum.step_size < spectrum.spacing)
     return share_beyond(spectrum).sel(step_size=between).mean("step_size")
 
 
 def largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
-    """Largest step of every scheme at and below which all steps keep an error of the peak drift; NaN if none does."""
+    """Largest step of each scheme at and below which all runs keep an error of the peak drift; NaN if there is none."""
     kept = (spectrum.error <= error).all(["record", "period", "reduction"])
     kept = kept.sortby("step_size").transpose("scheme", "step_size")
     holds = kept.copy(data=np.logical_and.accumulate(kept.values, axis=1))
@@ -42,7 +42,7 @@ def largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
     requires={"spectrum.schemes": ["average_acceleration", "rk4"], "spectrum.periods": [SHORT, LONG]},
 )
 def of_spectrum(spectrum: xr.Dataset) -> dict:
-    """Sufficient steps for all records and strengths, commensurate or any, and share of runs that exceed the error."""
+    """Steps that suffice under all records, commensurate or any, and shares of the runs that exceed the error."""
     needed = spectrum.step_needed.min(["record", "reduction"], skipna=False)
     at_spacing, between = share_at_the_spacing(spectrum), share_between(spectrum)
     found = {

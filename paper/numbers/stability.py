@@ -1,4 +1,4 @@
-"""Numbers of the text: maps of stability, their causes, and long times."""
+"""Numbers of the text: maps of stability, several roots, chaos, and long times."""
 
 import numpy as np
 import xarray as xr
@@ -14,7 +14,7 @@ from study.words import span
 
 @numbers(runs="long_times", requires={"long_times.schemes": ["central_difference", "energy_momentum", "yoshida4"]})
 def of_long_times(runs: xr.Dataset) -> dict:
-    """Errors of the schemes over the longest runs, and laws and sizes of round-off."""
+    """Errors of the schemes over the longest runs, and growth laws and sizes of round-off."""
     last = runs.isel(periods=-1)
     law = runs.exponent.sel(quantity="energy_round_off")
     more = (runs.exponent.sel(quantity="phase_round_off") - law).sel(arithmetic="float64")
@@ -49,7 +49,7 @@ def of_long_times(runs: xr.Dataset) -> dict:
 
 
 def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str, float]:
-    """Part of the runs of explicit schemes below their linear limit at the stiffest point that end in a failure."""
+    """Fraction of failures in runs of explicit schemes below the linear limit at the stiffest point, by problem."""
     limits = spectral.stability_limit.sel(damping_ratio=0.0, scheme=atlas.scheme)
     explicit = atlas.isel(scheme=np.flatnonzero((atlas.explicit.values == 1) & np.isfinite(limits.values)))
     limit = limits.sel(scheme=explicit.scheme)
@@ -94,7 +94,7 @@ def of_stability(
     spectral: xr.Dataset,
     energy_error: xr.Dataset,
 ) -> dict:
-    """Maps, roots, chaos, and steps that are enough."""
+    """Outcomes on the maps, several roots of a step, onset of chaos, and steps that suffice at all amplitudes."""
     chaotic, failed = bifurcation.lyapunov_exponent * bifurcation.dt > CHAOTIC, bifurcation.status != 0
     bracketed = bifurcation.newton_restarts > 0
     at = bifurcation.sel(dt=roots.paper_dt.item(), method="nearest")
@@ -102,7 +102,7 @@ def of_stability(
     beyond = (roots.dt >= bifurcation.dt.values[chaotic.values.argmax()]) & (
         roots.dt < roots.unique_up_to.sel(scheme="average_acceleration")
     )
-    # NaN unless a step size lies between the onsets of chaos and of several roots
+    # NaN for step sizes that are not between the onset of chaos and the onset of several roots
     in_chaos = roots.steps_together.sel(start="last_acceleration").where(beyond)
     observed = chaotic & ~failed & (bifurcation.steps_until_apart > 0)
     a_step_each = (bifurcation.lyapunov_exponent * bifurcation.dt).where(observed)
@@ -154,7 +154,7 @@ def of_stability(
         "needed_periods": f"{robustness.periods.values[-1]:,}",
         "bracket_in": f"{100 * bracketed.values[bracketed.values.argmax() :].mean():.0f}",
         "bracket_used": bool(bracketed.any()),
-        # the hill is as high as the potential at √2
+        # a start at rest from √2 has the energy of the hill between the wells
         "needed_nearest_hill": f"{100 * abs(atlas.u0.sel(problem='double_well') / 2**0.5 - 1).min().item():.1g}",
         **{
             f"needed_{name}": f"{value:.0f}" if np.isfinite(value) else f"more than {robustness.most_steps.item()}"

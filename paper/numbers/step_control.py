@@ -7,27 +7,27 @@ from paper.products import numbers
 from paper.published import PROBLEMS
 from study.words import span
 
-#: The case that the figure and the text show.
+#: Problem and scheme that the figure and the text show.
 PROBLEM, SCHEME = "hardening", "average_acceleration"
-#: Growth of the energy error from the first period to the last: smallest that counts as a drift, and largest without.
+#: Energy error of the last period over that of the first: smallest ratio with a drift, and largest without a drift.
 DRIFTS, KEPT = 3.0, 1.1
-#: Steps in a period of the cells of 1996 that are compared.
+#: Steps in a period of the cells of Tables 1 and 2 that the text compares.
 CELL = 50
-#: Error of the displacement at which forces are compared, and the ratio of forces that counts as a difference.
+#: Relative error of the displacement at which numbers of forces are compared, and ratio above which they differ.
 ALLOWED, CLEARLY = 0.01, 1.25
 #: Ratio of estimate to true error above which an estimator is misled.
 FOOLED = 2.0
-#: Linear structure with a stiff mode that the accuracy does not need, and oscillator under a load with a kink.
+#: Linear structure with a stiff mode that does not matter for the accuracy, and oscillator under a load with a kink.
 STIFF, PULSE = ["stiff_soft"], "pulse"
 
 
 def growth(step_control: xr.Dataset) -> xr.DataArray:
-    """Ratio of the largest energy errors in the last and in the first period, with controlled and with equal steps."""
+    """Largest energy error in the last period over the largest in the first, with controlled and with equal steps."""
     return step_control.history.isel(period=-1) / step_control.history.isel(period=0)
 
 
 def forces_needed(error: xr.DataArray, forces: xr.DataArray, allowed: float, along: str) -> xr.DataArray:
-    """Fewest forces at and above which all runs keep an error; NaN if there are none."""
+    """Fewest forces at and above which all runs along a dimension keep an error; NaN if the run with most does not."""
 
     def fewest(error: np.ndarray, forces: np.ndarray) -> float:
         exceeding = forces[np.isfinite(forces) & ~(error <= allowed)].max(initial=0.0)
@@ -50,7 +50,7 @@ def ratio_of_forces(control_cost: xr.Dataset, allowed: float) -> xr.DataArray:
 
 
 def ratio_at_equal_steps(controlled_1996: xr.Dataset, energy_error: xr.Dataset) -> xr.DataArray:
-    """Ratio of the energy errors with controlled and with equal steps, at equal numbers of steps."""
+    """Energy error with controlled steps over the energy error with as many equal steps, cell by cell."""
     controlled = controlled_1996.max_energy_error.isel(controller=0)
     equal = energy_error.max_energy_error.sel(
         period_used="exact", scheme=controlled.scheme, steps_per_period=controlled.steps_per_period
@@ -74,7 +74,7 @@ def ratio_at_equal_steps(controlled_1996: xr.Dataset, energy_error: xr.Dataset) 
 def of_step_control(
     estimates: xr.Dataset, step_control: xr.Dataset, controlled_1996: xr.Dataset, energy_error: xr.Dataset
 ) -> dict:
-    """Errors that estimators find, drift of the energy, and the tables of 1996 with controlled steps."""
+    """Estimates over true errors, drift of the energy, and the tables of 1996 with controlled steps."""
     finest = estimates.sel(problem=PROBLEM, scheme=SCHEME).isel(steps_per_period=-1)
     of_u = finest.estimate / finest.true_displacement_error
     of_both = finest.estimate / finest.true_error
@@ -122,7 +122,7 @@ def of_step_control(
 
 @numbers(requires={"control_cost.problems": STIFF, "control_cost.schemes": [SCHEME]})
 def of_control_cost(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> dict:
-    """Problems on which controlled steps save forces, and the automatic steps of codes."""
+    """Numbers of cases (problem and scheme) in which controlled steps save forces, and the steps chosen by Abaqus."""
     ratio = ratio_of_forces(control_cost, ALLOWED)
     known = ratio.stack(case=ratio.dims).dropna("case")
     pairs = [(known.sel(case=case).item(), case) for case in known.case.values]
@@ -150,7 +150,7 @@ def of_control_cost(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> d
 
 
 def _steps(step_control: xr.Dataset) -> float:
-    """Steps in a period of the histories."""
+    """Mean number of steps in a period of the histories of energy errors."""
     middle = step_control.sizes["tolerance"] // 2
     steps = step_control.steps.sel(problem=PROBLEM, scheme=SCHEME, control="pi").isel(tolerance=middle)
     return steps.item() / step_control.attrs["periods"]

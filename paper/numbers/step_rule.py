@@ -1,4 +1,4 @@
-"""Numbers of the text: the step by the highest frequency of the motion."""
+"""Numbers of the text: the largest safe step times the highest frequency of the motion."""
 
 import math
 
@@ -8,16 +8,16 @@ from paper.data import largest_omega_step
 from paper.products import numbers
 from study.words import number
 
-#: Allowed error of energy and period.
+#: Allowed relative error of energy and period.
 ERROR = 0.01
 SCHEMES = ["central_difference", "average_acceleration", "rk4"]
-#: Ratio of the largest to the smallest Δt ωmax from which there is no rule.
+#: Ratio of the largest to the smallest safe Δt ωmax of a scheme above which no rule for Δt ωmax holds.
 NO_RULE = 3.0
 
 
 @numbers(rule="stability/step_rule", requires={"step_rule.schemes": SCHEMES})
 def of_step_rule(rule: xr.Dataset) -> dict:
-    """Smallest and largest Δt ωmax up to which all steps keep energy and period, and the steps per period."""
+    """Smallest and largest Δt ωmax up to which all steps keep energy and period, with their steps per period."""
     everywhere = ["problem", "amplitude"]
     safe = largest_omega_step(rule, ERROR)
     steps = rule.period * rule.highest_frequency / safe

@@ -15,17 +15,17 @@ from study.words import printed
 
 #: Schemes of structures without numerical damping, apart from the energy-momentum method.
 UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "gauss4"]
-#: Largest relative change of an error between the two finest steps if finer steps no longer reduce it.
+#: Relative change of an error between the two finest steps below which finer steps no longer reduce the error.
 LEVEL = 0.3
 
 
 def _in_a_sentence(title: str) -> str:
-    """The title of a structure with its article: the stiff bar; Duffing's oscillator, chaotic."""
+    """The title of a structure within a sentence, such as "the stiff bar" or "Duffing's oscillator, chaotic"."""
     return f"the {title}".replace("the Duffing,", "Duffing's oscillator,")
 
 
 def _plateaus(structures: xr.Dataset) -> dict[str, str | None]:
-    """Errors on the stiff and soft spring, in percent, that finer steps do not reduce; None if they still decrease."""
+    """Errors of two schemes on the stiff and soft spring, in percent; None if finer steps still reduce the errors."""
     names = "gauss4", "bathe"
     nothing: dict[str, str | None] = {f"plateau_{name}": None for name in names}
     if "stiff_soft" not in structures.problem or not set(names) <= set(structures.scheme.values):

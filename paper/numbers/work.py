@@ -1,4 +1,4 @@
-"""Numbers of the text: time against error, and the cheapest schemes."""
+"""Numbers of the text: computing time for an error, and the cheapest schemes."""
 
 from itertools import product
 
@@ -18,7 +18,7 @@ EXACTING = 1e-10
 
 
 def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time: xr.DataArray) -> tuple[str, float]:
-    """The fastest entry of a dimension that reaches ``EXACTING``, and its time in milliseconds."""
+    """The fastest scheme or solver along a dimension with an error up to ``EXACTING``, and its time in milliseconds."""
     error, time = error.sel({dimension: data[dimension]}), time.sel({dimension: data[dimension]})
     enough = time.where(error <= EXACTING).min(set(time.dims) - {dimension})
     return enough.idxmin(dimension).item(), 1e3 * enough.min().item()
@@ -34,7 +34,7 @@ def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time:
     },
 )
 def of_work(work: xr.Dataset) -> dict:
-    """Cost of a given error with schemes and with general solvers."""
+    """Computing times and errors of schemes and of general solvers on the hardening spring."""
     spring = work.sel(problem="hardening", periods=100)
     rk4 = spring.sel(scheme="rk4").isel(steps_per_period=-1)
     heyoka = spring.sel(solver="heyoka").isel(tolerance=-1)
@@ -64,7 +64,7 @@ def of_work(work: xr.Dataset) -> dict:
 def _fastest(springs: list[xr.Dataset]) -> pd.DataFrame:
     """The fastest scheme of every spring, quantity and error, its title and kind, and the kinds of all that tie.
 
-    Among schemes that tie, it is the scheme with the fewest forces.
+    Among schemes that tie, the fastest scheme is the one with the fewest forces.
     """
     rows = []
     for spring in springs:
@@ -79,7 +79,7 @@ def _fastest(springs: list[xr.Dataset]) -> pd.DataFrame:
 
 @numbers(springs=ASSESSED, requires=OF_THE_ASSESSMENTS)
 def of_recommendations(springs: list[xr.Dataset]) -> dict:
-    """The fastest schemes of the assessed springs, over all quantities and errors, and among the schemes of 1996."""
+    """The fastest schemes on the assessed springs, among all schemes and among the schemes of 1996."""
     best = _fastest(springs)
     explicit = best.kind == "explicit"
     there = [name for name in SCHEMES if name in springs[0].scheme.values]
@@ -110,7 +110,7 @@ def of_recommendations(springs: list[xr.Dataset]) -> dict:
 
 @numbers(requires={"cpu_time.schemes": ["average_acceleration", "rk4"], "cpu_time.problems": ["hardening"]})
 def of_times(cpu_time: xr.Dataset) -> dict:
-    """Times of a step, the cost of the Runge-Kutta method in 1996 and now, and the processor of now."""
+    """Times of a step, the cost of the Runge-Kutta method in 1996 and now, and the present processor and software."""
     step = cpu_time.median_time_per_step.sel(problem="hardening")
     in_1996 = printed_cpu_times().sel(problem="hardening")
     printed = in_1996.sel(scheme="rk4") / in_1996.sel(scheme="average_acceleration")

@@ -16,7 +16,7 @@ def _article(claim: dict[str, str]) -> str:
 
 @page("Ledger of claims: what was printed, what is computed, and the verdict.", ledger="tables/claims.csv")
 def claims(ledger: pd.DataFrame) -> str:
-    """The page, with the verdicts counted first."""
+    """The page: the number of claims with each verdict, then all claims."""
     counts = ledger["Verdict"].str.partition(";")[0].value_counts()
     summary = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
     articles = [_article(claim) for claim in ledger.to_dict("records")]

@@ -29,6 +29,6 @@ def _section(name: str, frame: pd.DataFrame) -> str:
 
 @page("All tables of the study.", **_FILES)
 def tables(**frames: pd.DataFrame) -> str:
-    """The page, with links to its tables first."""
+    """The page: links to the tables, then all tables."""
     links = "".join(f'<li><a href="#{name}">{_title(name)}</a></li>' for name in frames)
     return document("Tables", [f"<nav><ul>{links}</ul></nav>", *(_section(*one) for one in frames.items())], STYLE)

@@ -1,4 +1,4 @@
-"""The numbers printed in 1996, as labelled arrays checked by hand against the paper, and how they were rounded."""
+"""The numbers printed in 1996, as labelled arrays checked by hand against the paper, and the rules of rounding."""
 
 from pathlib import Path
 
@@ -37,15 +37,15 @@ def _half_up(values: xr.DataArray, decimals: int) -> xr.DataArray:
 
 
 def once(values: xr.DataArray) -> xr.DataArray:
-    """Rounded to one decimal, halves up."""
+    """Values rounded to one decimal, halves up."""
     return _half_up(values, 1)
 
 
 def twice(values: xr.DataArray) -> xr.DataArray:
-    """Rounded to two decimals and then to one, halves up."""
+    """Values rounded to two decimals and then to one, halves up."""
     return _half_up(_half_up(values, 2), 1)
 
 
 def same(a: xr.DataArray, b: xr.DataArray | float) -> xr.DataArray:
-    """Whether two arrays of rounded numbers print the same digit."""
+    """Whether two arrays of rounded numbers have the same printed digits."""
     return abs(a - b) < 0.01

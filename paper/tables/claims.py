@@ -8,7 +8,7 @@ from paper.products import table
 
 @table("Ledger of claims", claims="claims.csv")
 def tabulate(claims: pd.DataFrame) -> pd.DataFrame:
-    """One row per claim and its source, which for the paper includes the section and a quotation."""
+    """One row per claim with its source. A claim of the paper has the section with its source, and a quotation."""
     section = (", " + claims["section"]).where(~claims["section"].isin(list(OURS)), "")
     words = (" “" + claims["words"] + "”").where(claims["words"] != "", "")
     reason = ("; " + claims["reason"]).where(claims["reason"] != "", "")

@@ -1,4 +1,4 @@
-"""Time per step in nanoseconds, and its ratio to average acceleration next to the ratio of 1996."""
+"""Time per step in nanoseconds, and its ratio to the time of average acceleration next to the ratio of 1996."""
 
 import pandas as pd
 import xarray as xr

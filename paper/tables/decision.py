@@ -33,7 +33,7 @@ SPRING = "hardening"
 #: Classes of schemes, by their flag ``explicit``.
 CLASSES = {"explicit": 1, "implicit": 0}
 
-#: Schemes of all rows.
+#: Keys of the configuration with the schemes of all rows.
 SCHEMES_OF_THE_ROWS = (
     *(f"assess.{name}.schemes" for name in PROBLEMS),
     *(f"{name}.schemes" for name in ("kinks", "spectrum", "structures")),
@@ -45,13 +45,13 @@ def _column(error: float) -> str:
 
 
 def _by_class(runs: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
-    """The explicit and the implicit schemes of a dataset."""
+    """Name of each class of schemes, with the part of a dataset that has the schemes of the class."""
     for name, flag in CLASSES.items():
         yield name, runs.isel(scheme=np.flatnonzero(runs.explicit.values == flag))
 
 
 def _fewest(needs: pd.DataFrame, kind: str) -> pd.DataFrame:
-    """The schemes of a class with the fewest forces."""
+    """The rows of the schemes of a class that tie for the fewest forces, the smallest error first."""
     needs = needs[needs.kind == kind]
     return needs.iloc[tied(needs.forces_per_time.to_numpy(), needs.made.to_numpy())]
 
@@ -71,7 +71,7 @@ def _of_spring(spring: xr.Dataset, chosen: pd.DataFrame, limits: Mapping[str, fl
 
 
 def _of_amplitudes(robustness: xr.Dataset, problem: str, chosen: pd.DataFrame) -> str:
-    """A remark on the steps that the first scheme of a choice needs at all amplitudes of the maps, if they are more."""
+    """A remark if the first chosen scheme needs more than the chosen steps to keep the energy at all amplitudes."""
     known = problem in robustness.problem.values and not chosen.empty
     if not known or chosen.index[0] not in robustness.scheme.values:
         return ""
@@ -98,7 +98,7 @@ def _springs(springs: list[xr.Dataset], robustness: xr.Dataset, limits: Mapping[
 
 
 def _lost_order(kinks: xr.Dataset) -> str:
-    """Schemes of second or higher order whose observed order rounds to at most one."""
+    """A remark on schemes of second or higher order whose observed order rounds to at most one."""
     first = (kinks.order >= 2) & (kinks.observed_order < 1.5)
     titles = kinks.scheme_title.values[first.values].tolist()
     return f"only first order: {first_of(titles)}" if titles else ""
@@ -119,7 +119,7 @@ def _remembering(kinks: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dic
 
 
 def _losing(one: xr.Dataset) -> str:
-    """A remark on the schemes that fail or lose the balance at some step, or on the others if these are fewer."""
+    """A remark on the schemes that fail or lose the balance of energies, or on the others if these are fewer."""
     loses = ((one.status != 0) | ~(one.max_energy_imbalance <= LEVEL)).any("steps_per_period").values
     if not loses.any():
         return ""
@@ -140,7 +140,7 @@ def _set_by_sawtooth(runs: xr.Dataset, error: xr.DataArray, limits: Mapping[str,
 
 
 def _off_in_acceleration(choices: Iterable[list[Pick]]) -> str:
-    """A remark on the errors of the acceleration at the steps of the named schemes, where they exceed ``LEVEL``."""
+    """A remark on the errors of acceleration that exceed ``LEVEL`` at the steps of the schemes named in the cells."""
     off = [picks[0].acceleration_error for picks in choices if picks and picks[0].acceleration_error > LEVEL]
     return f"acceleration wrong by {span(100 * np.array(off), '.0f')} %" if off else ""
 
@@ -166,7 +166,7 @@ def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator
 
 
 def _under_records(spectrum: xr.Dataset, error: float, limits: Mapping[str, float]) -> list[Pick]:
-    """The schemes that tie for the fewest forces per second at an error of the peak drift, with their steps."""
+    """The schemes that tie for the fewest forces per second with an error of the peak drift, with their steps."""
     runs = ["record", "period", "reduction"]
     largest = largest_steps(spectrum, error)
     found = spectrum.isel(scheme=np.flatnonzero(largest.notnull()))
@@ -218,10 +218,10 @@ def tabulate(
 
     The classes are explicit and implicit. A cell names the scheme of its class with the fewest evaluations of the
     force. Numbers of evaluations within a tenth tie, and the smallest error then decides. On structures and with kinks,
-    however, a step that a finer step confirms comes first. Energy and phase of a spring must also be within ``LEVEL``.
-    A cell contains the steps per period and, in brackets, the forces per period and Δt·ω with the highest ω of the
-    motion, followed by the stability limit of linear theory if there is one. Under records it contains the step in ms
-    and the forces per second.
+    however, a scheme whose step a finer step confirms comes first. Energy and phase of a spring must also be within
+    ``LEVEL``. A cell contains the steps per period and, in brackets, the forces per period and Δt·ω with the highest ω
+    of the motion, followed by the stability limit of linear theory if there is one. Under records, the step in ms
+    replaces the steps per period, and the forces per second replace the forces per period.
     """
     limits = spectral.stability_limit.sel(damping_ratio=0.0).to_series().to_dict()
     return pd.DataFrame(

@@ -11,7 +11,7 @@ from paper.respects import costs, dominated_by, respects
 
 @table("Dominated schemes", requires={"spectral.damping_ratios": [0.0]})
 def tabulate(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
-    """One row per scheme: problems on which some step keeps the error, forces, and the schemes that dominate it."""
+    """One row per scheme: number of problems on which a step keeps the error, median forces, and dominating schemes."""
     forces = costs(kinks, structures)
     of = respects(forces, spectral)
     rows = []
@@ -21,7 +21,7 @@ def tabulate(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) ->
             {
                 "Scheme": forces.scheme_title.sel(scheme=name).item(),
                 "Problems": f"{int(cost.notnull().sum())} of {cost.size}",
-                # infinite if no step keeps the error; otherwise a scheme that fails on hard problems would seem cheap
+                # a problem without a step counts as infinite, or a scheme that fails on hard problems would seem cheap
                 "Forces, median": number(cost.fillna(np.inf).median().item(), ".0f"),
                 "Dominated by": joined(others, {"spectral": spectral}) if others else "–",
             }

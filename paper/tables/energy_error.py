@@ -16,7 +16,7 @@ def _percent(error: float) -> str:
 
 @table("Energy errors of Tables 1 and 2 of 1996", requires=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
-    """Three rows per step size, with one column per scheme of 1996: printed, computed, and with the exact period."""
+    """Three rows per step size, with one column per scheme of 1996: printed, computed, exact period."""
     printed = printed_energy_errors()
     energy_error = of_the_tables(energy_error)
     ours = energy_error.max_energy_error

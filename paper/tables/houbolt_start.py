@@ -1,4 +1,4 @@
-"""Houbolt's method with every start: the cell that distinguishes starts, and the number of cells reproduced."""
+"""Houbolt's method with each way to start it: the error in one cell, and the number of cells reproduced."""
 
 import pandas as pd
 import xarray as xr
@@ -12,7 +12,7 @@ from paper.published import PROBLEMS, STEPS, once, printed_energy_errors, same, 
     requires={"houbolt_start.problems": PROBLEMS, "houbolt_start.steps_per_period": STEPS},
 )
 def tabulate(houbolt_start: xr.Dataset) -> pd.DataFrame:
-    """One row per start."""
+    """One row per way to start the method."""
     error = houbolt_start.max_energy_error.sel(problem=PROBLEMS, steps_per_period=STEPS)
     printed = printed_energy_errors().sel(scheme="houbolt")
     return pd.DataFrame(

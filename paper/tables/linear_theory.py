@@ -12,7 +12,7 @@ FINE, COARSE = 1 / 20, 10.0
 
 
 def _number(value: float, form: str) -> str:
-    """A number without negative zeros, or a dash if it is not finite."""
+    """A number as a text, without the sign of a negative zero; a dash if the number is not finite."""
     if not np.isfinite(value):
         return "–"
     text = format(value, form)

@@ -1,4 +1,4 @@
-"""Cost of accuracy with every scheme: steps in a period and time of a run for an error of the displacement."""
+"""Cost of accuracy with every scheme: steps in a period and computing time for an error of the displacement."""
 
 import pandas as pd
 import xarray as xr
@@ -11,7 +11,7 @@ from study.analysis.recommendation import recommend
 
 @table("Steps and time for an error", spring="assessment/hardening", requires=OF_THE_ASSESSMENTS)
 def tabulate(spring: xr.Dataset) -> pd.DataFrame:
-    """One row per scheme, one column per error; a dash where no step was found."""
+    """One row per scheme, one column per error; a dash where no step keeps the error."""
     rows = []
     tables = {
         f"{100 * error:g} %": recommend(spring, error=error, quantity="displacement")

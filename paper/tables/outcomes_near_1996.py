@@ -7,9 +7,9 @@ import xarray as xr
 from paper.data import families
 from paper.products import table
 
-#: Largest factor by which an amplitude near that of 1996 is larger or smaller.
+#: Factor up to which an amplitude larger or smaller than the amplitude of 1996 is near it.
 SPAN = 3.0
-#: Column of each failure, by the flag of the maps.
+#: Title of the column of each failure, by the name of the outcome in the maps.
 FAILURES = {
     "damped_to_rest": "Damped to rest",
     "in_the_wrong_well": "Wrong well",
@@ -21,7 +21,7 @@ FAILURES = {
 
 
 def some_near_1996(exponents: dict) -> str:
-    """Require an amplitude of the maps near that of the paper."""
+    """Require that the maps have an amplitude near the amplitude of the paper."""
     amplitudes = np.linspace(exponents["first"], exponents["last"], exponents["count"])
     near = np.any(np.abs(amplitudes) <= np.log10(SPAN))
     return (
@@ -53,7 +53,7 @@ def first_of(atlas: xr.Dataset, name: str) -> xr.DataArray:
 
 
 def _with_problem(values: xr.DataArray) -> str:
-    """The smallest value of all problems, and the initial letter of its problem; a dash if it is infinite."""
+    """The smallest value over problems, and the first letter of the problem with it; a dash if it is infinite."""
     least = values.min().item()
     return "–" if np.isinf(least) else f"{least:.2g} ({values.problem.values[int(np.argmin(values.values))][0]})"
 

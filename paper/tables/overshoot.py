@@ -1,4 +1,4 @@
-"""Overshoot of the schemes without a stability limit: growth in a long first step, and largest overshoot."""
+"""Overshoot of schemes without a stability limit: growth in a first step with large ωΔt, and largest overshoot."""
 
 import numpy as np
 import pandas as pd
@@ -10,7 +10,7 @@ from study.words import number
 
 
 def _class(scheme: xr.Dataset, start: str) -> str:
-    """Powers of ωΔt with which displacement and velocity grow in a long first step, such as U0V1."""
+    """Powers of ωΔt with which displacement and velocity grow in a first step with large ωΔt, such as U0V1."""
     u, v = (round(scheme[f"growth_{quantity}_from_{start}"].item()) for quantity in "uv")
     return f"U{u}V{v}"
 

@@ -14,7 +14,7 @@ _UNEXPLAINED = "by no rounding rule; see the text"
 
 @table("Cells that differ from the printed digit", requires=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
-    """One row per cell whose value, rounded once, is not the printed one."""
+    """One row per cell whose value, rounded once, is not the printed value."""
     printed = printed_energy_errors()
     ours = of_the_tables(energy_error).max_energy_error.sel(period_used="printed")
     rows = []

@@ -24,9 +24,9 @@ DIGITS = 20
     requires={"references.problems": ["hardening", "softening", "softening_large", "double_well"]},
 )
 def tabulate(agreement: xr.Dataset, references: list[xr.Dataset]) -> pd.DataFrame:
-    """One row per problem: period, uncertainties, and errors of each solver over 100 periods and of the period.
+    """One row per problem: period, uncertainties, errors of solvers over 100 periods, and largest error of the period.
 
-    Errors are the smallest of all tolerances. The error of the period is the largest of all solvers.
+    Each error is the smallest over all tolerances. The error of the period is the largest over all solvers.
     """
     rows = []
     for reference in references:

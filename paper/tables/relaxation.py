@@ -1,4 +1,4 @@
-"""The Runge-Kutta method with and without relaxation, compared with its column in Tables 1 and 2."""
+"""The Runge-Kutta method with and without relaxation, compared with its printed errors in Tables 1 and 2."""
 
 import pandas as pd
 import xarray as xr

@@ -8,7 +8,7 @@ from paper.products import table
 
 
 def _forces(scheme: xr.Dataset) -> str:
-    """Forces per step; the forces per Newton iteration are multiplied by the number k of iterations."""
+    """Force evaluations per step as a text, such as k + 1, with the number k of Newton iterations."""
     fixed, of_iteration = scheme.forces_per_step.item(), scheme.forces_per_iteration.item()
     newton = f"{of_iteration} k" if of_iteration > 1 else "k"
     return " + ".join([newton] * (of_iteration > 0) + [str(fixed)] * (fixed > 0))

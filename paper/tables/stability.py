@@ -1,4 +1,4 @@
-"""Linear stability compared with the oscillators: the step sizes at which every scheme first gains energy or fails."""
+"""Stability limit in linear theory, and step sizes at which every scheme first gains energy or fails on oscillators."""
 
 import numpy as np
 import pandas as pd
@@ -8,9 +8,9 @@ from paper.data import families
 from paper.products import table
 from paper.requirements import contained, rising
 
-#: The problems with positive energy, on which a gain can be distinguished from a loss.
+#: Problems with positive energy; only on these can a gain of energy be distinguished from a loss.
 PROBLEMS = ["hardening", "softening", "softening_large"]
-#: Gain of the energy in the second half of a run, divided by the initial energy, above which it counts as growth.
+#: Gain of the energy in the second half of a run, divided by the initial energy, above which the energy has grown.
 GAIN = 1.0
 
 

@@ -20,7 +20,7 @@ def _percent(value: float) -> str:
 
 
 def _cell(run: xr.Dataset, error: str) -> str:
-    """An error in percent, or the kind of failure without its step, which depends on round-off after a blow-up."""
+    """An error in percent, or the kind of failure. The step of a failure depends on round-off and is not shown."""
     if run.status != 0:
         return "N" if run.status == 1 else "∞"
     return _percent(100 * run[error].item())
