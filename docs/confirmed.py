@@ -1,18 +1,17 @@
 """Facts on schemes from other sources: names in other codes, and limits of stability in textbooks."""
 
-import csv
 import math
 from pathlib import Path
 
 from docs.text import table
+from study.io import read
 from study.scheme.codes import names_in_codes as all_names
 from study.words import number
 
 
 def limits() -> list[dict[str, str]]:
     """All limits of stability that textbooks print."""
-    with Path(__file__).with_name("printed_limits.csv").open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    return read(Path(__file__).with_name("printed_limits.csv")).to_dict("records")
 
 
 def names_in_codes(scheme: str) -> str:

@@ -36,8 +36,9 @@ _FILES = ("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "conformance/README
 
 def shown(root: Path) -> list[Path]:
     """The files of the project that pages show or document."""
-    within = (path for folder in _FOLDERS for path in sorted(root.joinpath(folder).rglob("*")))
-    files = [path for path in within if path.is_file() and path.suffix != ".pyc"]
+    within = (path for folder in _FOLDERS for path in sorted(root.joinpath(folder).rglob("*")) if path.is_file())
+    # caches of Python and of ruff are no sources
+    files = [path for path in within if path.suffix != ".pyc" and ".ruff_cache" not in path.parts]
     return [*files, *(root / name for name in _FILES)]
 
 

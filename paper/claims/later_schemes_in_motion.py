@@ -21,9 +21,7 @@ def excess_of_tangent(later_schemes: xr.Dataset, scheme: str) -> float:
 
 def _stiffening(later_schemes: xr.Dataset, scheme: str) -> Finding:
     ratios = later_schemes.largest_stiffening.sel(with_model=scheme)
-    ours = "; ".join(
-        f"ωΔt = {step:g}: {number(float(ratios.sel(omega_step=step)), '.3g')}" for step in ratios.omega_step
-    )
+    ours = "; ".join(f"ωΔt = {step:g}: {number(ratio, '.3g')}" for step, ratio in ratios.to_series().items())
     bound, excess = bool(ratios.min() < GREATLY), excess_of_tangent(later_schemes, scheme)
     reason = when(bound, f"the tangent may exceed the stiffness of the model only by {number(excess)} M/Δt²")
     return Finding(ours, not bound, reason)
@@ -222,12 +220,7 @@ def _uniformity(later_schemes: xr.Dataset, member: str) -> float:
 _OVER_PHASES = "ratio over step sizes of largest to smallest error/Δt²; each is the largest for ωΔt from π/2 to 2π"
 
 
-@claim(
-    "schemes",
-    "The error of Gautschi's method is of order Δt² for every ωΔt.",
-    _OVER_PHASES,
-    whose=PRACTICE,
-)
+@claim("schemes", "The error of Gautschi's method is of order Δt² for every ωΔt.", _OVER_PHASES, whose=PRACTICE)
 def uniform_error_of_gautschi(later_schemes):
     spread = _uniformity(later_schemes, "gautschi")
     reason = when(spread > SIGNIFICANTLY, "its force is at an unfiltered displacement; some ωΔt have larger errors")

@@ -75,7 +75,7 @@ def _as_script(value: object) -> str:
 
 
 @page(
-    "Explorer of the maps of stability: largest safe steps of all schemes, and every run behind them.",
+    "Explorer of the maps of stability: largest safe steps of all schemes, and the motion at each point of the maps.",
     name="explorer",
     atlas="stability/atlas",
     cases=[f"phase_portrait/{name}" for name in CASES],

@@ -24,12 +24,11 @@ def of_order_under_reality(orders: xr.Dataset) -> dict:
     depends = orders.scheme.values[(plain - wrong > LOST).values]
     alpha = observed.sel(scheme="generalized_alpha", circumstance=["damping", "load"])
     late, moved = (alpha.sel(quantity=name) for name in ("acceleration", "displacement"))
-    supports = sorted(name for name in orders.circumstance.values if name.startswith("support_"))
     meanings = orders.status.flag_meanings.split()
     failed = orders.status.sel(quantity="displacement") == meanings.index("failed")
     loose = [name for name in orders.circumstance.values if name.startswith("tolerance_")]
     early = (plain - displacement.sel(circumstance=loose)).max()
-    lost = failed.sel(circumstance=supports[-1])
+    lost = failed.sel(circumstance=f"support_{orders.stiffness_ratio.argmax().item()}")
     return {
         "reality_schemes": orders.sizes["scheme"],
         "reality_reaches_round_off": bool((orders.status == meanings.index("exact")).any()),

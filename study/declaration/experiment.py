@@ -11,11 +11,14 @@ its arguments set the bounds of the options (:mod:`study.declaration.options`).
 
 import importlib
 import inspect
+import math
 import pkgutil
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 Options = dict[str, Any]
 
@@ -167,6 +170,21 @@ def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Cal
         return function
 
     return declare
+
+
+def references(options: Options) -> list[str]:
+    """The datasets of exact motions of the problems of an experiment, which reads them."""
+    return [f"reference/{problem}" for problem in options["problems"]]
+
+
+def over_periods(*lists: str, runs: int = 1) -> Callable[[Options, Mapping], float]:
+    """Number of steps if ``runs`` runs over whole periods are made for all items of some options and all step sizes."""
+
+    def steps(options: Options, configuration: Mapping) -> float:
+        of_each = sum(options["steps_per_period"]) * np.sum(options["periods"])
+        return float(runs * math.prod(len(options[name]) for name in lists) * of_each)
+
+    return steps
 
 
 def merged(makes: str, of: Sequence[str]) -> None:

@@ -8,7 +8,7 @@ import xarray as xr
 from study import io
 from study.analysis.comparison import against, flagged, uncertainties
 from study.declaration.checks import unlisted
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import Options, experiment, over_periods, progress, references
 from study.declaration.options import RisingCounts, Schemes, Springs
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
@@ -16,11 +16,6 @@ from study.marching.run import run
 from study.observer.diagnostics import NewtonIterations
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.problem.named import problems as problems_by_name
-
-
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = len(options["problems"]) * len(options["schemes"])
-    return runs * sum(options["steps_per_period"]) * sum(options["periods"])
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
@@ -33,9 +28,9 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     "accuracy",
     split=lambda options: {problem: {**options, "problems": [problem]} for problem in options["problems"]},
     along="problem",
-    reads=lambda options: [f"reference/{problem}" for problem in options["problems"]],
+    reads=references,
     check=_check,
-    steps=_number_of_steps,
+    steps=over_periods("problems", "schemes"),
 )
 def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts, periods: RisingCounts) -> xr.Dataset:
     """Measure the errors of every scheme against the exact solution, by step size and length of the run.

@@ -1,6 +1,5 @@
 """Automatic steps of finite element codes: steps in a period, energy error, and the effect of a halved step."""
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +15,7 @@ from study.control.of_codes import (
     Nastran,
     Proportional,
 )
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, over_periods, progress, references
 from study.declaration.options import Count, Counts, Springs
 from study.experiments import coordinates
 from study.marching.run import run
@@ -51,15 +50,7 @@ CLASSES = ("tight", "middle", "loose")
 SCIML, LINEAR_DURATION = (1e-4, 1e-6, 1e-8), 5.0
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return sum(options["steps_per_period"]) * len(options["problems"]) * options["periods"]
-
-
-@experiment(
-    "control_of_codes",
-    reads=lambda options: [f"reference/{one}" for one in options["problems"]],
-    steps=_number_of_steps,
-)
+@experiment("control_of_codes", reads=references, steps=over_periods("problems"))
 def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """March springs over whole periods with the automatic steps of codes, and with a step that is halved once.
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from study.control.named import estimators as estimators_by_name
-from study.declaration.experiment import experiment, progress
+from study.declaration.experiment import experiment, progress, references
 from study.declaration.options import Controllers, Count, Counts, OneStepSchemes, Springs
 from study.experiments import coordinates
 from study.marching.run import run
@@ -19,7 +19,7 @@ WIDEST, LANES = (-9.0, 0.5), 64
 ESTIMATOR = "zienkiewicz_xie"
 
 
-@experiment("controlled_1996", reads=lambda options: [f"reference/{one}" for one in options["problems"]])
+@experiment("controlled_1996", reads=references)
 def controlled_1996(
     problems: Springs, schemes: OneStepSchemes, controllers: Controllers, steps_per_period: Counts, periods: Count
 ) -> xr.Dataset:

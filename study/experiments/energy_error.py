@@ -1,27 +1,16 @@
 """Largest energy error of the schemes at printed and at exact periods, as in Tables 1 and 2 of Xie (1996)."""
 
-from collections.abc import Mapping
-
 import numpy as np
 import xarray as xr
 
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, over_periods, progress, references
 from study.declaration.options import Count, Counts, Schemes, Springs
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = 2 * len(options["problems"]) * len(options["schemes"])
-    return runs * sum(options["steps_per_period"]) * options["periods"]
-
-
-@experiment(
-    "energy_error",
-    reads=lambda options: [f"reference/{problem}" for problem in options["problems"]],
-    steps=_number_of_steps,
-)
+@experiment("energy_error", reads=references, steps=over_periods("problems", "schemes", runs=2))
 def energy_error(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """Compute the largest energy error of every scheme on every problem at every step size.
 

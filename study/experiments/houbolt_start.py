@@ -1,11 +1,9 @@
 """Energy error of Houbolt's method for each way to start it; Xie (1996) does not state which way he used."""
 
-from collections.abc import Mapping
-
 import numpy as np
 import xarray as xr
 
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, over_periods, progress
 from study.declaration.options import Count, Counts, Springs
 from study.experiments import coordinates
 from study.marching.run import run
@@ -13,12 +11,7 @@ from study.problem.named import approximate_periods
 from study.scheme.houbolt import Houbolt, starts
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = len(starts) * len(options["problems"])
-    return runs * sum(options["steps_per_period"]) * options["periods"]
-
-
-@experiment("houbolt_start", steps=_number_of_steps)
+@experiment("houbolt_start", steps=over_periods("problems", runs=len(starts)))
 def houbolt_start(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """Compute the largest energy error of Houbolt's method for every way to start it.
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from study import io
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import Options, experiment, over_periods, progress
 from study.declaration.options import Count, Kinked, RisingCounts, Schemes
 from study.experiments import coordinates
 from study.io import flags
@@ -27,10 +27,6 @@ LONGEST = 30
 def _jobs(options: Options) -> dict[str, Options]:
     """The options of one job for each problem."""
     return {problem: options | {"problems": [problem]} for problem in options["problems"]}
-
-
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return len(options["schemes"]) * sum(options["steps_per_period"]) * options["periods"]
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
@@ -56,7 +52,7 @@ def _order(steps: np.ndarray, error: np.ndarray, uncertainty: float) -> float:
     along="problem",
     reads=lambda options: ["reference/inelastic"],
     check=_check,
-    steps=_number_of_steps,
+    steps=over_periods("schemes"),
 )
 def kinks(
     problems: Kinked, schemes: Schemes, steps_per_period: RisingCounts, periods: Count, samples_per_period: Count

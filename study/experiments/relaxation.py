@@ -1,11 +1,9 @@
 """Runge-Kutta with and without relaxation: errors of the energy, and of the motion after whole periods."""
 
-from collections.abc import Mapping
-
 import numpy as np
 import xarray as xr
 
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, over_periods, progress, references
 from study.declaration.options import Count, Counts, Springs
 from study.experiments import coordinates
 from study.marching.run import run
@@ -17,16 +15,7 @@ from study.scheme.wrapper.relaxed import Relaxed
 VARIANTS = {"plain": rk4, "relaxed": Relaxed(rk4)}
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = 2 * len(VARIANTS) * len(options["problems"])
-    return runs * sum(options["steps_per_period"]) * options["periods"]
-
-
-@experiment(
-    "relaxation",
-    reads=lambda options: [f"reference/{problem}" for problem in options["problems"]],
-    steps=_number_of_steps,
-)
+@experiment("relaxation", reads=references, steps=over_periods("problems", runs=2 * len(VARIANTS)))
 def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """Compute errors of energy and motion of the Runge-Kutta method with and without relaxation.
 

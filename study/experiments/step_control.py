@@ -1,7 +1,5 @@
 """Error and energy over many periods with controlled and with equal steps."""
 
-from collections.abc import Mapping
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,7 +8,7 @@ import xarray as xr
 from study import io
 from study.control.controllers import Controller, Reversible
 from study.control.named import controllers as controllers_by_name
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, over_periods, progress, references
 from study.declaration.options import Controllers, Count, Counts, OneStepSchemes, Springs, Tolerances
 from study.experiments import coordinates
 from study.marching.run import run
@@ -28,11 +26,6 @@ MOST = 1000
 ENDS = [Quantity(lambda u: u, name="end_u", reduce="final"), Quantity(lambda v: v, name="end_v", reduce="final")]
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = len(options["problems"]) * len(options["schemes"])
-    return runs * sum(options["steps_per_period"]) * options["periods"]
-
-
 def reversible(problem: str, period: float) -> Reversible:
     """Reversible control of a spring of unit mass with the density ρ, where ρ² = ω² + max(p'(u), 0) and ω = 2π/T."""
     force, omega = problems_by_name[problem].force, 2 * np.pi / period
@@ -43,9 +36,7 @@ def reversible(problem: str, period: float) -> Reversible:
     return Reversible(density)
 
 
-@experiment(
-    "step_control", reads=lambda options: [f"reference/{one}" for one in options["problems"]], steps=_number_of_steps
-)
+@experiment("step_control", reads=references, steps=over_periods("problems", "schemes"))
 def step_control(
     problems: Springs,
     schemes: OneStepSchemes,

@@ -1,6 +1,5 @@
 """Rigid links in a row, whose inertia depends on their angles."""
 
-import csv
 from pathlib import Path
 
 import jax.numpy as jnp
@@ -8,6 +7,7 @@ import numpy as np
 
 from study.algebra.elimination import solve
 from study.algebra.matrices import Banded, shifted, times
+from study.io import read
 from study.mechanics.definition import Problem
 from study.problem.naming import Known, named
 
@@ -49,8 +49,7 @@ ANGLES = 40
 
 
 def _printed_angles() -> np.ndarray:
-    with Path(__file__).with_name("elastic_beam.csv").open(encoding="utf-8", newline="") as file:
-        return np.array([float(row["angle"]) for row in csv.DictReader(file)])
+    return read(Path(__file__).with_name("elastic_beam.csv")).angle.to_numpy(float)
 
 
 @named(time_scale=np.pi, known=Known(5.0, "Mazzia and Magherini (2008), Beam", _printed_angles(), np.eye(40, 41)))

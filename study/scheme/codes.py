@@ -1,8 +1,9 @@
 """Names of the schemes in other programs."""
 
-import csv
 from pathlib import Path
 from typing import NamedTuple
+
+from study.io import read
 
 
 class NameInCode(NamedTuple):
@@ -17,5 +18,4 @@ class NameInCode(NamedTuple):
 
 def names_in_codes() -> list[NameInCode]:
     """All confirmed names of schemes in other programs, from ``codes.csv``."""
-    with Path(__file__).with_suffix(".csv").open(encoding="utf-8", newline="") as file:
-        return [NameInCode(**row) for row in csv.DictReader(file)]
+    return [NameInCode(**row) for row in read(Path(__file__).with_suffix(".csv")).to_dict("records")]
