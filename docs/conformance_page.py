@@ -10,7 +10,7 @@ from docs.text import described, table
 
 RESULTS = Path(__file__).parent.parent / "conformance" / "verdicts"
 
-#: Causes by kind, without the numbers that differ from case to case.
+#: Causes of failed cases of order and of bound. The causes in the verdicts contain numbers that differ between cases.
 _OF_KIND = {"ORDER": "the order is not that of the scheme", "BOUND": "the energy grows"}
 
 #: Verdicts whose cases are counted in a column; all other cases are skipped.

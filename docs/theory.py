@@ -43,8 +43,8 @@ class Theory(NamedTuple):
     overshoot
         Overshoot of displacement and velocity in 64 steps from u = 1 and u̇ = 0, the largest of all stable step sizes.
     error
-        Error of a motion of :data:`PERIODS` periods relative to its amplitude over :data:`TRIED`; NaN where nothing
-        oscillates.
+        Error after :data:`PERIODS` periods, relative to the amplitude, for each number of steps per period in
+        :data:`TRIED`; NaN where nothing oscillates.
     memory
         Number of vectors of the size of u in the state that a step passes to the next.
     forces

@@ -67,7 +67,7 @@ def _wanted(variable: str | None) -> tuple[str, ...]:
 
 
 def _with_option(flags: str) -> str:
-    """The value of ``XLA_FLAGS`` with the option added; a flag for backend options that is present is extended."""
+    """The value of ``XLA_FLAGS`` with the option added, in its flag for backend options if it has this flag."""
     if _OPTION in flags:
         return flags
     option, extra = f"{_OPTION}={_THRESHOLD}", "--xla_backend_extra_options="

@@ -66,7 +66,9 @@ def _edges(axis: xr.DataArray) -> tuple[float, float]:
 
 
 def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
-    """Draw outcomes over step size and amplitude, with the linear limit of stability at a motion's stiffest place.
+    """Draw outcomes over step size and amplitude, and the step size at the linear limit of stability of ωΔt.
+
+    Here ω is the highest frequency along the motion.
 
     Parameters
     ----------

@@ -116,7 +116,7 @@ class _OfAcceleration(Estimator):
         return acceleration(problem, 0.0, state.u, state.v)
 
     def ends(self, scheme, problem, before, old, new, t, dt) -> tuple[Vector, Vector, float]:
-        """ü at both ends of a step, and the offset of the times of both ü from these ends, in steps.
+        """Two ü, of the start and of the end of a step, and by how many steps each is later than that instant.
 
         If the scheme carries no ü, the equation of motion gives ü at the end of the step, the offset is zero, and
         ``before`` is the ü at the end of the previous step.

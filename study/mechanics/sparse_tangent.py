@@ -19,7 +19,7 @@ import scipy
 from study.algebra.arrays import Matrix, ScipySparse, Vector
 from study.algebra.sparse import Pattern, SparseEntries, union
 
-#: Maximum number of values of the products with a derivative that are computed at once.
+#: Maximum number of values that one call computes: the derivative times several directions.
 ROOM = 2**22
 
 
