@@ -25,7 +25,7 @@ def compensated_sum(total: Vector, increment: Vector, lost: Vector) -> tuple[Vec
 
 
 def quintic(start: tuple, end: tuple, dt: Any, of_v: bool = False) -> tuple:
-    """Coefficients of the quintic polynomial with given u, u̇ and ü at both ends of a step, lowest first.
+    """Coefficients of the quintic polynomial with given u, u̇ and ü at both ends of a step; the constant term is first.
 
     The variable of the polynomial is s = (t − t₀)/Δt, which rises from 0 to 1. With ``of_v``, the function returns the
     coefficients of the derivative with respect to s. ``start`` and ``end`` hold u, u̇ and ü at the two ends of the step:

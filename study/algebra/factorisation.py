@@ -51,7 +51,7 @@ class Method(abc.ABC):
 
     @abc.abstractmethod
     def factor(self, values: np.ndarray, spare: Any) -> Any:
-        """Factor of the matrix with these values (entries,), which may reuse ``spare``, an old factor or None."""
+        """Factor of the matrix with these values (entries,). It may overwrite ``spare``, an old factor or None."""
 
     @abc.abstractmethod
     def solution(self, factor: Any, rhs: np.ndarray) -> np.ndarray:

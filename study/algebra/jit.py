@@ -38,6 +38,6 @@ def jit(function: Callable, compiler: Callable = jax.jit, **arguments: Any) -> C
     compiler
         ``jax.jit`` or ``equinox.filter_jit``.
     """
-    # compiled at the first call, because the trial of the options compiles a function
+    # compiled at the first call and not at import, because the trial of the options compiles a function
     compiled = functools.cache(lambda: compiler(function, compiler_options=_known_options(), **arguments))
     return functools.wraps(function)(lambda *args, **kwargs: compiled()(*args, **kwargs))

@@ -131,7 +131,7 @@ def diagonal(matrix: Matrix) -> jax.Array | float:
 
 
 def banded(matrix: np.ndarray, half_bandwidth: int) -> Banded | np.ndarray:
-    """A matrix (n, n) as a band of at least this half bandwidth; unchanged if the half bandwidth exceeds n/4."""
+    """A matrix (n, n) as a band of at least the given half bandwidth; unchanged if it needs more than n/4."""
     n = len(matrix)
     width = max(half_bandwidth, int(np.abs(np.subtract(*np.nonzero(matrix))).max(initial=0)))
     if 4 * width > n:
@@ -199,7 +199,7 @@ def add(*terms: Matrix, n: int) -> Matrix:
 
 
 def product(one: Matrix, other: Matrix, n: int) -> Matrix:
-    """Product of two matrices, for n unknowns; the factor of a sparse matrix must be a number, full or matrix-free."""
+    """Product of two matrices, for n unknowns; if one is sparse, the other must be a number, full or matrix-free."""
     forms = form_of(one), form_of(other)
     if max(forms) < Form.BAND:
         return one * other

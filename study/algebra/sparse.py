@@ -59,7 +59,7 @@ class Pattern:
         return f"Pattern({self.size} unknowns, {len(self.rows)} entries{' of one triangle' * self.symmetric})"
 
     def numbers(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Index, among the entries of the pattern, of each position; the positions must be in the pattern."""
+        """Index of each position in the list of entries of the pattern, which must contain all these positions."""
         order = self.columns.astype(np.int64) * self.size + self.rows
         return np.searchsorted(order, np.asarray(columns, np.int64) * self.size + rows).astype(np.int32)
 
@@ -72,7 +72,7 @@ class Pattern:
 
     def product(self, values: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Product of the matrix with these values and a vector (n,)."""
-        with self._alone:  # all threads share the two matrices, because making them takes longer than the product
+        with self._alone:  # all threads share both matrices: to make new ones takes longer than the product
             self._matrix.data = self._mirrored.data = values
             product = self._matrix @ x
             return product + self._mirrored @ x - values[self.diagonal] * x if self.symmetric else product
@@ -109,7 +109,7 @@ class Sparse(eqx.Module):
         return Sparse(jnp.asarray(self.values).at[entries].add(values), self.pattern)
 
     def within(self, pattern: Pattern) -> "Sparse":
-        """The same matrix in a wider pattern; a symmetric pattern takes its lower triangle."""
+        """The same matrix in a wider pattern. If that is symmetric, only the lower triangle of the matrix is taken."""
         rows, columns, values = self.pattern.rows, self.pattern.columns, jnp.asarray(self.values)
         if pattern.symmetric:
             lower = np.flatnonzero(rows >= columns)

@@ -104,7 +104,7 @@ def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
 
 
 def flagged(error: np.ndarray, uncertainty, dims: tuple[str, ...]) -> tuple:
-    """Variable that flags each error as above ten times the uncertainty, within it, or not measured (NaN)."""
+    """Variable that flags each error: above ten times the uncertainty, not above, or not measured (NaN)."""
     within = np.where(np.isnan(error), 2, np.abs(error) <= FLAGGED_WITHIN * uncertainty)
     question = f"whether the error is within {FLAGGED_WITHIN} times the uncertainty of the reference"
     return dims, within.astype(np.int32), flags(question, ("above", "within", "not_measured"), np.int32)

@@ -71,9 +71,9 @@ def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.nda
 
 
 def unique_up_to(problem: Problem, scheme: Scheme, u: np.ndarray) -> float:
-    """Largest Δt at which the effective equation has one root for every ũ, by the slope p′ at the displacements ``u``.
+    """Largest Δt at which the effective equation has one root for every ũ.
 
-    It is 1/√(κ max(−p′)), and infinite if p′ ≥ 0 at all these displacements.
+    It is 1/√(κ max(−p′)), where the maximum is over the displacements ``u``. It is infinite if p′ ≥ 0 at all of them.
     """
     softest = -np.asarray(jax.vmap(jax.grad(problem.static_force))(u)).min()
     return float(1 / np.sqrt(effective_coefficient(scheme) * softest)) if softest > 0 else np.inf

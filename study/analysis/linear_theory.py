@@ -39,11 +39,11 @@ Pairs = Float[np.ndarray, "2 points"]
 #: Exponents of growth, shape (2, 2): a row for each start (u₀ or u̇₀), a column for displacement and velocity.
 Growth = Float[np.ndarray, "2 2"]
 
-#: Largest excess of a spectral radius over one that counts as round-off.
+#: Largest ρ − 1 that counts as round-off, for a spectral radius ρ.
 GROWTH = 1e-8
 
-#: Largest excess of the spectral radius over one at half of the stability limit found. A scheme with a larger excess
-#: counts as unstable at every step size.
+#: Largest ρ − 1 at half of the stability limit that the search finds. If ρ − 1 is larger there, the scheme counts as
+#: unstable at every step size.
 WEAK_GROWTH = 1e-11
 
 #: Smallest error of the roots that enters the fit of the order.
@@ -52,7 +52,7 @@ ROUND_OFF = 1e-11
 #: Number of steps in which overshoot is measured.
 OVERSHOOT_STEPS = 64
 
-#: Values of Ω between which the growth of the first step is measured.
+#: Two large values of Ω. The ratio of the first steps at both values gives the exponents of growth for Ω → ∞.
 LONG = (1e4, 1e6)
 
 #: Δt/T that represents infinity.
@@ -75,7 +75,7 @@ def _oscillator() -> Problem:
 
 
 def oscillator(damping_ratio=0.0) -> Problem:
-    """The linear oscillator ü + 2ξ u̇ + u = 0, with ω = 1; its functions are checked once for all damping ratios."""
+    """The linear oscillator ü + 2ξ u̇ + u = 0, with ω = 1. The checks of a problem run only once, not for every ξ."""
     return eqx.tree_at(lambda problem: problem.damping, _oscillator(), 2 * damping_ratio)
 
 
@@ -200,9 +200,10 @@ class LinearTheory:
         self.spectral_radius = np.abs(self.roots).max(axis=-1)
 
     def _of_each(self, function, dt_over_period) -> np.ndarray:
-        """Values of a function at every step size, in tiles of one length, so that one program serves every length.
+        """Values of a function at every step size, computed in tiles of the same length.
 
-        The program serves all damping ratios too, because zero damping adds exact zeros, which change no bit.
+        One compiled program then serves any number of step sizes. It serves all damping ratios too: zero damping adds
+        exact zeros, which change no bit.
         """
         damping = jnp.asarray(float(self._damping_ratio))
         points = len(dt_over_period)

@@ -18,7 +18,8 @@ from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.scheme.base import check_ranges
 
-#: Smallest and largest ratio of successive step sizes, and safety factor of the step size that the estimate allows.
+#: Smallest and largest ratio of successive step sizes. The safety factor multiplies the step size that the estimate
+#: allows.
 SMALLEST, LARGEST, SAFETY = 0.2, 5.0, 0.9
 
 #: Smallest ratio r with which a controller computes, so that the next step stays finite if the estimate is zero.
@@ -47,7 +48,7 @@ class Controller(eqx.Module):
         return ()
 
     def first(self, carried: Any, dt: Scalar, tolerance: ScalarLike) -> Scalar:
-        """Size of the first step; by default ``dt``, the given size or a small part of the duration."""
+        """Size of the first step. The default is ``dt``: the given size, or else a small part of the duration."""
         return dt
 
     @abc.abstractmethod
@@ -104,7 +105,7 @@ class ProportionalIntegral(Controller):
 
 
 class Filtered(Controller):
-    r"""The digital filter H211b with b = 4, whose steps are smooth.
+    r"""The digital filter H211b with b = 4, whose step sizes vary smoothly.
 
     .. math::
 
@@ -230,7 +231,7 @@ class Reversible(Controller):
 
 
 class Prescribed(Controller):
-    """Steps of given sizes in turn, from the first again after the last, whatever the error.
+    """Steps of given sizes in turn, whatever the error; after the last size the first one follows again.
 
     Parameters
     ----------

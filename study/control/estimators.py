@@ -46,11 +46,11 @@ class Estimator(eqx.Module):
         return None
 
     def forces_per_step(self, scheme: Scheme) -> int:
-        """Number of internal forces of a trial step and its estimate, without the forces of Newton's iterations."""
+        """Number of internal forces that a trial step and its estimate evaluate outside of Newton's iterations."""
         return scheme.forces_per_step
 
     def sizes(self, problem: Problem, state: Any) -> Sizes:
-        """Norms of the motion; each estimate is divided by the largest value so far of its norm."""
+        """Norms of the motion, one for each estimate, which is divided by the largest value of the norm so far."""
         return (size(state.u),)
 
     def start(self, scheme: Scheme, problem: Problem, state: Any) -> Any:
@@ -116,10 +116,10 @@ class _OfAcceleration(Estimator):
         return acceleration(problem, 0.0, state.u, state.v)
 
     def ends(self, scheme, problem, before, old, new, t, dt) -> tuple[Vector, Vector, float]:
-        """Two ü, of the start and of the end of a step, and by how many steps each is later than that instant.
+        """Accelerations ü(t + s Δt) and ü(t + Δt + s Δt) for a step that starts at ``t``, and the offset s.
 
-        If the scheme carries no ü, the equation of motion gives ü at the end of the step, the offset is zero, and
-        ``before`` is the ü at the end of the previous step.
+        If the scheme has an ``acceleration_offset``, this is s, and the scheme carries both accelerations. Otherwise s
+        is zero, ``before`` is ü at the start of the step, and the equation of motion gives ü at the end.
         """
         if scheme.acceleration_offset is not None:
             return *ends_of_step(old, new), scheme.acceleration_offset
@@ -132,7 +132,7 @@ def carried_acceleration(state: Any) -> Vector:
 
 
 def ends_of_step(old: Any, new: Any) -> tuple[Vector, Vector]:
-    """The carried ü of both ends of a step, each of a time ``acceleration_offset`` steps after its end."""
+    """The carried accelerations ü(t₀ + s Δt) and ü(t₁ + s Δt) of a step, with the ``acceleration_offset`` s."""
     inner = new
     while isinstance(inner, WrapperState):
         if isinstance(inner, StateOfStep):
@@ -142,7 +142,7 @@ def ends_of_step(old: Any, new: Any) -> tuple[Vector, Vector]:
 
 
 class ZienkiewiczXie(_OfAcceleration):
-    r"""The difference of the displacement after a step from a motion with linear acceleration in the step.
+    r"""The displacement after a step minus the displacement of a motion with linear acceleration in the step.
 
     .. math::
 
@@ -151,8 +151,8 @@ class ZienkiewiczXie(_OfAcceleration):
 
     For Newmark's method :math:`e = (\beta - \tfrac16)\,\Delta t^2 (\ddot u_1 - \ddot u_0)`. An α-method carries the
     acceleration of the time :math:`t_1 + s\,\Delta t` with s = α_m − α_f, which adds
-    :math:`\tfrac{s}{2} \Delta t^2 (\ddot u_1 - \ddot u_0)`. The estimate vanishes where the third derivative of u is
-    zero, as at every turning point of a free vibration. The estimate ignores the error of the velocity.
+    :math:`\tfrac{s}{2} \Delta t^2 (\ddot u_1 - \ddot u_0)` to e. The estimate vanishes where the third derivative of u
+    is zero, as at every turning point of a free vibration. The estimate ignores the error of the velocity.
 
     References
     ----------
@@ -180,7 +180,7 @@ class ZienkiewiczXie(_OfAcceleration):
 
 
 class ThreePoint(_OfAcceleration):
-    r"""The difference from a motion whose acceleration is the parabola through its values at three times.
+    r"""The motion after a step minus a motion whose acceleration is the parabola through ü at three times.
 
     The parabola passes through ü at both ends of this step and at the start of the previous step, and is integrated
     over this step. The estimate is the larger of the errors of u and u̇, each relative to the largest value so far.
@@ -205,7 +205,7 @@ class ThreePoint(_OfAcceleration):
 
     def start(self, scheme, problem, state):
         now = super().start(scheme, problem, state)
-        # a slope of zero marks that there is no earlier step: the first step takes a straight line for the parabola
+        # a slope of zero means that there is no earlier step: the first step uses a straight line, not a parabola
         return now, jnp.zeros_like(now), jnp.ones(())
 
     def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
@@ -258,7 +258,7 @@ class StepDoubling(Estimator):
             new, effort = stepped(scheme, problem, start, begin, length)
             return jax.tree.map(partial(jnp.where, i == 0), state, new), (new.u, new.v, effort)
 
-        # in a loop over the whole step and its halves, because XLA would repeat common work of consecutive steps
+        # a loop over the whole step and both halves; without a loop, XLA would compute some of their work twice
         fine, (u, v, efforts) = lax.scan(take, state, jnp.arange(3))
         effort = Effort(efforts.iterations.sum(), efforts.converged.all(), restarts=efforts.restarts.sum())
         factor = 2**scheme.order_with_damping - 1

@@ -10,7 +10,7 @@ second-order method of the generalized-α family, such as Newmark's with γ = ½
     e_v = (\tfrac1{12} - \tfrac{s^2}{2} + c)\,\Delta t^3 u^{(4)} \\
     c &= \tfrac12 (1 - \alpha_f) - \tfrac12 [(1 - \alpha_m)(1 + 2 s) + s^2]
 
-Relative to the largest values, the true error is :math:`(\omega \Delta t)^3 \max(|e_u \sin \varphi|, |e_v \cos
+Relative to the largest u and u̇, the true error is :math:`(\omega \Delta t)^3 \max(|e_u \sin \varphi|, |e_v \cos
 \varphi|)`, where e_u and e_v denote the factors in parentheses above.
 """
 
@@ -46,7 +46,7 @@ def linear_ratio(scheme: Scheme, estimator: str, part: np.ndarray, steps: float)
     """
     unknown = np.full_like(part, np.nan)
     if estimator == "step_doubling":
-        # a carried acceleration is shifted by another time after half a step than after a whole step
+        # no closed form is known for a carried acceleration with an offset, which is half as long for half a step
         exact = not scheme.acceleration_offset and scheme.order == scheme.order_with_damping
         return np.ones_like(part) if exact else unknown
     weights = _weights(scheme)
@@ -61,7 +61,7 @@ def linear_ratio(scheme: Scheme, estimator: str, part: np.ndarray, steps: float)
     estimates = {
         "zienkiewicz_xie": of_u,
         "zienkiewicz_xie_balance": of_u,
-        # the parabola takes the carried acceleration for the exact one at its time
+        # the parabola treats the carried acceleration as exact, so its estimate lacks c
         "three_point": np.maximum(of_u, abs(1 / 12 - s**2 / 2) * cosine),
         "half_step_residual": abs(1 / 8 - s**2 / 2 + c) * cosine / angle,
     }

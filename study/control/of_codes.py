@@ -159,7 +159,7 @@ class HalfIncrement(Controller):
 class Nastran(Controller):
     r"""The controller of TSTEPNL for the apparent frequency: the step size changes by powers of two.
 
-    The ratio of the step size that the frequency allows to the present one is 1/r. The step size is multiplied by ¼ if
+    The frequency allows 1/r times the present step size. The step size is multiplied by ¼ if
     1/r < R/2, otherwise by ½ if 1/r < R, by 1 if 1/r < 2, by 2 if 1/r < 3/R, and by 4 if 1/r is larger. No step is
     repeated.
 

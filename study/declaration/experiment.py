@@ -138,12 +138,13 @@ class Merged:
 
 #: Folders of the results that hold products other than datasets.
 _RESERVED = ("benchmarks", "figures", "logs", "tables")
-#: Declarations in all imported modules, by the name of the module (empty for merged datasets) and the first dataset.
+#: Declarations in all imported modules. A key holds the name of the module, which is empty for merged datasets, and the
+#: name of the first dataset.
 DECLARED: dict[tuple[str, str], Experiment | Merged] = {}
 
 
 def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Callable], Callable]:
-    """Declare the decorated function an experiment; the arguments are attributes of :class:`Experiment`.
+    """Declare that the decorated function is an experiment; the arguments are attributes of :class:`Experiment`.
 
     The default ``section`` is the name of the first dataset, with dots in place of slashes.
 
@@ -173,12 +174,16 @@ def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Cal
 
 
 def references(options: Options) -> list[str]:
-    """The datasets of exact motions of the problems of an experiment, which reads them."""
+    """Names of the reference datasets of the option ``problems``; a function for the attribute ``reads``."""
     return [f"reference/{problem}" for problem in options["problems"]]
 
 
 def over_periods(*lists: str, runs: int = 1) -> Callable[[Options, Mapping], float]:
-    """Number of steps if ``runs`` runs over whole periods are made for all items of some options and all step sizes."""
+    """Function for the attribute ``steps`` of an experiment whose runs last whole numbers of periods.
+
+    The experiment makes ``runs`` runs for each step size, each number of periods, and each combination of items of the
+    options ``lists``.
+    """
 
     def steps(options: Options, configuration: Mapping) -> float:
         of_each = sum(options["steps_per_period"]) * np.sum(options["periods"])

@@ -15,7 +15,7 @@ from typing_extensions import TypedDict, is_typeddict
 
 
 def section(kind: type) -> type:
-    """Declare a TypedDict a section of the configuration, which accepts only its keys and values of the given types."""
+    """Mark a TypedDict as a section of the configuration, which accepts only its keys with values of their types."""
     kind.__pydantic_config__ = {"extra": "forbid", "strict": True}  # type: ignore[attr-defined]
     return kind
 
@@ -90,7 +90,7 @@ def _rising(values: list, registries: Mapping[str, Any]) -> list:
 
 @dataclass(frozen=True)
 class Names:
-    """Mark of a string that names a ``problem`` or ``scheme``, whose source file is an input of the job."""
+    """Mark in the type of a string: it names a ``problem`` or ``scheme``, whose source file is an input of the job."""
 
     kind: str
 
@@ -150,8 +150,8 @@ SchemeName = Annotated[str, _listed("scheme"), Names("scheme")]
 OneStepName = Annotated[SchemeName, _listed("one-step scheme")]
 Springs = Annotated[list[Spring], _FEW, _DISTINCT]
 Problems = Annotated[list[ProblemName], _FEW, _DISTINCT]
-#: Name of a problem with kinks of its force, a force with memory or kinks of its load, or of a smooth problem for
-#: comparison, ``hardening``.
+#: Name of a problem whose force has kinks or a memory, or whose load has kinks. ``hardening`` is a smooth problem for
+#: comparison.
 KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken", "pulse"], Names("problem")]
 Kinked = Annotated[list[KinkedName], _FEW, _DISTINCT]
 #: Names of problems with samples of the exact motion: problems of ``KinkedName``, and structures.

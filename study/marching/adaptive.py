@@ -24,8 +24,8 @@ AFTER_FAILURE = 0.25
 #: Smallest step size, as a fraction of the duration.
 SMALLEST_STEP = 1e-13
 
-#: Names of the values stored for each step: the time at its end, its size, the estimate of its error, and the numbers
-#: of trial steps rejected so far by the estimate and for lack of a finite solution.
+#: Names of the values stored for each step: the time at its end, its size, the estimate of its error, the number of
+#: trial steps rejected by the estimate so far, and the number rejected so far because no finite solution was found.
 OF_EACH_STEP = ("t", "step_size", "estimate", "rejected_by_estimate", "rejected_by_solver")
 
 #: Name of the array that holds the values of each step.
@@ -55,7 +55,7 @@ class Trial(NamedTuple):
     state, reduced, estimator, controller
         States of the scheme, the reductions, the estimator and the controller.
     scales
-        Largest value so far of each size of the motion that the estimator measures.
+        Sizes of the motion that the estimator measures: of each size, the largest value so far.
     """
 
     status: jax.Array
@@ -236,7 +236,7 @@ def proceed(
         sample = {name: jnp.zeros(x.shape[:1] * lanes + x.shape[1 + lanes :]) for name, x in stored.items()}
         # a separate loop: in a loop with large arrays XLA would run the small operations of a step on a pool of threads
         trial, sample, count = lax.while_loop(unaccepted, again, (trial, sample, count))
-        # the place after the last one takes the samples that are not stored
+        # if no step of a lane was accepted, its sample goes to the additional place at the end, which is not read
         return trial, store(stored, sample, jnp.where(trial.place > before, before, room)), count
 
     carry = trial, stored, jnp.zeros((), int)

@@ -70,7 +70,7 @@ _OF_RUN = {
 
 
 class Scales(Reduction):
-    """Largest value along a run of each size of the motion that the estimator measures."""
+    """Sizes of the motion that the estimator measures: of each size, the largest value along a run."""
 
     estimator: Estimator
 
@@ -101,7 +101,7 @@ def _begin(of, lanes: bool, adaptive, arguments, starts, dt, tolerance, room: in
 
 @partial(jit, compiler=eqx.filter_jit)
 def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts):
-    """Largest value of each size of the motion in a run with equal steps; zero if it is not finite."""
+    """Sizes of the motion in a run with equal steps: of each size, the largest value, or zero if it is not finite."""
 
     def one(arguments, starts):
         march = of(adaptive, arguments)
@@ -249,7 +249,7 @@ class Adaptive:
         begin = self._of, lanes, adaptive, self._over, self._starts
         trial, initial, stored = _begin(*begin, dt, tolerance, room)
         if control.estimator.relative and not all(np.all(np.asarray(one)) for one in trial.scales):
-            # a tolerance is relative to the largest displacement, velocity or force so far, and one of them is zero
+            # estimates are relative to sizes of the motion so far, and at least one size is zero at the start
             scales = _scales_of_trial(*begin)
             trial = trial._replace(scales=tuple(map(jnp.maximum, trial.scales, scales)))
         parts = []

@@ -90,7 +90,7 @@ def march_family(
     every: int,
     samples: int,
 ) -> Result:
-    """March a problem for each lane, made inside the compiled program.
+    """March one problem per lane; the problems are made inside the compiled program.
 
     Parameters
     ----------

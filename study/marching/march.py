@@ -174,7 +174,7 @@ class March(eqx.Module):
         until
             Step at which to pause or end.
         every, each_step
-            Number of steps between two samples, and whether to do without an inner loop, if this number is one.
+            Number of steps between two samples. If it is one, ``each_step`` may be true: there is then no inner loop.
         first
             Number of the sample in the first place of ``stored``; samples beyond the end of ``stored`` share the last
             place.

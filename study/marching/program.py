@@ -25,7 +25,8 @@ AT_ONCE, IN_STRETCHES = 2**13, 2**17
 #: Largest number of values of one variable for which a program has room.
 ROOM = 2**19
 
-#: Number of steps of one unknown between two chances to interrupt a run: about a second.
+#: Number of steps between two pauses of a run with one unknown; these steps take about a second. A run can be
+#: interrupted only at a pause.
 PAUSE = 2**24
 
 #: Names of fields that are labels and change nothing in a march.
@@ -67,7 +68,7 @@ class _Form:
         return jax.tree.unflatten(self.structure, [next(rest) if c is None else c for c in self.constants])
 
 
-#: One object for all equal forms, which JAX then compares by identity.
+#: All forms so far. Equal forms are represented by one object, which JAX compares by identity.
 _forms: dict[_Form, _Form] = {}
 
 
@@ -180,7 +181,7 @@ class Program:
             NumPy arrays; samples after a failure or after the end of a lane are meaningless.
         """
         room = self._room(u0, AT_ONCE)
-        # a loop without an inner loop pays off where steps are short
+        # a march without an inner loop is faster if steps are short, as with one unknown
         each_step = every == 1 and self._is_scalar
         if pause is None:
             lanes = math.prod(u0.shape[:2]) if self._lanes else 1
@@ -194,7 +195,7 @@ class Program:
         return self._in_stretches((u0, v0, dt), steps, every, samples, own, room, each_step, pause, on_pause)
 
     def _room(self, u0: Displacements, most: int) -> int:
-        """Number of samples for which a program has room, a power of two; one without records."""
+        """Number of samples for which a program has room: a power of two, which is one if the march has no records."""
         return min(most, 2 ** max(0, int(math.log2(ROOM / u0.size)))) if self._has_records else 1
 
     def _in_stretches(self, begin, steps, every, samples, own, room, each_step, pause, on_pause) -> Result:

@@ -64,7 +64,7 @@ class Result(NamedTuple):
 
 
 def _without_meaning(result: Result, steps: CountPerRun, every: int, samples: int) -> Flags:
-    """Whether each sample is of the failing step, a later one, or one after the end; of shape (..., samples + 1)."""
+    """Whether each sample is at or after the step that failed, or after the end; of shape (..., samples + 1)."""
     step = np.arange(samples + 1) * every
     failed_at = np.where(result.status == COMPLETED, steps + 1, result.failed_at_step)
     return step >= failed_at[..., None]
@@ -72,7 +72,7 @@ def _without_meaning(result: Result, steps: CountPerRun, every: int, samples: in
 
 def nan_where(failed: Flags, value: np.ndarray) -> np.ndarray:
     """The values of a variable, NaN where the run failed."""
-    # NaN needs doubles, which represent all integers of variables exactly
+    # integers become doubles, which have NaN and represent all integers that occur here exactly
     return np.where(failed.reshape(failed.shape + (1,) * (value.ndim - failed.ndim)), np.nan, value)
 
 
@@ -119,7 +119,7 @@ class Labels:
         self._unknowns = np.size(problem.u0)
 
     def variable(self, name: str, value: np.ndarray, dims: tuple[str, ...]) -> tuple:
-        """Dimensions, values and attributes of a variable; ``dims`` are those of a number."""
+        """Dimensions, values and attributes of a variable; an axis of components in ``value`` is added to ``dims``."""
         if value.ndim > len(dims):
             is_of_unknowns = self._component and value.shape[-1] == self._unknowns
             dims = (*dims, "component" if is_of_unknowns else f"{name}_component")

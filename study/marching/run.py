@@ -176,7 +176,7 @@ def run(
         A run with a tolerance has no ``newton_restarts``. It has ``steps``, ``failed_at_time``,
         ``steps_rejected_by_estimate`` and ``steps_rejected_by_solver``, which counts trial steps without balance or
         finite state. Along time it has ``step_size``, ``estimate`` and the numbers of trial steps rejected before each
-        step. The samples before a failure are kept. The ``status`` may also be step too small or too many steps.
+        step. The samples before a failure are kept. The ``status`` may also be "step too small" or "too many steps".
         Attributes name estimator, controller, duration and tolerance.
 
     Raises

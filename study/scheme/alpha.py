@@ -12,7 +12,7 @@ from study.scheme.newmark import ROUND_OFF, bounded_at_infinite_frequency, predi
 
 
 def _stability_limit(alpha_m: float, alpha_f: float, beta: float, gamma: float) -> float | None:
-    """Stability limit: Newmark's if both α are zero, otherwise infinite under Chung and Hulbert's conditions, or None.
+    """Stability limit: Newmark's if both α are zero, infinite under Chung and Hulbert's conditions, None otherwise.
 
     These conditions hold for methods of second order.
     """

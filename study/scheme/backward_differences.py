@@ -74,7 +74,7 @@ class BackwardDifferences(Scheme):
         def moment(power):
             return sum(d * (1 - k) ** power for k, d in enumerate(self.weights))
 
-        # the formula is exact for y = tᵖ if the moment of power p, its value of ẏ at t = 1, is p
+        # for y = tᵖ and Δt = 1 the formula gives the moment of power p as ẏ at t = 1; the exact value is p
         return next(p for p in range(len(self.weights) + 1) if abs(moment(p + 1) - (p + 1)) > 1e-12)
 
     @property

@@ -116,8 +116,8 @@ class EnergyMomentum(OneStep):
         M (\dot u_1 - \dot u_0)/\Delta t + C \dot u_m + \bar p(u_0, u_1) &= f(t_0 + \tfrac12 \Delta t) \\
         \dot u_m = (u_1 - u_0)/\Delta t &= (\dot u_0 + \dot u_1)/2
 
-    Here u_m = (u₀ + u₁)/2, ε₀ = ε(u₀) and ε₁ = ε(u₁). The first formula is the mean force of a strain energy, with a
-    mean stress σ̄ for each strain. The second formula is the mean force of any other potential:
+    There are two formulas for p̄, with u_m = (u₀ + u₁)/2, ε₀ = ε(u₀) and ε₁ = ε(u₁). The first is for a strain energy,
+    with a mean stress σ̄ for each strain. The second is for any other potential:
 
     .. math::
 

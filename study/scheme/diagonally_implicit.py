@@ -24,7 +24,7 @@ def _diagonal(s: int, rho_inf: float) -> float:
 
 
 def _explicit_part(c: np.ndarray, row: int, gamma: float, moments: list[float]) -> np.ndarray:
-    """A row of A: γ on the diagonal, and as many first weights a as moments, with Σ a cᵏ + γ c_rowᵏ = moments[k]."""
+    """A row of A with γ on the diagonal; its first weights a satisfy Σ a cᵏ + γ c_rowᵏ = moments[k] for all k."""
     number = len(moments)
     weights = np.zeros(len(c))
     rest = np.array(moments) - gamma * c[row] ** np.arange(number)

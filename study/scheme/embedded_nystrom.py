@@ -110,7 +110,7 @@ class EmbeddedNystrom(OneStep):
         return self.pair(problem, state, t, dt)[0], Effort()
 
     def pair(self, problem: Problem, state: Motion, t: ScalarLike, dt: ScalarLike) -> tuple[Motion, Phase]:
-        """The state at t + Δt with increments in place of u and u̇, and their differences from the embedded method's."""
+        """State at t + Δt with increments in place of u and u̇, and the differences between both methods' increments."""
         u, v, a = state
         stages = [a]
         tableau = self.tableau

@@ -27,8 +27,8 @@ class KolayRicles(OneStep):
             \quad x_f = (1 - \alpha_f)\,x_1 + \alpha_f x_0 \quad\text{for } x = t, u, \dot u \\
         S \ddot u_m &= [(1 - \alpha_m) M + (1 - \alpha_f) G]\,\ddot u_1 + [\alpha_m M + \alpha_f G]\,\ddot u_0
 
-    α_m, α_f, β and γ are the parameters of the generalized-α method for ρ∞. For a linear structure the eigenvalues are
-    the same as in that method: they are of second order, and unconditionally stable. The modified method, MKR-α, has
+    α_m, α_f, β and γ are the parameters of the generalized-α method for ρ∞. For a linear structure both methods have
+    the same eigenvalues: accurate to second order, and stable at every step size. The modified method, MKR-α, has
 
     .. math::
 

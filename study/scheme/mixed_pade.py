@@ -1,4 +1,4 @@
-"""High-order methods for linear structures from mixed Padé expansions, which solve complex systems of n unknowns."""
+"""High-order methods for linear structures from mixed Padé expansions; a step solves complex systems of n unknowns."""
 
 import math
 from functools import cache
@@ -42,7 +42,7 @@ def _weights(m: int, rho_inf: float) -> _Weights:
     a = (c[:, None] ** powers / powers) @ inverse
     b = (1 / powers) @ inverse
     roots, vectors = np.linalg.eig(a)
-    # one of two conjugate eigenvalues represents both, by twice its real part
+    # two conjugate eigenvalues contribute twice the real part of one of them, so only one is kept
     kept = roots.imag > -1e-12
     twice = np.where(roots.imag > 1e-12, 2.0, 1.0)
     rows = np.linalg.inv(vectors)
@@ -77,11 +77,11 @@ class MixedPade(OneStep):
         \dot u_1 &= \dot u_0 + \Delta t \sum_\lambda w_\lambda a_\lambda \\
         u_1 &= u_0 + \Delta t\,\dot u_0 + \Delta t^2 \sum_\lambda w'_\lambda a_\lambda
 
-    In this system, M is the mass. It is solved for only one of two conjugate λ. Order 2M − 1, and 2M for ρ∞ = 1, with
+    In this system, M is the mass. Of two conjugate λ only one needs a solution. Order 2M − 1, and 2M for ρ∞ = 1, with
     damping and load too; unconditionally stable, with the spectral radius ρ∞ at infinite frequency. M = 1 with ρ∞ = 1
     is the midpoint rule, with ρ∞ = 0 the implicit Euler method. For linear problems whose matrices are numbers,
-    diagonals, tridiagonal or full. Carries u and u̇; no iteration. Solves M/2 complex systems per step, rounded up, one
-    of them real if M is odd.
+    diagonals, tridiagonal or full. Carries u and u̇; no iteration. Solves M/2 complex systems per step, rounded up; if M
+    is odd, the λ of one of them is real.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ class MixedPade(OneStep):
         u, v = state
         c, *of_roots = _weights(self.terms, self.rho_inf)
         loads = [_complex(load(problem, t + part * dt)) for part in c.tolist()]
-        # the oscillator of linear theory has its stiffness as a force
+        # the tangent of the force is included, because the oscillator of linear theory has a force p(u) = u and no K
         of_u = problem.stiffness_at(jnp.zeros_like(u))
         u_0, v_0, h = _complex(u), _complex(v), _complex(dt)
         mass, damping, stiffness = (

@@ -32,7 +32,10 @@ def viscous(problem: Problem, u: Vector, factor: ScalarLike) -> Matrix:
 
 
 def model(problem: Problem, u: Vector, of_damping: ScalarLike, of_stiffness: ScalarLike) -> Matrix:
-    """``of_damping`` (C + ∂p/∂u̇) + ``of_stiffness`` K of the undeformed structure at rest; only ``u.shape`` counts."""
+    """The matrix ``of_damping`` (C + ∂p/∂u̇) + ``of_stiffness`` K of the undeformed structure at rest.
+
+    Of ``u`` only the shape matters.
+    """
     stiffness = product(of_stiffness, problem.at_rest().stiffness_at(jnp.zeros_like(u)), u.size)
     damping = viscous(problem, u, of_damping)
     return stiffness if damping is None else add(stiffness, damping, n=u.size)

@@ -28,7 +28,7 @@ def check_order(scheme: str, order: int) -> None:
 
 
 class Alternating(OneStep):
-    """Kicks and drifts in turn, each with weights that add up to one; with damping of second order at most."""
+    """Kicks and drifts in turn. The weights of each add up to one. With damping, the order is at most two."""
 
     kicks: eqx.AbstractVar[tuple[float, ...]]
     drifts: eqx.AbstractVar[tuple[float, ...]]

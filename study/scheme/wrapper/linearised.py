@@ -29,7 +29,7 @@ def _power_of_two(size):
     bias = number.maxexp - 1
     biased = lax.bitcast_convert_type(size, f"int{number.bits}") >> number.nmant
     biased = jnp.clip(biased, 1, 2 * bias - 1)  # the factor stays finite if the size under- or overflows
-    # This division is exact. XLA does not duplicate divisions, so it computes the size once for all numbers to scale.
+    # The division is exact. XLA may repeat cheaper operations for every number that is scaled, but no division.
     return (biased - bias).astype(int), 1 / lax.bitcast_convert_type(biased << number.nmant, size.dtype)
 
 

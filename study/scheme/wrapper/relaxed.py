@@ -58,11 +58,12 @@ class Relaxed(Wrapper):
         h &= t_1 - \tau_0, \quad y_1 = y_0 + \gamma\,\Delta y, \quad \tau_1 = \tau_0 + \gamma h \\
         E(y_1) &= E(y_0), \quad \gamma = 1 + O(h^{p-1})
 
-    The motion y₁ belongs to τ₁, where the scheme has its order p. As the motion at τ₀ + h it would be of order p − 1.
-    The next step compensates for this difference, so that τ₁ − t₁ = (γ − 1) h stays of the order p and does not
-    accumulate: y₁ as the motion at t₁ has the order p too. Stability for linear systems is unchanged. For problems with
-    a potential and without damping, load and history. Carries the state of the wrapped scheme, scaled in the same way,
-    and τ₁ − t₁; as many forces per step as the wrapped scheme, and additional potentials.
+    y₁ approximates the motion at τ₁ to the order p of the scheme. If every step took y₁ for the motion at t₁, the order
+    would drop to p − 1. Instead the next step starts at τ₁ and has the length t₂ − τ₁. Then τ₁ − t₁ = (γ − 1) h does
+    not accumulate. It stays of the order p, so y₁ has the order p at t₁ too. Stability for linear systems is
+    unchanged. For problems with a potential and without damping, load and history. Carries the state of the wrapped
+    scheme, scaled in the same way, and τ₁ − t₁; as many forces per step as the wrapped scheme, and additional
+    potentials.
 
     Parameters
     ----------
