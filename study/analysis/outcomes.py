@@ -54,7 +54,8 @@ Outcomes = Int8[np.ndarray, "lanes"]
 #: A time for each lane, shape (lanes,).
 Times = Float[np.ndarray, "lanes"]
 
-#: Outcomes, each with the variable that holds the time of its event; later outcomes override earlier ones.
+#: Outcomes that an event decides, each with the variable that holds the time of the event. Later outcomes override
+#: earlier ones.
 _EVENTS = {
     Outcome.BOUNDED: "inaccurate_from",
     Outcome.DAMPED_TO_REST: "at_rest_from",
@@ -126,7 +127,7 @@ def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndar
         A run or an ensemble from :func:`study.run`. Without ``"energy_balance"`` among the observers, no run counts as
         keeping its energy or as growing.
     growth
-        Natural logarithm of the factor by which a perturbation grows over each run.
+        Natural logarithm of the factor by which a perturbation grows during each run.
 
     Returns
     -------

@@ -6,7 +6,7 @@ experiment's section and a dot, so it starts with a key of that section.
 
 from collections.abc import Collection, Iterable
 
-#: Numbers in one sample of the largest structure: displacement and velocity of its 300 unknowns.
+#: Number of values in one sample of the largest structure: displacement and velocity of its 300 unknowns.
 LARGEST_SAMPLE = 600
 
 

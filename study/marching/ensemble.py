@@ -18,8 +18,8 @@ from study.settings import cores
 #: ensembles are padded to a tile; otherwise XLA compiles another loop and the last bits differ.
 TILE = 64
 
-#: Largest number of lanes of a problem with several unknowns that are marched one by one, with the compiled program of
-#: a single run. Tiles are faster only for more lanes.
+#: Largest number of lanes that are marched one by one if the problem has several unknowns. The lanes then use the
+#: compiled program of a single run. Tiles are faster only for more lanes.
 FEW = 64
 
 #: Initial displacements, initial velocities and step sizes of all lanes.

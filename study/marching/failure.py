@@ -52,7 +52,7 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
 
 
 def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun) -> str:
-    """The failures of the runs, in one or two sentences; empty if all of them completed."""
+    """The failures of the runs, in one or two sentences; empty if all runs completed."""
     failed = np.flatnonzero(result.status != COMPLETED)
     if not failed.size:
         return ""

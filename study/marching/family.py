@@ -22,7 +22,7 @@ from study.observer.base import Observer
 
 
 def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Observer]) -> dict[str, np.ndarray]:
-    """The values over which a family runs, each of shape (lanes, ...).
+    """The arrays of ``over`` after their check, each of shape (lanes, ...).
 
     Raises
     ------

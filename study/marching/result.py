@@ -91,7 +91,8 @@ class Work:
     Attributes
     ----------
     steps
-        Number of steps of all lanes of all runs with equal steps, which the pipeline compares with the declared number.
+        Total number of steps of all runs with equal steps, where every lane counts. The pipeline compares it with the
+        declared number.
     """
 
     steps = 0

@@ -135,7 +135,8 @@ def run(
         Allowed estimate of the error of a step, in the units of the estimator; an array (lanes,) makes an ensemble.
         The steps are then chosen by estimator and controller.
     duration
-        Time at which a run with a tolerance ends.
+        Time at which a run with a tolerance ends. With the controller ``Prescribed``, which needs no tolerance, the
+        default is the sum of its step sizes.
     estimator, controller
         Names in ``study.estimators`` and ``study.controllers``, or your own. The default estimator is the first of
         ``embedded_pair``, ``zienkiewicz_xie`` and ``step_doubling`` that fits the scheme and the problem; the default
@@ -168,10 +169,10 @@ def run(
     xarray.Dataset
         The observed variables, ``status`` (completed, no solution found, not finite, unbounded), ``failed_at_step`` and
         ``newton_restarts``. Records lie along ``t``, the elapsed time, and the runs of an ensemble along ``lane``.
-        ``dt``, ``steps``, ``u0`` and ``v0`` are coordinates if they are given per lane, otherwise attributes. If lanes
-        have their own step sizes, records lie along ``sample``, and ``t`` is a coordinate over (lane, sample). Values
-        of a failed run are NaN, and so are its samples from the failure on. Further attributes name the problem, the
-        scheme, its parameters and the version.
+        ``dt``, ``steps``, ``u0`` and ``v0`` are coordinates if they are given per lane, otherwise attributes. ``u0``
+        and ``v0`` of more than a thousand unknowns are not attributes. If lanes have their own step sizes, records lie
+        along ``sample``, and ``t`` is a coordinate over (lane, sample). Values of a failed run are NaN, and so are its
+        samples from the failure on. Further attributes name the problem, the scheme, its parameters and the version.
 
         A run with a tolerance has no ``newton_restarts``. It has ``steps``, ``failed_at_time``,
         ``steps_rejected_by_estimate`` and ``steps_rejected_by_solver``, which counts trial steps without balance or

@@ -164,7 +164,7 @@ class BetaBathe(Composite):
 
     @property
     def stability_limit(self) -> float | None:
-        # the condition |λ| ≤ 1 on the imaginary axis, by the coefficients of (ωΔt)² and (ωΔt)⁴
+        # the condition |λ| ≤ 1 at every ωΔt without damping, from the coefficients of (ωΔt)² and (ωΔt)⁴
         _, q0, q1, q2 = self.weights
         return math.inf if self._excess > -ROUND_OFF and q2 >= abs(q1 - q0) - ROUND_OFF else None
 

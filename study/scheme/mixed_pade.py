@@ -66,9 +66,9 @@ class MixedPade(OneStep):
             {\rho_\infty Q_{M,M}(z) + (1 - \rho_\infty) Q_{M-1,M}(z)} = e^z + O(z^{2M})
 
     with the Padé expansions P/Q of :math:`e^z`, each Q with the leading coefficient :math:`(-1)^M`. This is the
-    collocation method at the roots c of :math:`(1 + \rho_\infty) P_M - (1 - \rho_\infty) P_{M-1}`, with Legendre's
-    polynomials on [0, 1]. Its weights are b and :math:`A = T \Lambda T^{-1}`. For each eigenvalue λ with the row τ of
-    :math:`T^{-1}`, and the weights w = bᵀT and w′ = bᵀAT,
+    collocation method at the roots c of :math:`(1 + \rho_\infty) P_M - (1 - \rho_\infty) P_{M-1}`, where P_M is
+    Legendre's polynomial on [0, 1]. The method has the weights b and :math:`A = T \Lambda T^{-1}`. For each eigenvalue
+    λ with the row τ of :math:`T^{-1}`, and the weights w = bᵀT and w′ = bᵀAT,
 
     .. math::
 

@@ -1,6 +1,6 @@
 """Every scheme that can be called by name.
 
-A scheme is named by a variable of a module of this package: ``bdf2 = BackwardDifferences(...)`` in
+A scheme has the name of the variable that holds it in a module of this package: ``bdf2 = BackwardDifferences(...)`` in
 ``backward_differences.py`` makes ``study.schemes["bdf2"]``.
 """
 

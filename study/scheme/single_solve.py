@@ -1,4 +1,4 @@
-"""Explicit single-step methods with one force, at a time within or beyond the step: GSSE and ICL."""
+"""The explicit single-step methods GSSE and ICL. Forces balance once per step: before, at or after its end."""
 
 import math
 from typing import ClassVar
