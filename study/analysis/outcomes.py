@@ -100,6 +100,8 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
             raise ValueError(
                 f"outcomes need '{name}': observe study.OutcomeObserver.of(problem) and 'lyapunov_exponent'."
             )
+    if period is not None and "mean_period" not in runs:
+        raise ValueError("outcomes with a period need 'mean_period': observe 'oscillations'.")
     outcome, at = np.zeros(runs.sizes["lane"], np.int8), np.full(runs.sizes["lane"], np.nan)
     for ended, event in _EVENTS.items():
         if event in runs:

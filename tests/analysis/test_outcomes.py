@@ -42,6 +42,8 @@ def test_an_accurate_run_keeps_the_period_too():
     period = runs.mean_period.values
     assert outcomes(runs)[0] == outcomes(runs, 1.009 * period)[0] == Outcome.ACCURATE
     assert outcomes(runs, 1.011 * period)[0] == Outcome.BOUNDED
+    with pytest.raises(ValueError, match="observe 'oscillations'"):
+        outcomes(runs.drop_vars("mean_period"), period)
 
 
 def test_a_motion_that_is_damped_out_of_chaos_was_not_chaotic():
