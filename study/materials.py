@@ -24,7 +24,7 @@ from study.mechanics.internal_force import number_of_arguments
 
 
 def _check(name: str, value: Any, low: float, strict: bool, high: float = np.inf) -> None:
-    """Refuse a parameter that is not a finite number in its range, or an array of such numbers."""
+    """Refuse a parameter unless it is a finite number in its range or an array of such numbers."""
     if isinstance(value, jax.core.Tracer):
         return
     numbers = np.asarray(value)

@@ -137,7 +137,7 @@ class Registry(Mapping[str, T], Generic[T]):
 
 
 def variables_of_modules(package: ModuleType, kind: type[T], first: Iterable[str] = ()) -> dict[str, T]:
-    """Variables of one kind in the modules of a package, by name: those of ``first``, then module by module.
+    """Variables of one kind in the modules of a package, by name: first the names ``first``, then module by module.
 
     Raises
     ------

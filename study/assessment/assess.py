@@ -37,7 +37,8 @@ from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.settings import cores
 
-#: Smallest ratio of the energy at the start to the largest kinetic energy at which the balance of energies is assessed.
+#: Smallest ratio of the energy at the start to the largest kinetic energy. Below this ratio, the balance of energies is
+#: not assessed for a problem without a load.
 LEAST_ENERGY = 0.01
 
 
@@ -145,7 +146,7 @@ def assess(
             )
         own = narrowed(problem, schemes)  # type: ignore[arg-type]
         return assess_program(own, checked_errors(errors), seconds, Progress(len(own.schemes)).report)
-    # the problem scaled by one shares a compiled program with the problems whose start is one percent away
+    # scaled by one, so that it shares a compiled program with the same problem scaled by 0.99 and 1.01
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
     wanted = _wanted(quantities, equation)

@@ -82,7 +82,7 @@ def values_along(quantity: Quantity, problem: Problem, solution: DenseSolution, 
 
 
 def _peak(quantity: Quantity, problem: Problem, solution: DenseSolution, times: Times, values: Values) -> np.ndarray:
-    """Largest absolute value of each component, among its samples and finer samples around its largest one.
+    """Largest absolute value of each component, among its samples and finer samples around the largest sample.
 
     The solution is smooth only between its points, so interpolation of the samples would miss the height of a peak.
     """

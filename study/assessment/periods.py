@@ -12,10 +12,12 @@ from study.mechanics.frequencies import frequencies, highest_frequency
 #: Default duration of a free oscillation, in periods.
 PERIODS = 10
 
-#: Run that estimates the period: steps in the slowest period of small motions, and number of such periods.
+#: Run from which the period is estimated: number of steps in the slowest period of small motions, and length of the run
+#: in such periods.
 ESTIMATE = 100, 40
 
-#: Number of unknowns × number of points of the motion at which the highest frequency is computed.
+#: Number of points of the motion at which the highest frequency is computed: this number divided by the number of
+#: unknowns, and at least two.
 STIFFEST = 100
 
 

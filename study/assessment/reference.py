@@ -111,9 +111,9 @@ class Reference:
     translated. Otherwise it is diffrax, with Dopri8 or, for a stiff problem, Kvaerno5. The second route is CVODE, with
     Adams' method or, for a stiff problem, BDF. No route shares code with a scheme.
 
-    Between two times of the grid, at which its history is updated, a force with a history is a function of u and u̇.
-    This is exact as long as no element reverses in between, so every reversal is a kink of the grid. The routes agree
-    only if this holds.
+    The history of a force is updated at the times of the grid. Between two of these times the force is a function of u
+    and u̇. This is exact as long as no element reverses in between, so every reversal is a kink of the grid. The routes
+    agree only if this holds.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ class Reference:
         return Route("heyoka", by_taylor), of_cvode
 
     def grid(self, coarsest: float) -> Times:
-        """Times of the first grid, with all kinks of load and force; the solution is interpolated between them."""
+        """The first grid: times between which the solution is interpolated, including all kinks of load and force."""
         shortest = coarsest
         if self._highest is not None and 0 < self._highest < np.inf:
             shortest = min(coarsest, 2 * np.pi / self._highest)

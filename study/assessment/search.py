@@ -126,7 +126,8 @@ def _two_digits(x: float) -> float:
 def round_step(largest: float, spacing: float | None) -> float:
     """The largest round step up to ``largest``: with two digits, or an integer multiple or fraction of ``spacing``.
 
-    A fraction with two digits is preferred if it is at least about half of the largest possible fraction.
+    The largest possible fraction may have many digits. A smaller fraction is then taken if it has two digits and is at
+    least half as large.
     """
     largest *= 1 + 1e-9
     if spacing is None:
@@ -220,7 +221,7 @@ class Search:
         return top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count)
 
     def _unconfirmed(self, steps: Iterable[float]) -> np.ndarray:
-        """Random steps in the octave below each given step that its confirmation still lacks."""
+        """Random steps that are still missing to confirm each given step; they lie in the octave below it."""
         tried = self._arrays()[0]
         drawn = tried
         for step in sorted(steps, reverse=True):
@@ -233,7 +234,7 @@ class Search:
         return drawn[len(tried) :]
 
     def _arrays(self, name: str = "dt") -> tuple[np.ndarray, np.ndarray]:
-        """Steps tried from the problem's own start, and the values of a column of their runs."""
+        """Steps of the runs whose start and load are not scaled, and the values of one column of these runs."""
         own = self.runs.start.to_numpy() == 1.0
         return self.runs.dt.to_numpy()[own], self.runs[name].to_numpy()[own]
 
@@ -245,9 +246,9 @@ class Search:
         return largest_with_margin(dt[below], error[below], allowed)
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
-        """Make runs down to a twentieth of each step that keeps an error, then at the round steps from all starts.
+        """Make runs down to a twentieth of each step that keeps an error, then runs that confirm the round steps.
 
-        Runs at random steps in the octave below each round step confirm it.
+        Each round step is run with every multiple of start and load. Random steps in the octave below it are run too.
         """
         top = self.coarsest
         while not self.late:

@@ -111,7 +111,7 @@ def _parameters(function: Callable | None) -> list[inspect.Parameter]:
 
 
 def check_arguments(force: Callable, load: Callable | None, title: str) -> None:
-    """Refuse a force of the time, a load of the motion, and a default that hides an argument of a force."""
+    """Refuse a force that takes the time, a load that takes the motion, and a default of a velocity or history."""
     for parameter in _parameters(force):
         if parameter.name in TIME:
             raise ValueError(

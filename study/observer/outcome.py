@@ -11,10 +11,11 @@ from study.mechanics.definition import Problem
 from study.observer.base import Record, Reduction
 from study.problem.named import problems
 
-#: Largest |H − H₀|/H₀ of an accurate run, and largest H/H₀ of a run at rest, with the energy H above that of rest.
+#: Largest |H − H₀|/H₀ of an accurate run, and largest H/H₀ of a run at rest. H is the height of the energy above the
+#: energy of the rest position.
 ACCURATE = AT_REST = 0.01
 
-#: Smallest H/H₀ of a run that has grown, with the energy H above that of rest.
+#: A run has grown if H exceeds this multiple of H₀, or of the height of the barrier if that is larger.
 GROWN = 100.0
 
 #: Minima at a distance from zero of more than this multiple of max(|u₀|, 1) are rejected.

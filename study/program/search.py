@@ -90,7 +90,8 @@ class Search:
             self.refinement = Refinement(program, runs, allowed[-1])
             self.truth = self.refinement.truth
             self._measure()
-            # larger errors first, as coarse steps suffice; repeated, as runs for a small error may exceed a larger one
+            # Larger errors come first, because coarse steps suffice for them. The search is repeated, because a run for
+            # a smaller error may also exceed a larger one.
             while any([self._search(error) for error in allowed]):
                 pass
             self._late = runs.late
