@@ -212,8 +212,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Raises
     ------
     SystemExit
-        With code 2 after a mistake, which one sentence on the standard error output explains, and with code 130 after
-        an interrupt.
+        With code 2 after a mistake; one sentence on the standard error output explains it. With code 130 after an
+        interrupt.
     """
     parser = _parser()
     words = sys.argv[1:] if arguments is None else list(arguments)

@@ -83,7 +83,7 @@ def _made_at() -> str:
 def provenance(title: str, made_by: str) -> dict[str, str]:
     """Global attributes of a dataset: its title, its origin, and the versions of the sources and packages.
 
-    Their names are those of the CF conventions and of the Attribute Convention for Data Discovery (ACDD).
+    The attributes have the names of the CF conventions and of the Attribute Convention for Data Discovery (ACDD).
     """
     return {
         "Conventions": "CF-1.11, ACDD-1.3",

@@ -48,7 +48,7 @@ DEFAULT = {
 
 
 def named(quantities: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """The quantities, renamed: their keys become their long names and, after ``PREFIX``, their names.
+    """The quantities with new names: the key is the long name, and ``PREFIX`` followed by the key is the name.
 
     Raises
     ------

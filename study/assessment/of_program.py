@@ -114,7 +114,10 @@ def _verdicts(search: Search, names: list[str], allowed: list[float]) -> xr.Data
 
 
 def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
-    """The verdict on a scheme, time of the recommended run, and spread of times in the octave below the recommended step."""
+    """The verdict on a scheme, with the time of the recommended run and the spread of times.
+
+    The spread is taken over the runs in the octave below the recommended step.
+    """
     runs = {run.dt: run for run in search.refinement.of(scheme)}
     row = dict.fromkeys(NUMBERS, np.nan) | {"verdict": UNCERTAIN, "steps_tried": 0}
     if not search.certain(scheme, limit):

@@ -20,7 +20,7 @@ from study.mechanics.internal_force import switches
 #: shorter.
 POINTS = 12
 
-#: Number of equal parts of the duration in which changes of a comparison in the load are sought.
+#: Number of equal parts of the duration. In each part a change of a comparison in the load, such as t < 0.2, is sought.
 SWITCHES = 4096
 
 #: Least number of intervals between two kinks of the force, because a contact may be far shorter than a period.
@@ -53,7 +53,7 @@ class Kinks(NamedTuple):
 
 
 class Route(NamedTuple):
-    """One way to the reference: a solver's name, and its function of times and tolerance that returns u and u̇."""
+    """One way to the reference: the name of a solver, and a function that returns u and u̇ at times, to a tolerance."""
 
     name: str
     trajectory: Callable[[Times, float], tuple[History, History]]

@@ -64,8 +64,8 @@ class OutcomeObserver(Reduction):
     rest
         E_rest, the potential energy of the rest position about which the run oscillates.
     barrier
-        Potential energy at u = 0 if there is a barrier between two wells, which no run that starts below this energy
-        should cross; None without a barrier.
+        Potential energy at u = 0 if a barrier there separates two wells; None without a barrier. A run that starts
+        below this energy should not cross the barrier.
     rest_at
         Displacement of the rest position.
     """

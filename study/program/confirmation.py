@@ -1,4 +1,7 @@
-"""What both searches for steps share: the largest step that keeps an error, and the finer steps that confirm it."""
+"""The largest step that keeps an error, and the finer steps that confirm it.
+
+The searches for the steps of problems and for the steps of programs share this module.
+"""
 
 import numpy as np
 from jaxtyping import Float

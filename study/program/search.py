@@ -146,8 +146,9 @@ class Search:
     def _next(self, scheme: str, limit: Limit) -> list[float]:
         """Next steps to try for an allowed error; empty if no step is needed.
 
-        If no step keeps the error, this is half of the finest step tried. Otherwise it is a step between the largest
-        step that keeps the error and the next larger one, then the round step, then random steps that confirm it.
+        If no step keeps the error, the next step is half of the finest step tried. Otherwise the next steps are, one
+        after the other: a step between the largest step that keeps the error and the next larger step tried, the round
+        step, and random steps that confirm it.
         """
         tried = {dt for s, dt in self.errors if s == scheme}
         largest, fails = self.largest(scheme, limit)
