@@ -15,7 +15,7 @@ from jax.experimental import checkify
 
 from study.mechanics.terms import StrainEnergy
 
-#: Names of arguments of a force that must not have a default.
+#: Names of a force's arguments that must not have a default.
 NEVER_OPTIONAL = ("v", "velocity", "history")
 
 #: Parameter names that suggest the time, which a force does not take.
