@@ -68,7 +68,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
 
 
 def highest_frequency_along(problem: Problem, motion: DenseSolution) -> float:
-    """Highest circular frequency of small motions about points of the motion, one of them the farthest from zero."""
+    """Highest circular frequency of small motions about points of the motion, one with the largest displacement."""
     last, unknowns = len(motion.t) - 1, np.size(problem.u0)
     places = np.linspace(0, last, max(2, STIFFEST // unknowns)).astype(int)
     farthest = np.abs(motion.u).reshape(last + 1, -1).max(axis=1).argmax()

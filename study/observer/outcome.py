@@ -15,7 +15,8 @@ from study.problem.named import problems
 #: energy of the rest position.
 ACCURATE = AT_REST = 0.01
 
-#: A run has grown if H exceeds this multiple of H₀, or of the height of the barrier if that is larger.
+#: A run has grown if the height of its energy above the rest position exceeds this multiple of the height at the start,
+#: or of the height of the barrier if that is larger.
 GROWN = 100.0
 
 #: Minima at a distance from zero of more than this multiple of max(|u₀|, 1) are rejected.
