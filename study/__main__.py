@@ -98,7 +98,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _given(place: str, kind: type) -> Any:
-    """The given name unchanged, or the object that ``FILE.py:NAME`` names."""
+    """The object in a user's file if ``place`` is ``FILE.py:NAME``, otherwise the given name."""
     return load(place, (kind,)) if ".py" in place else place
 
 
@@ -123,7 +123,7 @@ def _run(arguments: argparse.Namespace) -> None:
 def _assess(arguments: argparse.Namespace) -> None:
     outputs = []
     if arguments.output:
-        # an output name that ends in .nc or .html stands for both files, too
+        # both files are written, even if PATH ends in .nc or .html
         stem = arguments.output.name.removesuffix(".nc").removesuffix(".html")
         outputs = [io.check_writable(arguments.output.with_name(stem + suffix)) for suffix in (".nc", ".html")]
     if arguments.command or arguments.opensees:
@@ -212,8 +212,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Raises
     ------
     SystemExit
-        With code 2 after a mistake, which one sentence on the standard error output explains, and with code 130 after
-        an interrupt.
+        With code 2 after a mistake; one sentence on the standard error output explains it. With code 130 after an
+        interrupt.
     """
     parser = _parser()
     words = sys.argv[1:] if arguments is None else list(arguments)
@@ -221,7 +221,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         chosen.function(chosen)
         sys.stdout.flush()
-    except BrokenPipeError:  # a reader such as head has closed the pipe, into which the exit would flush
+    except BrokenPipeError:
+        # a reader such as head has closed the pipe; the rest of the output, written at the exit, is discarded
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return
     except KeyboardInterrupt:

@@ -71,7 +71,10 @@ def _git(*arguments: str) -> str:
 
 
 def _made_at() -> str:
-    """Date of the sources: ``SOURCE_DATE_EPOCH``, or that of the last commit; the same inputs give the same bytes."""
+    """``SOURCE_DATE_EPOCH`` as a date, or the date of the last commit, or ``undated`` without both.
+
+    The present date is not used, so that the same inputs give the same bytes.
+    """
     if "SOURCE_DATE_EPOCH" in os.environ:
         return datetime.fromtimestamp(int(os.environ["SOURCE_DATE_EPOCH"]), UTC).isoformat()
     return _git("log", "-1", "--format=%cI") or "undated"
@@ -80,7 +83,7 @@ def _made_at() -> str:
 def provenance(title: str, made_by: str) -> dict[str, str]:
     """Global attributes of a dataset: its title, its origin, and the versions of the sources and packages.
 
-    Their names are those of the CF conventions and of the Attribute Convention for Data Discovery (ACDD).
+    The attributes have the names of the CF conventions and of the Attribute Convention for Data Discovery (ACDD).
     """
     return {
         "Conventions": "CF-1.11, ACDD-1.3",
@@ -301,6 +304,6 @@ def open_dataset(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
         question = f"did you mean {' or '.join(map(repr, near))}? If not, " if near else ""
         raise FileNotFoundError(
             f"there is no dataset '{path}'; {question}`snakemake {path}` makes it if the study has it. "
-            "The command runs in the folder of the sources; `folder` names results in another one."
+            "The command runs in the folder of the sources; another folder of results is given as `folder`."
         )
     return read(path)

@@ -24,7 +24,7 @@ from study.mechanics.internal_force import number_of_arguments
 
 
 def _check(name: str, value: Any, low: float, strict: bool, high: float = np.inf) -> None:
-    """Refuse a parameter that is not a finite number in its range, or an array of such numbers."""
+    """Refuse a parameter unless it is a finite number in its range or an array of such numbers."""
     if isinstance(value, jax.core.Tracer):
         return
     numbers = np.asarray(value)
@@ -147,7 +147,7 @@ class BoucWen(eqx.Module):
         return zero, zero
 
     def _loaded(self, y, x):
-        """The value of y ≥ 0 after loading by a displacement x ≥ 0 in units of u_y."""
+        """The new y, after loading from y ≥ 0 by a displacement x ≥ 0 in units of u_y."""
         if self.exponent == 1:
             return y - (1 - y) * jnp.expm1(-x)
         tanh = jnp.tanh(x)
@@ -160,7 +160,7 @@ class BoucWen(eqx.Module):
         way = (u - before) / bound
         sign = jnp.where(way < 0, -1.0, 1.0)
         y, x = sign * y, sign * way
-        # a negative y is unloaded first: it grows with x up to zero. The rest of x loads from zero
+        # If y is negative, a first part of x unloads: y grows by this part up to zero. The rest of x loads from zero.
         unloading = jnp.minimum(y + x, 0.0)
         y = sign * (unloading + self._loaded(jnp.maximum(y, 0.0), jnp.maximum(x + jnp.minimum(y, 0.0), 0.0)))
         force = self.stiffness * (self.hardening * u + (1 - self.hardening) * bound * y)

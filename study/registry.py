@@ -99,7 +99,7 @@ class Registry(Mapping[str, T], Generic[T]):
             return entry
         if name in self._renamed:
             raise UnknownName(f"the {self.kind} {name!r} is now called {self._renamed[name]!r}.")
-        for known in (*self._names, *self._aliases):  # another case or other separators
+        for known in (*self._names, *self._aliases):  # the name in another case or with other separators
             if _plain(known) == _plain(str(name)):
                 return self._aliases.get(known, known)
         raise UnknownName(f"there is no {self.kind} {name!r}; {did_you_mean(str(name), self)}")
@@ -137,7 +137,7 @@ class Registry(Mapping[str, T], Generic[T]):
 
 
 def variables_of_modules(package: ModuleType, kind: type[T], first: Iterable[str] = ()) -> dict[str, T]:
-    """Variables of one kind in the modules of a package, by name: those of ``first``, then module by module.
+    """Variables of one kind in the modules of a package, by name: first the names ``first``, then module by module.
 
     Raises
     ------

@@ -39,7 +39,7 @@ _THRESHOLD = 1 << 24
 #: Size of the cache in bytes above which the older half of its programs is removed.
 _CACHE_SIZE = 1 << 30
 
-#: Seconds between two checks of the size of the cache, which inspect every file.
+#: Seconds between two checks of the size of the cache. A check inspects every file.
 _DAY = 86_400
 
 
@@ -67,7 +67,10 @@ def _wanted(variable: str | None) -> tuple[str, ...]:
 
 
 def _with_option(flags: str) -> str:
-    """The value of ``XLA_FLAGS`` with the option added, in its flag for backend options if it has this flag."""
+    """The value of ``XLA_FLAGS`` with the option added, unless it is there already.
+
+    The flag for backend options holds the option. If the value does not have this flag, the flag is added too.
+    """
     if _OPTION in flags:
         return flags
     option, extra = f"{_OPTION}={_THRESHOLD}", "--xla_backend_extra_options="

@@ -10,7 +10,7 @@ from typing import Any
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # a power such as 5e-05; digits within a word, such as the hash of a commit, are not a number
 _POWER = re.compile(r"(?<![\w.])(\d(?:\.\d+)?)e([+-]?)0*(\d{1,3})(?!\w)")
-#: Largest fraction that :func:`percent` prints as zero, for round-off.
+#: Largest fraction that :func:`percent` prints as zero, because it may be round-off.
 _ZERO = 1e-6
 
 

@@ -37,7 +37,8 @@ from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.settings import cores
 
-#: Smallest ratio of the energy at the start to the largest kinetic energy at which the balance of energies is assessed.
+#: Smallest ratio of the energy at the start to the largest kinetic energy. Below this ratio, the balance of energies is
+#: not assessed for a problem without a load.
 LEAST_ENERGY = 0.01
 
 
@@ -59,10 +60,10 @@ def assess(
     smallest error. An octave has up to 128 runs, the octave below a recommended step up to 500; both have fewer if the
     runs have many steps. ``largest_dt`` is the largest step tried that keeps an error, as all finer steps tried do,
     with a margin for the scatter of their errors. The recommended step is the largest step with two digits up to
-    ``largest_dt``. Under a record, it is an integer fraction or multiple of the spacing of the samples. It must keep
-    the error with the given initial values and load, and with values one percent smaller and larger. If none of n
-    random finer steps exceeds the error, at most 3/n of all finer steps do, with 95 % confidence. Every recommended
-    step was run; neither the step nor its error is interpolated.
+    ``largest_dt``. If the load is a record, the step is an integer fraction or multiple of the spacing of the samples.
+    The recommended step must keep the error with the given initial values and load, and with values one percent smaller
+    and larger. If none of n random finer steps exceeds the error, at most 3/n of all finer steps do, with 95 %
+    confidence. Every recommended step was run; neither the step nor its error is interpolated.
 
     A run ends with the last step that fits into the duration. Quantities along time are compared with the reference at
     every step.
@@ -117,11 +118,13 @@ def assess(
         error, as all smaller tolerances tried do, down to a hundredth of it; ``tolerance_error``, ``controlled_steps``
         and ``controlled_force_evaluations`` of the run with this tolerance.
 
-        For a program: ``reason`` and ``run_time`` of each run; ``repeated``, the relative difference of a repeated run
-        of each scheme; and the attribute ``remarks``. Variables that have no value for a program are NaN.
+        For a program: ``reason`` and ``run_time`` of each run; ``repeated``, the relative difference between a run of
+        each scheme and its repetition; and the attribute ``remarks``. Variables that have no value for a program are
+        NaN.
 
-        Attributes name the solvers or schemes that gave the reference, the time up to which it holds, versions and
-        processor. :func:`study.recommend` and :func:`study.report` take this dataset.
+        The attributes have the names of the solvers or schemes that gave the reference. They also have the time up to
+        which the reference holds, the versions and the processor. :func:`study.recommend` and :func:`study.report` take
+        this dataset.
 
     Raises
     ------
@@ -145,7 +148,7 @@ def assess(
             )
         own = narrowed(problem, schemes)  # type: ignore[arg-type]
         return assess_program(own, checked_errors(errors), seconds, Progress(len(own.schemes)).report)
-    # the problem scaled by one shares a compiled program with the problems whose start is one percent away
+    # scaled by one, so that it shares a compiled program with the same problem scaled by 0.99 and 1.01
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
     wanted = _wanted(quantities, equation)

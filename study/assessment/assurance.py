@@ -6,7 +6,7 @@ from study.words import number
 
 
 def percent(fraction: float) -> str:
-    """A fraction as a text in percent, in the form of an assessment's page."""
+    """A fraction in percent, as the page of an assessment prints it."""
     return f"{number(100 * fraction)}\u00a0%"
 
 
@@ -18,7 +18,7 @@ def confirmation(assessed: xr.Dataset) -> str:
     few, many = tried.min(), tried.max()
     bounds = " to ".join(percent(3 / n) for n in (many, few))
     worst = percent(float(assessed.worst_error.max()))
-    # some steps of a program are not random, and its frequencies are unknown
+    # for a program neither confidence nor frequency is stated: some steps are not random, and frequencies are unknown
     of_program = "reason" in assessed
     kind = "finer steps, some of them random," if of_program else "random finer steps"
     certain = (

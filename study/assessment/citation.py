@@ -12,7 +12,8 @@ from study.scheme.named import schemes
 #: Bibliography of the study: in the repository a link to the article's file, in a wheel a copy of it.
 WORKS = Path(__file__).with_name("references.bib")
 
-#: Key of the paper of 1996 in the bibliography, and keys of the works on solvers, by a word in the solver's name.
+#: Keys in the bibliography. ``PAPER`` is the key of Xie (1996). ``SOLVERS`` has the key of the work on a solver, by a
+#: word in the solver's name.
 PAPER, SOLVERS = "xie1996", {"heyoka": "biscani2021", "CVODE": "hindmarsh2005", "diffrax": "kidger2021"}
 
 _ENTRY = re.compile(r"^@\w+\{(\w+),\n.*?^\}$", re.MULTILINE | re.DOTALL)
@@ -49,7 +50,7 @@ def _record(attributes: dict) -> str:
 
 
 def _sources(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
-    """Source and DOI of each scheme in a dataset that is a scheme of the study."""
+    """Source and DOI of each scheme in a dataset; schemes that are not in the study are left out."""
     named = dataset["scheme"].values if "scheme" in dataset.variables else dataset.attrs.get("scheme", [])
     for name in np.atleast_1d(named).tolist():
         if name in schemes:

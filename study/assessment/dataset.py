@@ -81,7 +81,8 @@ def _timed(problem: Problem, scheme: Scheme, wanted: dict[float, int]) -> dict[f
         once = max(timed.run(dt, first)[0] - call, ENOUGH * first / MOST_TIMED)
         most = max(first, int(first * ENOUGH / once))
         runs = [timed.run(dt, most) for _ in range(REPEATS)]
-        if not all(completed for _, completed in runs):  # a run with more steps than wanted fails after the duration
+        # steps beyond the wanted number may fail; the run is then timed without them
+        if not all(completed for _, completed in runs):
             most, runs = first, [timed.run(dt, first) for _ in range(REPEATS)]
         low, median, high = np.quantile([taken for taken, _ in runs], [0.25, 0.5, 0.75])
         less = call if median > 2 * call else 0.0

@@ -48,7 +48,7 @@ DEFAULT = {
 
 
 def named(quantities: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """The quantities, renamed: their keys become their long names and, after ``PREFIX``, their names.
+    """The quantities with new names: the key is the long name, and ``PREFIX`` followed by the key is the name.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def values_along(quantity: Quantity, problem: Problem, solution: DenseSolution, 
 
 
 def _peak(quantity: Quantity, problem: Problem, solution: DenseSolution, times: Times, values: Values) -> np.ndarray:
-    """Largest absolute value of each component, among its samples and finer samples around its largest one.
+    """Largest absolute value of each component, among its samples and finer samples around the largest sample.
 
     The solution is smooth only between its points, so interpolation of the samples would miss the height of a peak.
     """

@@ -1,4 +1,7 @@
-"""Assessments in the pipeline, of problems in the section ``assess``: problems of the study, or your own in files."""
+"""Assessments in the pipeline.
+
+The section ``assess`` of the configuration lists the problems: problems of the study, or your own problems in files.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -31,7 +34,7 @@ class _Assessment(TypedDict):
 
 
 def _places(options: Options) -> list[tuple[str, str]]:
-    """Pairs of key and value of the options that name a Python object in a file."""
+    """The options whose value is ``FILE.py:NAME``, as pairs of key and value."""
     return [(key, options[key]) for key in ("problem", "quantities") if ".py" in options.get(key, "")]
 
 
@@ -65,7 +68,10 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _jobs(options: Options) -> dict[str, Options]:
-    """The options of each job, with the names of default schemes, because the files of a job follow from the names."""
+    """The options of each job; if they name no schemes, the names of the default schemes are added.
+
+    The pipeline needs these names, because the files that a job reads follow from them.
+    """
     return {name: {"schemes": list(USUAL)} | one for name, one in options.items()}
 
 

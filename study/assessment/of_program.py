@@ -21,7 +21,8 @@ from study.program.truth import Estimate
 from study.registry import UnknownName, did_you_mean
 from study.scheme.named import schemes as schemes_by_name
 
-#: Attributes of variables that the dataset of a problem lacks or describes otherwise.
+#: Attributes of variables in the dataset of a program. The dataset of a problem lacks these variables or describes them
+#: otherwise.
 OWN = {
     "status": flags("how the run ended", STATUSES, np.int8),
     "reason": {"long_name": "reason why the run failed"},
@@ -113,7 +114,10 @@ def _verdicts(search: Search, names: list[str], allowed: list[float]) -> xr.Data
 
 
 def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
-    """The verdict on a scheme, with the time of the recommended run and the spread of times in the octave below it."""
+    """The verdict on a scheme, with the time of the recommended run and the spread of times.
+
+    The spread is taken over the runs in the octave below the recommended step.
+    """
     runs = {run.dt: run for run in search.refinement.of(scheme)}
     row = dict.fromkeys(NUMBERS, np.nan) | {"verdict": UNCERTAIN, "steps_tried": 0}
     if not search.certain(scheme, limit):

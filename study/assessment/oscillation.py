@@ -25,7 +25,7 @@ FEWEST = 3
 
 
 class Oscillation(eqx.Module):
-    """Period, phase and amplitude of the reference of a free oscillation.
+    """The reference of a free oscillation, from which errors of period, phase and amplitude are measured.
 
     Attributes
     ----------
@@ -116,7 +116,10 @@ def oscillation(problem: Problem, solution: DenseSolution) -> Oscillation | None
 
 
 def uncertainties(one: Oscillation, other: Oscillation, displacement: float) -> dict[str, float]:
-    """Uncertainty of each quantity, from two solutions and a bound ``displacement`` of the uncertainty of u."""
+    """Uncertainty of each quantity, from the oscillations of two solutions.
+
+    ``displacement`` is an upper bound of the uncertainty of u, relative to its size.
+    """
     period, crossings = float(abs(one.period - other.period) / one.period), int(one.crossings)
     return {"period": period, "phase": period * crossings, "amplitude": displacement / crossings}
 

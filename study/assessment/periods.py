@@ -12,15 +12,17 @@ from study.mechanics.frequencies import frequencies, highest_frequency
 #: Default duration of a free oscillation, in periods.
 PERIODS = 10
 
-#: Run that estimates the period: steps in the slowest period of small motions, and number of such periods.
+#: Run from which the period is estimated: number of steps in the slowest period of small motions, and length of the run
+#: in such periods.
 ESTIMATE = 100, 40
 
-#: Number of unknowns × number of points of the motion at which the highest frequency is computed.
+#: Number of points of the motion at which the highest frequency is computed: this number divided by the number of
+#: unknowns, and at least two.
 STIFFEST = 100
 
 
 def slowest_period(problem: Problem) -> float | None:
-    """Period of the slowest small motion about the start or about u = 0, whichever is shorter.
+    """Period of the slowest small motion: about the start or about u = 0, the shorter of the two.
 
     If small motions oscillate about neither, it is 2π √(max |u₀| / max |ü₀|), or None if u₀ or ü₀ is zero.
     """
@@ -66,7 +68,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
 
 
 def highest_frequency_along(problem: Problem, motion: DenseSolution) -> float:
-    """Highest circular frequency of small motions about points of the motion, including its largest displacement."""
+    """Highest circular frequency of small motions about points of the motion, one with the largest displacement."""
     last, unknowns = len(motion.t) - 1, np.size(problem.u0)
     places = np.linspace(0, last, max(2, STIFFEST // unknowns)).astype(int)
     farthest = np.abs(motion.u).reshape(last + 1, -1).max(axis=1).argmax()

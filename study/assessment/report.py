@@ -23,7 +23,7 @@ from study.words import document, number, text_of
 
 #: Colours of curves, which differ in greyscale and for the colour-blind.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-#: Markers of curves; with seven colours and ten markers, a pair of both repeats only after 70 curves.
+#: Markers of curves. With seven colours and ten markers, each of 70 curves has its own pair of colour and marker.
 MARKERS = "osD^vPX<>*"
 
 #: Largest error that is drawn.
@@ -48,11 +48,12 @@ def _time(seconds: float) -> str:
 
 
 def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
-    """A table of HTML; the columns whose numbers are in ``text`` hold sentences."""
+    """A table of HTML; ``text`` has the indices, from zero, of the columns that hold sentences."""
 
     def row_of(tag: str, row: list[object]) -> str:
         kinds = (' class="text"' if i in text else "" for i in itertools.count())
-        tags = (tag if one else "td" for one in row)  # an empty cell of the head is no heading
+        # an empty cell in the head of the table is not marked as a heading
+        tags = (tag if one else "td" for one in row)
         return "".join(f"<{t}{kind}>{text_of(one)}</{t}>" for t, kind, one in zip(tags, kinds, row, strict=False))
 
     cells, body = row_of("th", list(head)), "".join(f"<tr>{row_of('td', list(row))}</tr>" for row in rows)

@@ -29,25 +29,27 @@ COARSEST = 4
 #: the largest number of steps of any run.
 FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 
-#: Finest Δt·ω of a search, with the highest frequency ω of the motion, and caps on steps and on steps × unknowns of a
-#: run at this limit. Stiff modes of a structure need finer steps than its slowest period suggests.
+#: ``FINEST_OF_HIGHEST`` is the finest Δt·ω of a search, with the highest frequency ω of the motion, since stiff modes
+#: need finer steps than the slowest period suggests. ``STEPS_OF_HIGHEST`` and ``WORK_OF_HIGHEST`` are caps on the steps
+#: and on the steps × unknowns of a run with this Δt·ω.
 FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST = 0.03, 20_000, 4_000_000
 
 #: Ratio of the finest step tried to the finest step wanted, up to which no finer step is tried. Without this margin,
 #: a slight reduction of the largest step that keeps an error would need further runs.
 ENOUGH = 1.1
 
-#: Number of runs in an octave of step sizes: maximum, minimum of short runs of one unknown, which fill a tile, and
-#: minimum of runs of several unknowns or of more than ``LONG`` steps.
+#: Number of runs in an octave of step sizes. ``MOST_RUNS`` is the maximum. ``LEAST_IN_TILES`` is the minimum for short
+#: runs of one unknown, which fill a tile of lanes. ``LEAST_RUNS`` is the minimum for long runs or several unknowns.
 MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
 
-#: Caps on the sum of steps × unknowns over the runs of an octave, by whether there is one unknown. The minimum number
-#: of runs is made in any case.
+#: Caps on the sum of steps × unknowns over the runs of an octave: True for one unknown, False for several. The minimum
+#: number of runs is made in any case.
 WORK = {True: 1_500_000, False: 4_000_000}
 
-#: Runs in the octave below a recommended step, where errors are largest: maximum number, cap on the sum of steps ×
-#: unknowns, and minimum number, the last two by whether there is one unknown. The minimum is zero if the recommended
-#: step is at most half of the finest step, because otherwise a search might not end.
+#: Runs in the octave below a recommended step, where errors are largest. ``CONFIRMED`` is their maximum number. The
+#: dicts have a value for one unknown (True) and for several (False): the cap on the sum of steps × unknowns, and the
+#: minimum number of runs. The minimum is zero if the recommended step is at most half of the finest step, because
+#: otherwise a search might not end.
 CONFIRMED, WORK_OF_CONFIRMED, LEAST_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}, {True: 0, False: 8}
 
 #: Number of steps above which a run of one unknown is made alone. The second number holds if no run of a search has
@@ -126,7 +128,8 @@ def _two_digits(x: float) -> float:
 def round_step(largest: float, spacing: float | None) -> float:
     """The largest round step up to ``largest``: with two digits, or an integer multiple or fraction of ``spacing``.
 
-    A fraction with two digits is preferred if it is at least about half of the largest possible fraction.
+    The largest possible fraction may have many digits. A smaller fraction is then taken if it has two digits and is at
+    least half as large.
     """
     largest *= 1 + 1e-9
     if spacing is None:
@@ -220,7 +223,7 @@ class Search:
         return top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count)
 
     def _unconfirmed(self, steps: Iterable[float]) -> np.ndarray:
-        """Random steps in the octave below each given step that its confirmation still lacks."""
+        """Random steps that are still missing to confirm each given step; they lie in the octave below it."""
         tried = self._arrays()[0]
         drawn = tried
         for step in sorted(steps, reverse=True):
@@ -233,7 +236,7 @@ class Search:
         return drawn[len(tried) :]
 
     def _arrays(self, name: str = "dt") -> tuple[np.ndarray, np.ndarray]:
-        """Steps tried from the problem's own start, and the values of a column of their runs."""
+        """Steps of the runs whose start and load are not scaled, and the values of one column of these runs."""
         own = self.runs.start.to_numpy() == 1.0
         return self.runs.dt.to_numpy()[own], self.runs[name].to_numpy()[own]
 
@@ -245,9 +248,9 @@ class Search:
         return largest_with_margin(dt[below], error[below], allowed)
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
-        """Make runs down to a twentieth of each step that keeps an error, then at the round steps from all starts.
+        """Make runs down to a twentieth of each step that keeps an error, then runs that confirm the round steps.
 
-        Runs at random steps in the octave below each round step confirm it.
+        Each round step is run with every multiple of start and load. Random steps in the octave below it are run too.
         """
         top = self.coarsest
         while not self.late:

@@ -7,9 +7,9 @@ from jaxtyping import Float
 
 from study.algebra.elementwise import quintic, value
 
-#: Places s in an interval at which the interpolant is compared. Its error in u is about proportional to s³(1 − s)³, and
-#: its error in u̇ to the derivative of this function. The derivative is zero at s = 1/2, so a single place could miss an
-#: error.
+#: Places 0 < s < 1 in an interval at which the interpolant is compared with another solution. Its error in u is about
+#: proportional to s³(1 − s)³, and its error in u̇ to the derivative of this function. The derivative is zero at s = 1/2,
+#: so a single place could miss an error.
 BETWEEN = (0.25, 0.6)
 
 #: Largest number of parts into which an interval is divided at once.

@@ -164,7 +164,10 @@ class ToleranceSearch:
         )
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None]) -> None:
-        """Make runs down to a hundredth of each tolerance that keeps an error, then at round ones from all starts."""
+        """Make runs down to a hundredth of each tolerance that keeps an error, then with the round tolerances.
+
+        The round tolerances are run with every multiple of start and load.
+        """
         top, steps = LOOSEST, 0.0
         while not self.late:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]

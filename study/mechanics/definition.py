@@ -220,7 +220,7 @@ class Problem(eqx.Module):
         return self._changed("safeguarded", True)
 
     def _changed(self, name: str, value: Any) -> "Problem":
-        """A copy with another value of a field, which is not checked again."""
+        """A copy of the problem with another value of one field; the copy is not checked."""
         copy = object.__new__(type(self))
         for field in fields(self):
             object.__setattr__(copy, field.name, getattr(self, field.name))

@@ -22,7 +22,7 @@ def form_of_tangent(
 ) -> FormOfTangent:
     """The form of the tangent, as declared or as found near u₀.
 
-    It is None for one unknown. It is 0, a diagonal, for a problem without a force whose matrices are not sparse.
+    It is None for one unknown. It is 0, a diagonal, if the problem has neither a force nor a sparse matrix.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from jax.experimental import checkify
 
 from study.mechanics.terms import StrainEnergy
 
-#: Names of arguments of a force that must not have a default.
+#: Names of a force's arguments that must not have a default.
 NEVER_OPTIONAL = ("v", "velocity", "history")
 
 #: Parameter names that suggest the time, which a force does not take.
@@ -111,7 +111,7 @@ def _parameters(function: Callable | None) -> list[inspect.Parameter]:
 
 
 def check_arguments(force: Callable, load: Callable | None, title: str) -> None:
-    """Refuse a force of the time, a load of the motion, and a default that hides an argument of a force."""
+    """Refuse a force that takes the time, a load that takes the motion, and a default of a velocity or history."""
     for parameter in _parameters(force):
         if parameter.name in TIME:
             raise ValueError(

@@ -17,7 +17,7 @@ from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
 #: Size of each unit of acceleration in metres per second squared.
 UNITS = {"g": 9.80665, "m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "in/s2": 0.0254, "ft/s2": 0.3048}
 
-#: Smallest and largest plausible peak of a record in g; a peak outside means a wrong unit. The largest is near 4 g.
+#: Smallest and largest plausible peak of a record in g, else the unit is wrong. The largest known peak is near 4 g.
 PEAKS = (1e-6, 20.0)
 
 #: Relative tolerance of the spacing of samples, since a file holds few digits of their times.

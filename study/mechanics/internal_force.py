@@ -23,7 +23,7 @@ BRANCHES = {"select_n", "cond"}
 
 
 def number_of_arguments(force: Callable) -> int:
-    """Number of arguments without a default of a force: 1 for p(u), 2 for p(u, u̇), 3 for a force with a history."""
+    """Number of a force's arguments that have no default: 1 for p(u), 2 for p(u, u̇), 3 for a force with a history."""
     try:
         parameters = inspect.signature(force).parameters.values()
     except (TypeError, ValueError):  # built-in functions have no signature

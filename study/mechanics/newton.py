@@ -51,7 +51,7 @@ _LOOSE: ContextVar[float | None] = ContextVar("loose", default=None)
 
 @contextmanager
 def ending_at(tolerance: float) -> Iterator[None]:
-    """Within this context, traced iterations end at one tolerance of displacement and force, as in other codes."""
+    """Within this context, traced iterations have one tolerance for displacement and force, as in other codes."""
     token = _LOOSE.set(tolerance)
     try:
         yield
@@ -60,7 +60,10 @@ def ending_at(tolerance: float) -> Iterator[None]:
 
 
 def tolerances_of(dtype: np.dtype) -> Tolerances:
-    """Tolerances of a precision; within :func:`ending_at` its tolerance for all criteria, without the prediction."""
+    """Tolerances of a floating-point precision.
+
+    Within :func:`ending_at`, all criteria have the tolerance of this context, and the prediction is disabled.
+    """
     loose = _LOOSE.get()
     return TOLERANCES[dtype] if loose is None else Tolerances(loose, 0.0, 0.0, loose, loose)
 

@@ -19,7 +19,8 @@ import scipy
 from study.algebra.arrays import Matrix, ScipySparse, Vector
 from study.algebra.sparse import Pattern, SparseEntries, union
 
-#: Maximum number of values that one call computes: the derivative times several directions.
+#: Maximum size of the part of the derivative that one call computes, in unknowns × columns. A part has at least one
+#: column.
 ROOM = 2**22
 
 

@@ -11,10 +11,12 @@ from study.mechanics.definition import Problem
 from study.observer.base import Record, Reduction
 from study.problem.named import problems
 
-#: Largest |H − H₀|/H₀ of an accurate run, and largest H/H₀ of a run at rest, with the energy H above that of rest.
+#: Largest |H − H₀|/H₀ of an accurate run, and largest H/H₀ of a run at rest. H is the height of the energy above the
+#: energy of the rest position.
 ACCURATE = AT_REST = 0.01
 
-#: Smallest H/H₀ of a run that has grown, with the energy H above that of rest.
+#: A run has grown if the height of its energy above the rest position exceeds this multiple of the height at the start,
+#: or of the height of the barrier if that is larger.
 GROWN = 100.0
 
 #: Minima at a distance from zero of more than this multiple of max(|u₀|, 1) are rejected.
@@ -63,8 +65,8 @@ class OutcomeObserver(Reduction):
     rest
         E_rest, the potential energy of the rest position about which the run oscillates.
     barrier
-        Potential energy at u = 0 if there is a barrier between two wells, which no run that starts below this energy
-        should cross; None without a barrier.
+        Potential energy at u = 0 if a barrier there separates two wells; None without a barrier. A run that starts
+        below this energy should not cross the barrier.
     rest_at
         Displacement of the rest position.
     """

@@ -1,6 +1,6 @@
 """Oscillators whose force has kinks or memory: yielding, hysteresis, contact, dry friction, and loads with kinks.
 
-All have a unit mass and a period of about one second.
+The named oscillators have a unit mass and a period of about one second.
 """
 
 import numpy as np
@@ -11,9 +11,9 @@ from study.mechanics.ground import GroundMotion
 from study.mechanics.loads import HalfSine
 from study.problem.naming import Known, named
 
-#: Period in seconds of small motions of all these oscillators except the bouncing mass.
+#: Period in s of a unit mass on the elastic spring of the named oscillators, except the bouncing mass.
 PERIOD = 1.0
-#: Stiffness of a unit mass with this period.
+#: Stiffness of this spring.
 _STIFFNESS = (2 * np.pi / PERIOD) ** 2
 #: Displacement at yield. Initial speed, four times the speed at which the undamped mass just reaches yield.
 _YIELD, _SPEED = 0.1, 4 * 0.1 * 2 * np.pi / PERIOD

@@ -22,8 +22,8 @@ STATUSES = (
     "not_tried",
 )
 
-#: Names in the result of a run: ``t`` of its times and, optionally, ``seconds`` of its measured computing time in s, in
-#: total or up to each time.
+#: Names in the result of a run. ``t`` holds the times. ``seconds`` is optional and holds the measured computing time in
+#: s, in total or up to each time.
 TIME, SECONDS = "t", "seconds"
 
 #: Largest absolute value of a quantity; a run that exceeds it gets the status ``not_finite``.
@@ -38,7 +38,8 @@ Times = Float[np.ndarray, "t"]
 #: Values of a quantity along time, or a single number.
 Values = Float[np.ndarray, "..."]
 
-#: Function that runs a program, of the name of a scheme and the step in s; it returns times and quantities by name.
+#: Function that runs a program. It takes the name of a scheme and the step in s, and returns times and quantities by
+#: name.
 Runnable = Callable[[str, float], Mapping]
 
 

@@ -23,7 +23,7 @@ from study.program.definition import Program
 #: Placeholders of a command, which each run replaces by its values.
 PLACES = ("dt", "scheme", "output", "duration")
 
-#: Maximum number of characters of a program's last line of output that the reason of a failure quotes.
+#: Maximum number of characters that the reason of a failure quotes from the last line of a program's output.
 LAST_WORDS = 200
 
 

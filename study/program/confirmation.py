@@ -1,4 +1,7 @@
-"""What both searches for steps share: the largest step that keeps an error, and the finer steps that confirm it."""
+"""The largest step that keeps an error, and the finer steps that confirm it.
+
+The searches for the steps of problems and for the steps of programs share this module.
+"""
 
 import numpy as np
 from jaxtyping import Float
@@ -9,8 +12,8 @@ CERTAIN = 10.0
 #: Smallest step that counts as confirming a recommended step, as a fraction of the recommended step.
 TWENTIETH = 1 / 20
 
-#: Quantile of the errors up to an octave below a step. The margin for untried steps is the worst error less this
-#: quantile.
+#: Quantile of the errors at the steps up to an octave below a step. The margin for untried steps is the largest of
+#: these errors minus the quantile.
 USUAL = 0.9
 
 #: Name of a quantity, and its allowed error.
@@ -29,7 +32,8 @@ def largest_with_margin(dt: Steps, error: Steps, allowed: float) -> float:
 
         2 \max_{\Delta t/2 < h \le \Delta t} e(h) - Q_{0.9}\,e(h) \le e_\text{allowed}
 
-    with the errors e(h) of the steps h, and their quantile :math:`Q_{0.9}` over the same octave.
+    with the errors e(h) of the steps h, and their quantile :math:`Q_{0.9}` over the same octave. If a step does not
+    meet it, the steps up to one percent smaller are skipped.
     """
     while dt.size:
         step = dt.max()

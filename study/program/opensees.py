@@ -14,7 +14,8 @@ from study.program.opensees_run import INTEGRATORS
 from study.registry import UnknownName, did_you_mean
 from study.scheme.named import schemes as schemes_by_name
 
-#: First key of ``INTEGRATORS`` with each integrator, by the integrator's name in OpenSees.
+#: Key of ``INTEGRATORS`` for each name of an integrator in OpenSees. If several keys have this integrator, the first
+#: key is taken.
 _NAMES = {one.words[0]: name for name, one in reversed(INTEGRATORS.items())}
 
 

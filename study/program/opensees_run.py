@@ -56,8 +56,8 @@ INTEGRATORS = {
 #: Algorithms that are tried one after the other if Newton's iteration does not converge.
 OTHERS = (("NewtonLineSearch",), ("KrylovNewton",), ("ModifiedNewton", "-initial"))
 
-#: Default tolerance of the norm of the correction of the displacements, in the units of the model, and maximum number
-#: of iterations.
+#: End of Newton's iteration: default tolerance for the norm of its displacement correction, in the units of the model,
+#: and maximum number of iterations.
 TOLERANCE, ITERATIONS = 1e-10, 50
 
 

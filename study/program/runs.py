@@ -78,7 +78,10 @@ class Runs:
         return self._workers if self._pool else 1
 
     def _start(self) -> Executor | None:
-        """Threads if runs start their own processes or need none, else processes; None for runs in this process."""
+        """The pool of workers; None if the runs are made one after the other in this process.
+
+        The workers are threads if ``starts_a_process`` of the program's function is true, and otherwise processes.
+        """
         if getattr(self.program.run, "starts_a_process", False):
             return ThreadPoolExecutor(self._workers)
         if self.program.workers == 1 or not _picklable(self.program):
@@ -138,7 +141,10 @@ class Runs:
         return found
 
     def _expected(self, jobs: list[Job]) -> dict[Job, float]:
-        """Estimated time in s of each run, from its scheme's least time per step; zero before a run of the scheme."""
+        """Estimated time in s of each run, from the least time per step in the completed runs of its scheme.
+
+        It is zero if the scheme has no completed run.
+        """
         work = dict[str, float]()  # time in s of a run with a step of one second, by scheme
         for run in self.made.values():
             if run.completed:
@@ -146,7 +152,7 @@ class Runs:
         return {(s, dt): work.get(s, 0.0) / dt for s, dt in jobs}
 
     def _wait(self, each: list[float]) -> float:
-        """Expected wall time in s of runs that take ``each`` of these times in s, several runs at once."""
+        """Expected wall time in s of all runs if several are made at once; ``each`` holds the time of every run."""
         return max(max(each, default=0.0), sum(each) / self._at_once)
 
     def _in_time(self, expected: dict[Job, float]) -> list[Job]:

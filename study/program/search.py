@@ -90,7 +90,8 @@ class Search:
             self.refinement = Refinement(program, runs, allowed[-1])
             self.truth = self.refinement.truth
             self._measure()
-            # larger errors first, as coarse steps suffice; repeated, as runs for a small error may exceed a larger one
+            # Larger errors come first, because coarse steps suffice for them. The search is repeated, because a run for
+            # a smaller error may also exceed a larger one.
             while any([self._search(error) for error in allowed]):
                 pass
             self._late = runs.late
@@ -145,8 +146,9 @@ class Search:
     def _next(self, scheme: str, limit: Limit) -> list[float]:
         """Next steps to try for an allowed error; empty if no step is needed.
 
-        If no step keeps the error, this is half of the finest step tried. Otherwise it is a step between the largest
-        step that keeps the error and the next larger one, then the round step, then random steps that confirm it.
+        If no step keeps the error, the next step is half of the finest step tried. Otherwise the next steps are, one
+        after the other: a step between the largest step that keeps the error and the next larger step tried, the round
+        step, and random steps that confirm it.
         """
         tried = {dt for s, dt in self.errors if s == scheme}
         largest, fails = self.largest(scheme, limit)

@@ -13,10 +13,11 @@ from study.program.curves import Curve, curves
 #: Number of runs with halved steps from which an error is estimated: minimum and maximum.
 FEWEST_RUNS, RUNS = 3, 4
 
-#: Largest deviations of the last two observed orders (the last one first) from an integer that allow extrapolation.
+#: Largest deviations from an integer order with which a quantity is extrapolated: deviation of the last observed order,
+#: and of the order before it.
 OFF_ORDER = (0.15, 0.4)
 
-#: Bounds of the order in the estimate of the error of a run without extrapolation.
+#: Smallest and largest order that the error estimate assumes for a quantity that is not extrapolated.
 ORDERS = (0.5, 1.0)
 
 #: Largest ratio of the difference of two schemes to their own errors; above it, they solve different problems.
