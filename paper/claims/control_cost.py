@@ -9,7 +9,8 @@ from study.words import span
 
 AVERAGE = "average_acceleration"
 
-#: Range of error / (tolerance × number of steps) in the tests of OrdinaryDiffEqNewmark on the linear oscillator.
+#: Smallest and largest ratio of the error to (tolerance × number of steps) that the tests of OrdinaryDiffEqNewmark
+#: accept on the linear oscillator.
 OF_SCIML = 0.2, 3.0
 
 

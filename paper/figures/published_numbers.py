@@ -1,4 +1,4 @@
-"""Errors of known displacements, and the Lyapunov exponent of Ueda's oscillator, over the number of steps."""
+"""Errors at known displacements, and the Lyapunov exponent of Ueda's oscillator, against the number of steps."""
 
 import xarray as xr
 from matplotlib.axes import Axes
@@ -8,7 +8,7 @@ from paper.data import of_kinds
 from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
 from paper.products import figure
 
-#: Schemes in the figure, of every kind.
+#: Schemes in the figure: explicit and implicit, with and without numerical damping.
 SHOWN = [
     "average_acceleration",
     "central_difference",

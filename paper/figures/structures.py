@@ -7,7 +7,7 @@ from paper.data import of_kinds
 from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels
 from paper.products import figure
 
-#: Schemes in the figure, of every kind.
+#: Schemes in the figure: explicit and implicit, with and without numerical damping.
 SHOWN = [
     "average_acceleration",
     "central_difference",

@@ -9,11 +9,13 @@ from study.words import span
 
 #: Problem and scheme that the figure and the text show.
 PROBLEM, SCHEME = "hardening", "average_acceleration"
-#: Energy error of the last period over that of the first: smallest ratio with a drift, and largest without a drift.
+#: Bounds on the largest energy error of the last period divided by the largest of the first period. Above ``DRIFTS``
+#: the energy drifts. Below ``KEPT`` it does not.
 DRIFTS, KEPT = 3.0, 1.1
 #: Steps in a period of the cells of Tables 1 and 2 that the text compares.
 CELL = 50
-#: Relative error of the displacement at which numbers of forces are compared, and ratio above which they differ.
+#: Relative error of the displacement at which numbers of forces are compared. Ratio of two such numbers above which
+#: they differ clearly.
 ALLOWED, CLEARLY = 0.01, 1.25
 #: Ratio of estimate to true error above which an estimator is misled.
 FOOLED = 2.0
@@ -27,7 +29,10 @@ def growth(step_control: xr.Dataset) -> xr.DataArray:
 
 
 def forces_needed(error: xr.DataArray, forces: xr.DataArray, allowed: float, along: str) -> xr.DataArray:
-    """Fewest forces at and above which all runs along a dimension keep an error; NaN if the run with most does not."""
+    """Fewest forces for which a run along a dimension keeps an error, as do all runs with more forces.
+
+    The number is NaN if the run with the most forces exceeds the error.
+    """
 
     def fewest(error: np.ndarray, forces: np.ndarray) -> float:
         exceeding = forces[np.isfinite(forces) & ~(error <= allowed)].max(initial=0.0)
@@ -74,7 +79,7 @@ def ratio_at_equal_steps(controlled_1996: xr.Dataset, energy_error: xr.Dataset) 
 def of_step_control(
     estimates: xr.Dataset, step_control: xr.Dataset, controlled_1996: xr.Dataset, energy_error: xr.Dataset
 ) -> dict:
-    """Estimates over true errors, drift of the energy, and the tables of 1996 with controlled steps."""
+    """Ratios of estimates to true errors, drift of the energy, and the tables of 1996 with controlled steps."""
     finest = estimates.sel(problem=PROBLEM, scheme=SCHEME).isel(steps_per_period=-1)
     of_u = finest.estimate / finest.true_displacement_error
     of_both = finest.estimate / finest.true_error

@@ -137,9 +137,9 @@ def work_precision(
     Runs have 100 and 1,000 periods. A shorter length is the beginning of a run, with a proportional part of its time
     and evaluations. Errors are measured in the last period of each length only, where growing errors are the largest.
     A run is repeated up to ``repeats`` times, and no repeat begins after ``longest`` seconds. A run of 1,000 periods is
-    left out (NaN) if it would take longer, judged by the run of 100 periods. If a run fails, or 100 periods take
-    longer, all tighter tolerances are left out (NaN). The classical Runge-Kutta method, which is also a scheme of the
-    study, is timed in diffrax too.
+    left out (NaN) if it would take more than ``longest`` seconds, judged by the run of 100 periods. If a run fails, or
+    100 periods take more than ``longest`` seconds, all tighter tolerances are left out (NaN). The classical Runge-Kutta
+    method, which is also a scheme of the study, is timed in diffrax too.
 
     Variables of the solvers have the shape (problem, solver, tolerance, periods).
 
