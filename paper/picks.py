@@ -21,7 +21,7 @@ COARSEST = "already the coarsest step"
 #: removes an unresolved oscillation: it misses half of the velocity and all of the acceleration. A sawtooth causes
 #: larger errors.
 BOUNDS = {"displacement_error": LEVEL, "velocity_error": 0.75, "acceleration_error": 1.25}
-#: Number of force evaluations, as a multiple of the fewest, up to which a scheme ties with the scheme with the fewest.
+#: Number of force evaluations, as a multiple of the fewest, up to which a scheme ties with the cheapest.
 TIED = 1.1
 
 NO_BREAK = "\u00a0"

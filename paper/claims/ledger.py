@@ -141,7 +141,7 @@ def claim(
 
 
 def _of_1996(check: Callable[..., Finding]) -> Callable[..., Finding]:
-    """The check, on datasets reduced to the schemes of the paper. A dataset that lacks one of them is not reduced."""
+    """The check, on datasets reduced to the schemes of the paper. A dataset that lacks one of these is not reduced."""
 
     def cut(data: Any) -> Any:
         over_schemes = isinstance(data, xr.Dataset) and "scheme" in data.dims

@@ -1,4 +1,4 @@
-"""Error against the step on a smooth spring, with yielding, memory and contact, and under a ground motion."""
+"""Error against the step size: on a smooth spring, with yielding, memory and contact, and under a ground motion."""
 
 import numpy as np
 import xarray as xr

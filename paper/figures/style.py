@@ -27,7 +27,7 @@ from study.io import write
 
 plt.style.use("paper.figures.style")
 
-#: Width of a column of the manuscript, and width of its page, in cm.
+#: Width in cm of a figure in one column of the manuscript, and of a figure across the page.
 COLUMN, PAGE = 8.4, 17.4
 _CM = 1 / 2.54
 

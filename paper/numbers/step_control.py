@@ -24,7 +24,7 @@ STIFF, PULSE = ["stiff_soft"], "pulse"
 
 
 def growth(step_control: xr.Dataset) -> xr.DataArray:
-    """Largest energy error in the last period over the largest in the first, with controlled and with equal steps."""
+    """Largest energy error in the last period divided by the largest in the first, (problem, with_equal)."""
     return step_control.history.isel(period=-1) / step_control.history.isel(period=0)
 
 
@@ -49,13 +49,13 @@ def with_control(control_cost: xr.Dataset, allowed: float) -> tuple[xr.DataArray
 
 
 def ratio_of_forces(control_cost: xr.Dataset, allowed: float) -> xr.DataArray:
-    """Fewest forces for an error with controlled steps over the fewest with equal steps, by problem and scheme."""
+    """Fewest forces for an error with controlled steps divided by the fewest with equal steps, (problem, scheme)."""
     controlled, equal = with_control(control_cost, allowed)
     return controlled / equal
 
 
 def ratio_at_equal_steps(controlled_1996: xr.Dataset, energy_error: xr.Dataset) -> xr.DataArray:
-    """Energy error with controlled steps over the energy error with as many equal steps, cell by cell."""
+    """Energy error with controlled steps divided by the energy error with as many equal steps, cell by cell."""
     controlled = controlled_1996.max_energy_error.isel(controller=0)
     equal = energy_error.max_energy_error.sel(
         period_used="exact", scheme=controlled.scheme, steps_per_period=controlled.steps_per_period

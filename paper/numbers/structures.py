@@ -15,8 +15,8 @@ from study.words import printed
 
 #: Schemes without numerical damping that are run on structures, except the energy-momentum method.
 UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "gauss4"]
-#: Relative change of an error from the second finest step to the finest. Below this change, still finer steps count as
-#: useless.
+#: Relative change of an error from the second finest step to the finest. Below this change, still finer steps do not
+#: reduce the error.
 LEVEL = 0.3
 
 

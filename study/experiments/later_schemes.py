@@ -39,8 +39,8 @@ WITH_MODEL: dict[str, Scheme] = {
     "kr_alpha": KolayRicles(rho_inf=1.0),
     "mkr_alpha": KolayRicles(rho_inf=1.0, modified=True),
 }
-#: Ratios of tangent to model stiffness that are tried. Largest difference between a spectral radius and one that counts
-#: as round-off.
+#: Ratios of tangent to model stiffness that are tried. Largest excess of a spectral radius above 1 that counts as
+#: round-off.
 RATIOS, GROWTH = np.geomspace(1.0001, 1e4, 20_000), 1e-7
 
 #: Schemes for the wave along a bar.
