@@ -182,7 +182,7 @@ def order_with_loose_tolerances(order_under_reality):
 
 
 def _slope(error: xr.DataArray, steps: str) -> float:
-    """Order of an error: slope of log error over log step size, by least squares along the coordinate ``steps``."""
+    """Order of an error: slope of log error against log step size, by least squares along the coordinate ``steps``."""
     return float(-np.polyfit(np.log(error[steps]), np.log(error), 1)[0])
 
 

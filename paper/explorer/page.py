@@ -11,7 +11,7 @@ from paper.explorer.data import ERRORS, LOG_CODES, coarse, of_maps, packed
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import page
 
-#: Initial state of the controls of the page; ``step`` is the step size over the period.
+#: Initial state of the controls of the page; ``step`` is the step size divided by the period.
 FIRST: dict[str, Any] = {
     "problem": "hardening",
     "schemes": ["average_acceleration", "central_difference"],

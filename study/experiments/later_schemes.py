@@ -209,7 +209,7 @@ def later_schemes(
     long_steps
         Step sizes of runs of a thousand steps of BDF2 with the auxiliary variable on the oscillator ü + u + u³ = 0.
     forces
-        Numbers of forces that each scheme of fourth order evaluates over the same motion.
+        Numbers of forces that each scheme of fourth order evaluates during the same motion.
     """
     plain = circumstances_with([])["plain"]
     auxiliary: dict[str, Scheme] = {

@@ -77,7 +77,7 @@ def _phase_error(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, 
     Parameters
     ----------
     period, crossing
-        Exact period T, and the exact time of the first upward crossing over T.
+        Exact period T, and the exact time of the first upward crossing of zero, divided by T.
     """
     late = np.full(len(dt), np.nan)
     for lane in np.flatnonzero(ds.crossings.values > 0):

@@ -86,7 +86,7 @@ def order_under_reality(
     steps
         Numbers of steps of a run.
     stiffness_ratios
-        Stiffness of the spring at the support over the stiffness between the masses.
+        Stiffness of the spring at the support divided by the stiffness of the spring between the masses.
     tolerances
         Tolerances of Newton's iteration: largest change of the displacement by the last correction, relative to the
         displacement.

@@ -135,7 +135,7 @@ def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[
 
     The error of the displacement is max |u − u_ref| / max |u_ref| over the samples of ``reference/PROBLEM``, with
     Euclidean norms over the unknowns; the errors of velocity and acceleration are defined likewise. The step size is
-    the time scale of the structure over ``steps_per_period``. Variables have the shape (problem, scheme,
+    the time scale of the structure divided by ``steps_per_period``. Variables have the shape (problem, scheme,
     steps_per_period) or (problem,).
 
     Raises
