@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-#: Relative error of the displacement at which costs are compared, and steps per period at which damping is compared.
+#: Relative error of the displacement at which costs are compared. Steps per period at which damping is compared.
 ALLOWED, RESOLVED = 0.01, 20
 #: Relative and absolute tolerance within which two numbers count as equal.
 EQUAL = 1e-6

@@ -155,7 +155,7 @@ def of_control_cost(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> d
 
 
 def _steps(step_control: xr.Dataset) -> float:
-    """Mean number of steps in a period of the histories of energy errors."""
+    """Mean number of steps in a period with the controller ``pi`` at the middle tolerance."""
     middle = step_control.sizes["tolerance"] // 2
     steps = step_control.steps.sel(problem=PROBLEM, scheme=SCHEME, control="pi").isel(tolerance=middle)
     return steps.item() / step_control.attrs["periods"]

@@ -64,9 +64,9 @@ def errors(
 ) -> dict[str, float]:
     """Errors of a solution after ``periods`` periods, by measure as in ``MEASURES``.
 
-    Both solutions are sampled at the same times of the last period. A delay δ changes the state by −δ (u̇, ü), so the
-    projection of the last error on (u̇, ü) is −δ (u̇, ü). A loss of energy ΔE is a loss of amplitude ΔE/p(A) at the
-    turning point A.
+    The solution and the exact solution have samples at the same times of the last period. A delay δ changes the state
+    by −δ (u̇, ü), so the projection of the last error on (u̇, ü) is −δ (u̇, ü). A loss of energy ΔE is a loss of
+    amplitude ΔE/p(A) at the turning point A.
     """
     scales = np.max(np.abs(exact_solution.u)), np.max(np.abs(exact_solution.v))
     off = (solution.u - exact_solution.u) / scales[0], (solution.v - exact_solution.v) / scales[1]

@@ -54,7 +54,10 @@ def _held(definition: Problem, displacements: np.ndarray) -> bool:
 
 
 def _motion(problem: str, ds: xr.Dataset) -> dict[str, np.ndarray]:
-    """Displacement, velocity and the acceleration that the equation of motion gives for them, by time."""
+    """Displacement, velocity and the acceleration from the equation of motion, by time.
+
+    The acceleration is left out if the mass is singular or the force has a history.
+    """
     t, u, v = (ds[name].values for name in ("t", "u", "v"))
     definition = problems_by_name[problem]
     motion = {"displacement": u, "velocity": v}
