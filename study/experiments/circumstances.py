@@ -44,7 +44,8 @@ def carries(state: Any) -> bool:
 class AtTheEnd(Reduction):
     """Displacement, velocity and acceleration at the end of a run.
 
-    The acceleration is part of the state, or follows from the equation of motion if the state contains none.
+    The acceleration is part of the state. If the state contains none, or the accelerations of all stages, the
+    acceleration follows from the equation of motion.
     """
 
     variables: ClassVar = {name: {"long_name": name, "units": "1"} for name in QUANTITIES}
