@@ -44,7 +44,10 @@ def families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
 
 
 def of_kinds(dataset: xr.Dataset, schemes: Sequence[str]) -> xr.Dataset:
-    """The part of a dataset with the given schemes that it has; if it has none, with as many of its first schemes."""
+    """The part of a dataset with the given schemes. Schemes that the dataset lacks are ignored.
+
+    If it lacks all of them, the part has its first schemes instead, as many as are given.
+    """
     there = [name for name in schemes if name in dataset.scheme.values]
     return dataset.sel(scheme=there or dataset.scheme.values[: len(schemes)])
 

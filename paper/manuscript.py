@@ -7,8 +7,9 @@ from paper.products import Product, enter
 from paper.requirements import as_many
 from study.io import read
 
-#: Common part of the texts, and the texts; each text becomes a PDF with its name.
+#: Common part of the texts.
 LAYOUT = Path(__file__).parent / "text" / "layout.typ"
+#: Files of the texts; each text becomes a PDF with its name.
 TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ", "replication.typ")]
 #: Files that the texts include.
 SHARED = [LAYOUT, *(LAYOUT.with_name(name) for name in ("energy_errors.typ", "metadata.yaml"))]

@@ -26,7 +26,7 @@ STEADY = 0.2
 
 
 def observed_order(error: xr.DataArray) -> float:
-    """Slope of log |error| over log Δt at the finest ``POINTS`` consecutive step sizes with valid errors.
+    """Slope of log |error| against log Δt at the finest ``POINTS`` consecutive step sizes with valid errors.
 
     Only step sizes that are the finest one times a power of two are used. An error is valid above ``FLOOR`` and, unless
     it is a phase error, below ``SATURATED``. The order is NaN if there are fewer such step sizes, or if the slope

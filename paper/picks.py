@@ -21,7 +21,7 @@ COARSEST = "already the coarsest step"
 #: removes an unresolved oscillation: it misses half of the velocity and all of the acceleration. A sawtooth causes
 #: larger errors.
 BOUNDS = {"displacement_error": LEVEL, "velocity_error": 0.75, "acceleration_error": 1.25}
-#: Largest ratio of a number of force evaluations to the fewest at which the two numbers tie.
+#: Number of force evaluations, as a multiple of the fewest, up to which a scheme ties with the cheapest.
 TIED = 1.1
 
 NO_BREAK = "\u00a0"
@@ -75,7 +75,7 @@ def sentence(title: str) -> str:
 def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataFrame:
     """Rows of ``study.recommend``, one per scheme, for the step that keeps a quantity, the energy and the phase.
 
-    This step is the finest of the steps that the three need. The error of the quantity must be at most
+    This step is the finest of the steps that quantity, energy and phase need. The error of the quantity must be at most
     ``error``, and the errors of energy and phase at most ``LEVEL``. Schemes that exceed one of these errors at every
     step have no row. ``steps`` and ``forces`` are the steps and the force evaluations per period, and ``made`` is the
     error of the quantity.

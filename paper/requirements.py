@@ -42,7 +42,7 @@ def rising(values: list[float]) -> str:
 
 
 def fourfold(values: list[float]) -> str:
-    """Require that a list holds four times its first number."""
+    """Require that four times the first number of a list is in the list too."""
     return "" if 4 * values[0] in values else f"lacks {4 * values[0]}, four times the first"
 
 

@@ -3,14 +3,14 @@
 import numpy as np
 import xarray as xr
 
-#: Relative error of the displacement at which costs are compared, and steps per period at which damping is compared.
+#: Relative error of the displacement at which costs are compared. Steps per period at which damping is compared.
 ALLOWED, RESOLVED = 0.01, 20
 #: Relative and absolute tolerance within which two numbers count as equal.
 EQUAL = 1e-6
 
 
 def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
-    """Fewest forces per period over numbers of steps at and above which every number tried keeps the allowed error."""
+    """Fewest forces per period for which a step keeps the allowed error, as do all finer steps that were tried."""
     fine = runs.sortby("steps_per_period", ascending=False)
     of_step = fine.forces_per_step + fine.forces_per_iteration * fine.iterations_per_step
     kept = (fine[error] <= ALLOWED).astype(int).cumprod("steps_per_period")

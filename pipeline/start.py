@@ -81,7 +81,7 @@ def begun(configuration: Any, local: bool) -> tuple:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise Refused(f"another run is at work in '{Path.cwd()}': wait for it, or end it.") from None
-    for unfinished in list(Path("results").rglob(".*.unfinished")):  # of a killed run: files, or the site
+    for unfinished in list(Path("results").rglob(".*.unfinished")):  # left by a killed run: files, or the site
         shutil.rmtree(unfinished) if unfinished.is_dir() else unfinished.unlink()
     Path("results/configuration.json").write_text(json.dumps(configuration))
     if local:

@@ -29,7 +29,7 @@ def _end_with(*ends: Any) -> None:
 
 
 def _run(connection: socket.socket) -> None:
-    """Run the module that a connection names, with its output streams, and send back 0 on success, 1 on failure."""
+    """Run the module that a connection names, with the output streams that it sends; reply 0 on success, else 1."""
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     _, streams, _, _ = socket.recv_fds(connection, 1, 2)
     for stream, number in zip(streams, (1, 2), strict=True):

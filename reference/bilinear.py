@@ -74,8 +74,8 @@ def peaks(
     acceleration, dt
         Acceleration of the ground of each oscillator, linear between its samples, and the time between two samples.
     stiffness, damping, yield_force, hardening
-        Stiffness k, damping c, force at yield, and the stiffness after yield over k; the oscillator must stay
-        underdamped after yield.
+        Stiffness k, damping c, force at yield, and the ratio of the stiffness after yield to k. The oscillator must
+        stay underdamped after yield.
     places
         Number of equal parts of every interval between two samples. Events are sought at the end of each part. Two
         turning points within one part are missed, so the difference of the peaks with two values of ``places``

@@ -16,7 +16,7 @@ from study.mechanics.definition import Problem
 
 
 def _whole_power(a, exponent: int):
-    """A power by products, because heyoka's series of powers above the second divides by ``a``, which may be zero."""
+    """Power of ``a`` by products: heyoka's series of powers above the second divides by ``a``, which may be zero."""
     if exponent <= 2:
         return a**exponent
     half = _whole_power(a, exponent // 2)

@@ -20,7 +20,7 @@ from paper.claims.wording import joined, listed, number
 from paper.published import PROBLEMS, same, twice
 from paper.requirements import steps_of_portrait
 
-#: Names of the problems of the paper in the statements of claims.
+#: Name of each problem of the paper, as the claims write it.
 _SPRINGS = {
     "hardening": "the hardening spring",
     "softening": "the softening spring",
@@ -42,7 +42,7 @@ def claim_period(section: str, problem: str, decimals: int, words: str) -> None:
 
 
 def at_step(steps: object) -> str:
-    """A step size as a fraction of the period, such as T/20 for 20 steps per period."""
+    """Text for a step size as a fraction of the period: T/20 for 20 steps per period."""
     return f"T/{steps}"
 
 

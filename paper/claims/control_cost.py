@@ -9,7 +9,8 @@ from study.words import span
 
 AVERAGE = "average_acceleration"
 
-#: Range of error / (tolerance × number of steps) in the tests of OrdinaryDiffEqNewmark on the linear oscillator.
+#: Smallest and largest ratio of the error to (tolerance × number of steps) on the linear oscillator, as a comment in
+#: the tests of OrdinaryDiffEqNewmark states them.
 OF_SCIML = 0.2, 3.0
 
 

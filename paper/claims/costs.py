@@ -29,9 +29,10 @@ def _to(cpu_time: xr.Dataset, scheme: str, others: list[str], problem: str) -> t
 
 
 def _found(ratios: Ratios, least: float = 0.0, most_of_all: float = float("inf")) -> Finding:
-    """A finding: whether most of the ratios lie between two bounds, with a sentence on the exceptions.
+    """Whether most of the ratios lie between two bounds, with a sentence on the exceptions.
 
-    The claim is undecided if it would hold only with ratios on which the repeats do not decide.
+    The claim is undecided if it does not hold, but would hold if all ratios left open by the repeats were within the
+    bounds.
     """
     cells = {name: least < low and high < most_of_all for name, (low, _, high) in ratios.items()}
     open_ones = [name for name, (low, _, high) in ratios.items() if any(low <= b <= high for b in (least, most_of_all))]

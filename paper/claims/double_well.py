@@ -11,7 +11,7 @@ from study.words import span
 #: Initial energy above rest, (E₀ − E_rest)/|E₀|, for S₁ = −0.5, S₂ = −1 and u₀ = 0.5.
 _HEIGHT = (7 / 128 - 1 / 8) / (-7 / 128)
 
-#: Requirements on the configuration of the runs from neighbouring starts.
+#: Options that the configuration must have for the runs from neighbouring starts.
 _OF_STARTS = {"sensitivity.problem": "double_well", "sensitivity.perturbation": 1e-10}
 
 claim_period("4", "double_well", 1, "The period of this oscillator is equal to 7·3")

@@ -1,4 +1,4 @@
-"""Claims of the authors of later schemes, decided on linear oscillators, and one on relaxation, decided by runs."""
+"""Claims of the authors of later schemes, decided on linear oscillators; a claim on relaxation is decided by runs."""
 
 import numpy as np
 

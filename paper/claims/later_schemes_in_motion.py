@@ -14,7 +14,7 @@ _FOURTH_ORDER = 3.5
 
 
 def excess_of_tangent(later_schemes: xr.Dataset, scheme: str) -> float:
-    """Largest excess of the tangent over the stiffness of the model at which a step is stable, in M/Δt²."""
+    """Largest difference, tangent minus model stiffness, with stable steps, in M/Δt²; median over the model's ωΔt."""
     ratios = later_schemes.largest_stiffening.sel(with_model=scheme)
     return float(((ratios - 1) * ratios.omega_step**2).median())
 
@@ -182,7 +182,7 @@ def order_with_loose_tolerances(order_under_reality):
 
 
 def _slope(error: xr.DataArray, steps: str) -> float:
-    """Order of an error: slope of log error over log step size, by least squares along the coordinate ``steps``."""
+    """Order of an error: slope of log error against log step size, by least squares along the coordinate ``steps``."""
     return float(-np.polyfit(np.log(error[steps]), np.log(error), 1)[0])
 
 
@@ -212,7 +212,7 @@ def order_with_an_auxiliary_variable(later_schemes):
 
 
 def _uniformity(later_schemes: xr.Dataset, member: str) -> float:
-    """Ratio of the largest to the smallest error / Δt² over step sizes. Each error is the largest over all ωΔt."""
+    """Largest value of error/Δt² divided by the smallest. Each step size has one error, the largest of all ωΔt."""
     scaled = later_schemes.trigonometric_error.sel(member=member) * later_schemes.steps**2
     return (scaled.max() / scaled.min()).item()
 

@@ -75,7 +75,8 @@ class Claim:
 CLAIMS: list[Claim] = []
 #: Sources of claims: the paper of 1996; its verdicts, extended beyond its own runs; common practice; this study.
 XIE, XIE_EXTENDED, PRACTICE, STUDY = "Xie", "Xie, extended", "practice", "this study"
-#: Sections of claims that the paper does not make, each with the prefix of the names of its counts in the text.
+#: Sections of claims that the paper does not make. The text quotes counts of the claims of a section under names that
+#: begin with the given prefix.
 OURS = {
     "adaptive": "adaptive_claims",
     "materials": "material_claims",
@@ -83,7 +84,8 @@ OURS = {
     "stability": "stability_claims",
     "structures": "structure_claims",
 }
-#: Prefixes of names of datasets. If a claim of the paper reads such a dataset, it must have the schemes of 1996.
+#: Prefixes of names of datasets. If a claim of the paper reads such a dataset, the dataset must have all schemes of
+#: 1996.
 _OVER_SCHEMES = ("accuracy", "cpu_time", "energy_error", "large_steps", "sensitivity", "spectral", "phase_portrait/")
 
 
@@ -139,7 +141,7 @@ def claim(
 
 
 def _of_1996(check: Callable[..., Finding]) -> Callable[..., Finding]:
-    """The check, on datasets reduced to the schemes of the paper. A dataset without all of them is not reduced."""
+    """The check, on datasets reduced to the schemes of the paper. A dataset that lacks one of these is not reduced."""
 
     def cut(data: Any) -> Any:
         over_schemes = isinstance(data, xr.Dataset) and "scheme" in data.dims

@@ -87,7 +87,10 @@ def beyond_the_fastest_time(published_numbers):
 
 
 def fewest_steps(ueda: xr.Dataset) -> dict[str, float]:
-    """Fewest steps per period at and above which every exponent is close to the printed one; NaN if none is."""
+    """Fewest steps per period, by scheme, from which on the Lyapunov exponent stays close to the printed one.
+
+    The value is NaN if the exponent with the most steps is not close.
+    """
     kept = 100 * abs(ueda.exponent / ueda.printed_exponent - 1) <= REASONABLE
     onwards = kept.isel(steps_per_period=slice(None, None, -1)).cumprod("steps_per_period").astype(bool)
     return {name: onwards.steps_per_period.where(onwards.sel(scheme=name)).min().item() for name in ueda.scheme.values}

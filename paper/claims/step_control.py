@@ -10,8 +10,8 @@ from paper.published import PROBLEMS
 
 AVERAGE, GENERALIZED = "average_acceleration", "generalized_alpha"
 
-#: Bounds on the ratio of estimate to true error: a true estimate deviates from one by less than the first number, and
-#: a blind estimate is below the second number.
+#: Bounds on the ratio of estimate to true error. For a true estimate the ratio deviates from one by less than ``TRUE``.
+#: For a blind estimate the ratio is below ``BLIND``.
 TRUE, BLIND = 0.1, 0.1
 
 
@@ -21,7 +21,7 @@ def _smooth(estimates):
 
 
 def _ratio(estimates, estimator, error="true_error"):
-    """Largest estimate in a period over the largest true error in the period, at the smallest step."""
+    """Largest estimate in a period divided by the largest true error in the period, at the smallest step."""
     finest = estimates.sel(estimator=estimator).isel(steps_per_period=-1)
     return finest.estimate / finest[error]
 

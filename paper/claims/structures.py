@@ -32,7 +32,7 @@ def sawtooth(velocity: xr.DataArray) -> np.ndarray:
 
 
 def _share(runs: xr.DataArray, schemes: list[str]) -> dict[str, float]:
-    """Percentage of true values in ``runs``, by scheme."""
+    """Percentage of the runs for which ``runs`` is true, by scheme."""
     return by_name(100 * runs.sel(scheme=schemes).mean(["problem", "steps_per_period"]))
 
 

@@ -30,7 +30,8 @@ GREATLY = 10.0
 ALIKE = 0.8
 #: Number of periods within which a motion that is damped "rapidly" loses ``FAR_OFF`` percent of its energy.
 RAPIDLY = 10.0
-#: Largest ratio of the times of two schemes if the first costs "much less", and if it costs "slightly more".
+#: Largest ratio of the times of two schemes if the first scheme costs "much less". Largest ratio if it costs "slightly
+#: more".
 MUCH_LESS, SLIGHTLY_MORE = 0.75, 1.5
 #: Share of cases above which something happens in "most" of them or "often".
 MOST = 0.5
@@ -41,7 +42,7 @@ APART = 0.1
 #: Lyapunov exponent per step above which a map is chaotic. After a thousand steps of a regular map the computed
 #: exponent is below 0.01.
 CHAOTIC = 0.05
-#: Number of different durations of stays in a well above which jumps are "irregular".
+#: Number of different durations among the stays in a well. With more durations, jumps are "irregular".
 IRREGULAR = 5
 #: Largest distance of the steps per oscillation from a whole number for a motion "in resonance" with the step.
 RESONANT = 0.05
@@ -51,8 +52,8 @@ AT_REST = 0.01
 SECOND_ORDER, THIRD_ORDER = 1.5, 2.5
 #: Largest relative size that counts as zero up to round-off.
 ROUND_OFF = 1e-10
-#: Error of a displacement in percent above which it matters, and error of a balance of energies in percent below which
-#: it is unnoticed.
+#: Error of a displacement, in percent, above which the error matters. Error of a balance of energies, in percent, below
+#: which the error is unnoticed.
 MATTERS, UNNOTICED = 0.1, 1e-6
 #: Number of steps in a period by the rule of practice; the paper's rule, T/20, is the same.
 RULE = 20

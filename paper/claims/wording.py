@@ -16,7 +16,7 @@ def number(value: float, form: str = ".1f", missing: str = "failed") -> str:
 
 
 def title(name: str, data: Mapping[str, xr.Dataset]) -> str:
-    """The title of a scheme or problem in some datasets, or its name in plain words if they have none."""
+    """The title of a scheme or problem in some datasets, or its name in plain words if the datasets have no title."""
     for dataset in data.values():
         for along in ("scheme", "problem"):
             if f"{along}_title" in dataset.coords:

@@ -11,7 +11,7 @@ from paper.explorer.data import ERRORS, LOG_CODES, coarse, of_maps, packed
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import page
 
-#: Initial state of the controls of the page; ``step`` is the step size over the period.
+#: Initial state of the controls of the page; ``step`` is the step size divided by the period.
 FIRST: dict[str, Any] = {
     "problem": "hardening",
     "schemes": ["average_acceleration", "central_difference"],
@@ -34,7 +34,7 @@ def _read(name: str) -> str:
 
 
 def _schemes(atlas: xr.Dataset) -> list[dict[str, Any]]:
-    """Name, title, kind and number of forces of each scheme."""
+    """Name and title of each scheme, whether it is explicit, and its numbers of forces per step and per iteration."""
     names = ("scheme", "scheme_title", "explicit", "forces_per_step", "forces_per_iteration")
     keys = ("name", "title", "explicit", "forces", "forcesPerIteration")
     return [dict(zip(keys, one, strict=True)) for one in zip(*(atlas[n].values.tolist() for n in names), strict=True)]

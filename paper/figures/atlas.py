@@ -1,4 +1,4 @@
-"""Maps of how runs end over step size and amplitude, for the schemes of 1996."""
+"""Maps of how runs end, over step size and amplitude, for the schemes of 1996."""
 
 import xarray as xr
 from matplotlib.figure import Figure

@@ -1,4 +1,4 @@
-"""Maps of how runs end over step size and amplitude, for the later schemes: one panel per scheme and problem."""
+"""Maps of how runs end, over step size and amplitude, for the later schemes: one panel per scheme and problem."""
 
 import xarray as xr
 from matplotlib.figure import Figure

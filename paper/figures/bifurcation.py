@@ -15,7 +15,7 @@ from paper.products import figure
     bifurcation="stability/bifurcation",
 )
 def draw(bifurcation: xr.Dataset) -> Figure:
-    """Last displacements, Lyapunov exponent, and steps until a perturbation is of order one, over the step size."""
+    """Last displacements, Lyapunov exponent, and steps until a perturbation is of order one, against the step size."""
     figure, axes = panels(3, 1, COLUMN, 12, sharex=True, height_ratios=[1.5, 1, 1.2])
     axes = axes[:, 0]
     dt = bifurcation.dt.values
@@ -24,7 +24,7 @@ def draw(bifurcation: xr.Dataset) -> Figure:
         bifurcation.u.values.ravel(),
         ".",
         color="black",
-        markersize=max(1.2 * (36_100 / bifurcation.u.size) ** 0.5, 0.6),  # smaller if there are more points
+        markersize=max(1.2 * (36_100 / bifurcation.u.size) ** 0.5, 0.6),  # more points, smaller markers
         markeredgewidth=0,
         rasterized=True,
     )
@@ -33,7 +33,8 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     axes[1].plot(dt, a_step, ".", markersize=2, color="#0072B2")
     axes[1].axhline(0, color="black", linewidth=0.6)
     axes[1].set(ylabel="exponent × step")
-    # a perturbation grows by the factor exp(λΔt) per step; steps are omitted if it is not of order one by the end
+    # A perturbation grows by the factor exp(λΔt) per step. Step sizes at which it does not reach order one within the
+    # run are omitted.
     small, large = bifurcation.perturbation.item(), bifurcation.order_one.item()
     growth = np.log(large / small)
     chaotic = (a_step.values > growth / bifurcation.steps.item()) & (bifurcation.status == 0).values

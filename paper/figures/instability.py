@@ -18,7 +18,7 @@ SCHEME = "hht_alpha_1996"
     requires={"phase_portrait.softening_large.schemes": [SCHEME]},
 )
 def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
-    """Displacement and phase portrait of the α-method, exact range and orbit in grey; energy of every scheme."""
+    """Displacement and orbit of the α-method, with the exact range and orbit in grey; energy of every scheme."""
     figure = empty(COLUMN, 10)
     grid = figure.add_gridspec(2, 2)
     history, plane = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])

@@ -1,4 +1,4 @@
-"""Error against the step on a smooth spring, with yielding, memory and contact, and under a ground motion."""
+"""Error against the step size: on a smooth spring, with yielding, memory and contact, and under a ground motion."""
 
 import numpy as np
 import xarray as xr
@@ -9,7 +9,7 @@ from paper.data import of_kinds
 from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
 from paper.products import figure
 
-#: Schemes in the figure, of every kind.
+#: Schemes in the figure: explicit and implicit, with and without numerical damping.
 SHOWN = [
     "average_acceleration",
     "central_difference",

@@ -1,4 +1,4 @@
-"""Energy error over step sizes, and how runs fail at large steps."""
+"""Energy error against the step size, and how runs fail at large steps."""
 
 import numpy as np
 import xarray as xr

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from paper.figures.style import curve_styles, legend_in, of_families, thinned
 from paper.products import figure
 
-#: Largest step size over period, as in textbooks.
+#: Largest Δt/T in the figure, as in textbooks.
 TO = 0.4
 
 

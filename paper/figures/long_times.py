@@ -9,7 +9,7 @@ from paper.products import figure
 
 #: Unit of each quantity.
 _UNITS = {"energy": "%", "phase": "periods"}
-#: Exponent, with its label, of the growth of round-off by Brouwer's law of random errors, and of a growth by drift.
+#: Exponent with which round-off grows in time, with its label: for random errors (Brouwer's law), and for a drift.
 _RANDOM, _DRIFTING = {"energy": (0.5, "½"), "phase": (1.5, "3/2")}, {"energy": (1.0, "1"), "phase": (2.0, "2")}
 
 
@@ -31,7 +31,7 @@ def _guide(ax: Axes, round_off: xr.DataArray, offset: float, law: tuple[float, s
 def draw(long_times: xr.Dataset) -> Figure:
     """Errors and round-off in double precision (above), and round-off in single precision (below)."""
     figure, axes = panels(2, 2, PAGE, 10.5, sharex=True)
-    # in percent, like the largest error of the energy
+    # round-off of the energy in percent, like the largest error of the energy
     long_times = long_times.assign(energy_round_off=100 * long_times.energy_round_off)
     double = long_times.sel(arithmetic="float64", step="any")
     single = long_times.sel(arithmetic="float32", step="any")

@@ -28,7 +28,7 @@ def total(history: xr.Dataset) -> xr.DataArray:
     },
 )
 def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
-    """One panel per scheme with the energies of the springs and their sum, and one with the sums over long times."""
+    """One panel per scheme with the energies of the springs and their sum; a last panel with sums over long times."""
     names = exchange.scheme.values
     figure = empty(PAGE, 9.5)
     grid = figure.add_gridspec(2, len(names))

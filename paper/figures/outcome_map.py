@@ -26,7 +26,7 @@ class RunOf1996(NamedTuple):
     marker: str
 
     def place(self, one: xr.Dataset) -> tuple[float, float]:
-        """Step size over period and relative amplitude; the period belongs to the nearest amplitude of the map."""
+        """Coordinates of the run on a map: step size over the period at the nearest amplitude; relative amplitude."""
         nearest = one.isel(amplitude=int(np.argmin(np.abs(np.log(one.u0.values / self.u0)))))
         return self.dt / nearest.period.item(), self.u0 / nearest.u0.item() * nearest.amplitude.item()
 
@@ -47,7 +47,8 @@ LIMIT: dict[str, Any] = {
 }
 
 
-#: Options of an image of outcomes. Each panel of a mesh would be rasterized on the whole page and exhaust the memory.
+#: Options for drawing the outcomes as an image. With a mesh, each panel would be rasterized at the size of the whole
+#: page, which would exhaust the memory.
 IMAGE: dict[str, Any] = {
     "cmap": ListedColormap([colour for _, colour in OUTCOME_STYLES.values()]),
     "vmin": -0.5,

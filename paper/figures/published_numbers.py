@@ -1,4 +1,4 @@
-"""Errors of known displacements, and the Lyapunov exponent of Ueda's oscillator, over the number of steps."""
+"""Errors at known displacements, and the Lyapunov exponent of Ueda's oscillator, against the number of steps."""
 
 import xarray as xr
 from matplotlib.axes import Axes
@@ -8,7 +8,7 @@ from paper.data import of_kinds
 from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
 from paper.products import figure
 
-#: Schemes in the figure, of every kind.
+#: Schemes in the figure: explicit and implicit, with and without numerical damping.
 SHOWN = [
     "average_acceleration",
     "central_difference",
@@ -26,7 +26,7 @@ SMALLEST = 1e-16
 
 
 def _errors(ax: Axes, one: xr.Dataset, styles: dict) -> None:
-    """Draw the error of each scheme on a problem over the number of steps."""
+    """Draw the error of each scheme on a problem against the number of steps."""
     for name, style in styles.items():
         error = one.error.sel(scheme=name)
         ax.plot(one.steps, error.where(error < BEYOND).clip(min=SMALLEST), label=error.scheme_title.item(), **style)
@@ -37,7 +37,7 @@ def _errors(ax: Axes, one: xr.Dataset, styles: dict) -> None:
 
 
 def _exponents(ax: Axes, ueda: xr.Dataset, styles: dict) -> None:
-    """Draw the exponent of each scheme over the steps in a period of the load, and the printed exponent."""
+    """Draw the exponent of each scheme against the steps in a period of the load, and the printed exponent."""
     for name, style in styles.items():
         if name in ueda.scheme.values:
             ax.plot(ueda.steps_per_period, ueda.exponent.sel(scheme=name), **style)

@@ -12,7 +12,7 @@ from paper.products import figure
     "(open). Grey: ten times the uncertainty of the reference.",
 )
 def draw(round_off: xr.Dataset) -> Figure:
-    """Error over steps per period: filled markers for plain sums, open markers for compensated sums."""
+    """Error against steps per period: filled markers for plain sums, open markers for compensated sums."""
     figure, ((ax,),) = panels(1, 1, COLUMN, 7.5)
     known = round_off.error.where(round_off.flagged == 0)
     ax.axhspan(0, 10 * round_off.uncertainty.item(), color="0.85", linewidth=0)

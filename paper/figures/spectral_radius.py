@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from paper.figures.style import curve_styles, legend_in, of_families, thinned
 from paper.products import figure
 
-#: Step size over period below which all spectral radii look like one.
+#: Δt/T below which all spectral radii look like 1.
 FROM = 0.02
 
 

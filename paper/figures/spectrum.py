@@ -22,7 +22,10 @@ TRIED = {"commensurate": "commensurate steps", "all": "all steps"}
     "Grey: a fiftieth of the period, and the spacing.",
 )
 def draw(spectrum: xr.Dataset) -> Figure:
-    """Sufficient steps by period, among commensurate and among all steps; share of runs above the error, by step."""
+    """Two panels of sufficient steps by period, and one of the share of runs that exceed the error, by step.
+
+    The sufficient steps are found among all steps, or among the commensurate steps only.
+    """
     spectrum = of_kinds(spectrum, SHOWN)
     spacing, curves = 1e3 * spectrum.spacing.item(), curve_styles(spectrum.scheme)
     figure, axes = panels(1, 3, PAGE, 5.6)

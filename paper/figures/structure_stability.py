@@ -1,4 +1,4 @@
-"""Lyapunov exponents of the numerical maps of structures over the step size."""
+"""Lyapunov exponents of the numerical maps of structures, against the step size."""
 
 import numpy as np
 import xarray as xr

@@ -7,7 +7,7 @@ from paper.data import of_kinds
 from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels
 from paper.products import figure
 
-#: Schemes in the figure, of every kind.
+#: Schemes in the figure: explicit and implicit, with and without numerical damping.
 SHOWN = [
     "average_acceleration",
     "central_difference",
@@ -37,7 +37,7 @@ def draw(structures: xr.Dataset) -> Figure:
         one = shown.sel(problem=problem)
         for name, look in curve_styles(shown.scheme).items():
             error = one.displacement_error.sel(scheme=name)
-            # two points are not joined by a line
+            # no line joins the points if there are only two
             line = look if error.sizes["steps_per_period"] > 2 else look | {"linestyle": "none", "markersize": 5}
             ax.plot(one.steps_per_period, error, label=error.scheme_title.item(), **line)
         ax.axhline(one.displacement_uncertainty.item(), color="0.7", linewidth=1.5, zorder=0)

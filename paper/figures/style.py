@@ -27,7 +27,7 @@ from study.io import write
 
 plt.style.use("paper.figures.style")
 
-#: Widths in cm of a column and of a page of the manuscript.
+#: Width in cm of a figure in one column of the manuscript, and of a figure across the page.
 COLUMN, PAGE = 8.4, 17.4
 _CM = 1 / 2.54
 

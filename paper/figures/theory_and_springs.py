@@ -18,7 +18,7 @@ LEAST = 1e-10
 
 
 def _points(ax, values, rows, label, **look) -> None:
-    """Draw sizes with markers that are open for negative values and filled otherwise."""
+    """Draw absolute values, with open markers for negative values and filled markers otherwise."""
     known = np.isfinite(values)
     size = np.maximum(np.abs(values[known]), LEAST)
     negative = values[known] < -LEAST

@@ -34,7 +34,10 @@ def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[st
 
 
 def commits(products: Iterable[Product], read: Callable[[str], Any]) -> str | None:
-    """Commits of all datasets that the products read, with a mark for uncommitted changes; None if none is known."""
+    """Commits of all datasets that the products read; None if no commit is known.
+
+    A commit to which uncommitted changes were added is marked.
+    """
     reads = [one for product in products for one in product.reads.values()]
     names = {name for one in reads for name in ([one] if isinstance(one, str) else one)}
     described = {read(name).attrs.get("commit", "unknown") for name in names if not Path(name).suffix} - {"unknown"}

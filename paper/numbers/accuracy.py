@@ -113,7 +113,7 @@ def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
     tried = large_steps.sel(scheme=[name for name in unlimited if name in large_steps.scheme], problem=PROBLEMS)
     steps = ["problem", "dt_over_period"]
     gained = (tried.late_energy_gain > GAIN).any(steps) | (tried.status == _meaning(tried, "unbounded")).any(steps)
-    overshoots = (tried.max_energy_error > 100 * GAIN + 1).any(steps) & ~gained  # a loss alone is at most 100 %
+    overshoots = (tried.max_energy_error > 100 * GAIN + 1).any(steps) & ~gained  # a loss of energy is at most 100 %
     unsolved = (tried.status == _meaning(tried, "no_solution_found")).any(steps)
     wilson = free.displacement_overshoot.sel(scheme="wilson_theta").sel(dt_over_period=10, method="nearest")
     return {

@@ -11,8 +11,8 @@ from study.words import span
 REMEMBER = ["yielding", "hysteretic"]
 #: Problems with a kink of the force, except contact.
 KINKED = [*REMEMBER, "shaken"]
-#: Observed order below which Runge-Kutta has lost its order. Ratio of the error of another scheme
-#: to the error of Runge-Kutta above which Runge-Kutta is more accurate.
+#: Observed order below which Runge-Kutta has lost its order. Error of another scheme divided by the error of
+#: Runge-Kutta; above this ratio Runge-Kutta is more accurate.
 LOST, GAINED = 3.0, 1.5
 #: Error of the balance of energies, in percent of the energy, below which the balance counts as kept.
 KEPT = 0.01
@@ -26,7 +26,7 @@ def _orders(kinks: xr.Dataset, problem: str, *schemes: str) -> str:
 
 
 def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
-    """Error of central difference over the error of Runge-Kutta with a fourth of its steps, by steps of Runge-Kutta."""
+    """Error of central difference with 4N steps per period divided by the error of Runge-Kutta with N, along N."""
     four_times = 4 * kinks.steps_per_period
     steps = kinks.steps_per_period[four_times.isin(kinks.steps_per_period)]
     central = kinks.error.sel(scheme="central_difference", steps_per_period=(4 * steps).values)

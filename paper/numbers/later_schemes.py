@@ -8,9 +8,9 @@ from paper.claims.ledger import Verdict
 from paper.picks import ERRORS
 from paper.products import numbers
 
-#: Schemes with a model of the structure, whose claims of stability are judged together.
+#: Schemes with a model of the structure in their coefficients. Their claims of stability are judged together.
 WITH_MODEL = ("chen_ricles", "chang", "kr_alpha")
-#: Facts of the text: a verdict, and the statements of the ledger that must have it.
+#: Facts of the text. A fact is true if all its statements have its verdict in the ledger.
 STATED = {
     "model_is_a_bound": (
         Verdict.NOT_REPRODUCED,
@@ -60,7 +60,8 @@ STATED = {
         "Noh and Bathe's explicit method is better for waves than central difference.",
     ),
 }
-#: Values that the text takes from the ledger: the fact whose last statement has the value, and its place there.
+#: Values that the text takes from the ledger. Each is a part of our result for the last statement of a fact; the number
+#: is the index of the part.
 VALUES = {
     "overshoot_kr": ("mkr_overshoots_less", 0),
     "overshoot_mkr": ("mkr_overshoots_less", 1),
@@ -82,7 +83,7 @@ YEAR = 1996
 
 
 def _later(decision: pd.DataFrame, spectral: xr.Dataset) -> dict[str, str]:
-    """Cells of the table of decisions that name a later scheme, of the cells that name one, by class."""
+    """Share of later schemes among all schemes that the table of decisions names, by class, such as "3 of 20"."""
     years = spectral.scheme_source.to_series().str.extract(r"\((\d{4})", expand=False).astype(int)
     later = dict(zip(spectral.scheme_title.values, years > YEAR, strict=True))
     counts = {}

@@ -18,7 +18,7 @@ def _observed_order(file: str) -> str | None:
 
 @numbers()
 def of_other_programs() -> dict:
-    """Numbers of cases with and without an acceleration at the start, and the order of a scheme."""
+    """Numbers of cases that OpenSees passes, with the initial acceleration set or left at zero; order of a scheme."""
     opensees, from_zero = verdicts("opensees.json"), verdicts("opensees_from_zero.json")
     return {
         "kit_cases": len(opensees["cases"]),

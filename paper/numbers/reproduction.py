@@ -111,7 +111,7 @@ def _near_an_eighth(parts: list[float]) -> str:
     },
 )
 def of_instability(portrait: xr.Dataset, large_steps: xr.Dataset) -> dict:
-    """Largest energy over the initial energy, in the run of 1996 and at steps close to the step of this run."""
+    """Largest energy divided by the initial energy, in the run of 1996 and at steps close to the step of this run."""
     near = large_steps.isel(dt_over_period=np.flatnonzero(abs(large_steps.dt_over_period.values * 8 - 1) <= NEAR))
     close = 1 + near.max_energy_error.sel(problem="softening_large") / 100
     growth = 1 + portrait.energy_error.max("t")

@@ -42,7 +42,7 @@ def largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
     requires={"spectrum.schemes": ["average_acceleration", "rk4"], "spectrum.periods": [SHORT, LONG]},
 )
 def of_spectrum(spectrum: xr.Dataset) -> dict:
-    """Steps that suffice under all records, commensurate or any, and shares of the runs that exceed the error."""
+    """Steps that suffice under all records, among commensurate and among all steps; shares of runs beyond the error."""
     needed = spectrum.step_needed.min(["record", "reduction"], skipna=False)
     at_spacing, between = share_at_the_spacing(spectrum), share_between(spectrum)
     found = {

@@ -49,7 +49,10 @@ def of_long_times(runs: xr.Dataset) -> dict:
 
 
 def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str, float]:
-    """Fraction of failures in runs of explicit schemes below the linear limit at the stiffest point, by problem."""
+    """Share of failed runs among the runs of explicit schemes with ωΔt below the linear limit, by problem.
+
+    Here ω is the highest frequency along the motion.
+    """
     limits = spectral.stability_limit.sel(damping_ratio=0.0, scheme=atlas.scheme)
     explicit = atlas.isel(scheme=np.flatnonzero((atlas.explicit.values == 1) & np.isfinite(limits.values)))
     limit = limits.sel(scheme=explicit.scheme)

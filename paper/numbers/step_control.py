@@ -9,11 +9,13 @@ from study.words import span
 
 #: Problem and scheme that the figure and the text show.
 PROBLEM, SCHEME = "hardening", "average_acceleration"
-#: Energy error of the last period over that of the first: smallest ratio with a drift, and largest without a drift.
+#: Bounds on the largest energy error of the last period divided by the largest of the first period. Above ``DRIFTS``
+#: the energy drifts. Below ``KEPT`` it does not.
 DRIFTS, KEPT = 3.0, 1.1
 #: Steps in a period of the cells of Tables 1 and 2 that the text compares.
 CELL = 50
-#: Relative error of the displacement at which numbers of forces are compared, and ratio above which they differ.
+#: Relative error of the displacement at which numbers of forces are compared. Ratio of two such numbers above which
+#: they differ clearly.
 ALLOWED, CLEARLY = 0.01, 1.25
 #: Ratio of estimate to true error above which an estimator is misled.
 FOOLED = 2.0
@@ -22,12 +24,15 @@ STIFF, PULSE = ["stiff_soft"], "pulse"
 
 
 def growth(step_control: xr.Dataset) -> xr.DataArray:
-    """Largest energy error in the last period over the largest in the first, with controlled and with equal steps."""
+    """Largest energy error in the last period divided by the largest in the first, (problem, with_equal)."""
     return step_control.history.isel(period=-1) / step_control.history.isel(period=0)
 
 
 def forces_needed(error: xr.DataArray, forces: xr.DataArray, allowed: float, along: str) -> xr.DataArray:
-    """Fewest forces at and above which all runs along a dimension keep an error; NaN if the run with most does not."""
+    """Fewest forces for which a run along a dimension keeps an error, as do all runs with more forces.
+
+    The number is NaN if the run with the most forces exceeds the error.
+    """
 
     def fewest(error: np.ndarray, forces: np.ndarray) -> float:
         exceeding = forces[np.isfinite(forces) & ~(error <= allowed)].max(initial=0.0)
@@ -44,13 +49,13 @@ def with_control(control_cost: xr.Dataset, allowed: float) -> tuple[xr.DataArray
 
 
 def ratio_of_forces(control_cost: xr.Dataset, allowed: float) -> xr.DataArray:
-    """Fewest forces for an error with controlled steps over the fewest with equal steps, by problem and scheme."""
+    """Fewest forces for an error with controlled steps divided by the fewest with equal steps, (problem, scheme)."""
     controlled, equal = with_control(control_cost, allowed)
     return controlled / equal
 
 
 def ratio_at_equal_steps(controlled_1996: xr.Dataset, energy_error: xr.Dataset) -> xr.DataArray:
-    """Energy error with controlled steps over the energy error with as many equal steps, cell by cell."""
+    """Energy error with controlled steps divided by the energy error with as many equal steps, cell by cell."""
     controlled = controlled_1996.max_energy_error.isel(controller=0)
     equal = energy_error.max_energy_error.sel(
         period_used="exact", scheme=controlled.scheme, steps_per_period=controlled.steps_per_period
@@ -74,7 +79,7 @@ def ratio_at_equal_steps(controlled_1996: xr.Dataset, energy_error: xr.Dataset) 
 def of_step_control(
     estimates: xr.Dataset, step_control: xr.Dataset, controlled_1996: xr.Dataset, energy_error: xr.Dataset
 ) -> dict:
-    """Estimates over true errors, drift of the energy, and the tables of 1996 with controlled steps."""
+    """Ratios of estimates to true errors, drift of the energy, and the tables of 1996 with controlled steps."""
     finest = estimates.sel(problem=PROBLEM, scheme=SCHEME).isel(steps_per_period=-1)
     of_u = finest.estimate / finest.true_displacement_error
     of_both = finest.estimate / finest.true_error
@@ -150,7 +155,7 @@ def of_control_cost(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> d
 
 
 def _steps(step_control: xr.Dataset) -> float:
-    """Mean number of steps in a period of the histories of energy errors."""
+    """Mean number of steps in a period with the controller ``pi`` at the middle tolerance."""
     middle = step_control.sizes["tolerance"] // 2
     steps = step_control.steps.sel(problem=PROBLEM, scheme=SCHEME, control="pi").isel(tolerance=middle)
     return steps.item() / step_control.attrs["periods"]

@@ -17,7 +17,7 @@ NO_RULE = 3.0
 
 @numbers(rule="stability/step_rule", requires={"step_rule.schemes": SCHEMES})
 def of_step_rule(rule: xr.Dataset) -> dict:
-    """Smallest and largest Δt ωmax up to which all steps keep energy and period, with their steps per period."""
+    """Largest safe Δt ωmax of each scheme: its range over springs and amplitudes, and the range of steps per period."""
     everywhere = ["problem", "amplitude"]
     safe = largest_omega_step(rule, ERROR)
     steps = rule.period * rule.highest_frequency / safe

@@ -13,9 +13,10 @@ from paper.requirements import samples_of_history
 from paper.tables.structures import STEPS_PER_PERIOD
 from study.words import printed
 
-#: Schemes of structures without numerical damping, apart from the energy-momentum method.
+#: Schemes without numerical damping that are run on structures, except the energy-momentum method.
 UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "gauss4"]
-#: Relative change of an error between the two finest steps below which finer steps no longer reduce the error.
+#: Relative change of an error from the second finest step to the finest. Below this change, still finer steps do not
+#: reduce the error.
 LEVEL = 0.3
 
 

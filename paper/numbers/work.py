@@ -18,7 +18,10 @@ EXACTING = 1e-10
 
 
 def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time: xr.DataArray) -> tuple[str, float]:
-    """The fastest scheme or solver along a dimension with an error up to ``EXACTING``, and its time in milliseconds."""
+    """The fastest scheme or solver with an error up to ``EXACTING``, and its time in milliseconds.
+
+    ``dimension`` is ``scheme`` or ``solver``.
+    """
     error, time = error.sel({dimension: data[dimension]}), time.sel({dimension: data[dimension]})
     enough = time.where(error <= EXACTING).min(set(time.dims) - {dimension})
     return enough.idxmin(dimension).item(), 1e3 * enough.min().item()
@@ -62,9 +65,10 @@ def of_work(work: xr.Dataset) -> dict:
 
 
 def _fastest(springs: list[xr.Dataset]) -> pd.DataFrame:
-    """The fastest scheme of every spring, quantity and error, its title and kind, and the kinds of all that tie.
+    """The fastest scheme for every spring, quantity and error: its name, its title, and whether it is implicit.
 
-    Among schemes that tie, the fastest scheme is the one with the fewest forces.
+    Among schemes that tie, the fastest scheme is the one with the fewest forces. The column ``tied`` has the kinds,
+    explicit or implicit, of all schemes that tie.
     """
     rows = []
     for spring in springs:

@@ -8,7 +8,7 @@ from paper.products import table
 
 @table("Ledger of claims", claims="claims.csv")
 def tabulate(claims: pd.DataFrame) -> pd.DataFrame:
-    """One row per claim with its source. A claim of the paper has the section with its source, and a quotation."""
+    """One row per claim with its source. For a claim of the paper, the row also has the section and a quotation."""
     section = (", " + claims["section"]).where(~claims["section"].isin(list(OURS)), "")
     words = (" “" + claims["words"] + "”").where(claims["words"] != "", "")
     reason = ("; " + claims["reason"]).where(claims["reason"] != "", "")

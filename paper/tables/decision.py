@@ -119,7 +119,10 @@ def _remembering(kinks: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dic
 
 
 def _losing(one: xr.Dataset) -> str:
-    """A remark on the schemes that fail or lose the balance of energies, or on the others if these are fewer."""
+    """A remark on the schemes that fail or lose the balance of energies.
+
+    If more than half of the schemes do so, the remark is on the schemes that keep the balance.
+    """
     loses = ((one.status != 0) | ~(one.max_energy_imbalance <= LEVEL)).any("steps_per_period").values
     if not loses.any():
         return ""
@@ -166,7 +169,7 @@ def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator
 
 
 def _under_records(spectrum: xr.Dataset, error: float, limits: Mapping[str, float]) -> list[Pick]:
-    """The schemes that tie for the fewest forces per second with an error of the peak drift, with their steps."""
+    """The schemes that tie for the fewest forces per second at an error of the peak drift, each with its step."""
     runs = ["record", "period", "reduction"]
     largest = largest_steps(spectrum, error)
     found = spectrum.isel(scheme=np.flatnonzero(largest.notnull()))

@@ -21,7 +21,7 @@ def tabulate(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) ->
             {
                 "Scheme": forces.scheme_title.sel(scheme=name).item(),
                 "Problems": f"{int(cost.notnull().sum())} of {cost.size}",
-                # a problem without a step counts as infinite, or a scheme that fails on hard problems would seem cheap
+                # where no step keeps the error, the cost is infinite: a scheme that fails on hard problems is not cheap
                 "Forces, median": number(cost.fillna(np.inf).median().item(), ".0f"),
                 "Dominated by": joined(others, {"spectral": spectral}) if others else "–",
             }

@@ -7,7 +7,7 @@ import xarray as xr
 from paper.data import families
 from paper.products import table
 
-#: Δt/T at which elongation and damping are given, and Δt/T at which the overshoot is given.
+#: Δt/T at which the table gives elongation and damping. Δt/T at which it gives the overshoot.
 FINE, COARSE = 1 / 20, 10.0
 
 

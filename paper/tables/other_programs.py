@@ -23,14 +23,14 @@ def verdicts(file: str) -> dict[str, Any]:
 
 
 def _likely(code: dict[str, Any]) -> str:
-    """The most frequent cause of another result, with its number of cases; empty if all results agree."""
+    """The most frequent cause of an unexpected result, with its number of cases; empty if all results agree."""
     causes = Counter(case["cause"] for case in code["cases"] if case["verdict"] in ("differs", "fail"))
     return "".join(f"{cause} ({cases})" for cause, cases in causes.most_common(1))
 
 
 @table("Conformance of other programs")
 def tabulate() -> pd.DataFrame:
-    """One row per program: its cases by verdict, and the most frequent cause of another result."""
+    """One row per program: its cases by verdict, and the most frequent cause of an unexpected result."""
     rows = []
     for code in map(verdicts, PROGRAMS):
         counts = code["counts"]

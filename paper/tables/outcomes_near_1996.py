@@ -1,4 +1,4 @@
-"""The smallest step size over the period at which runs of each scheme fail, by kind of failure."""
+"""The smallest Δt/T at which runs of each scheme fail, by kind of failure."""
 
 import numpy as np
 import pandas as pd
@@ -40,20 +40,20 @@ def is_outcome(atlas: xr.Dataset, name: str) -> xr.DataArray:
 
 
 def accurate_up_to(atlas: xr.Dataset) -> xr.DataArray:
-    """Largest step size over period up to which all runs are accurate, 0 if there is none, over (problem, scheme)."""
+    """Largest Δt/T up to which all runs are accurate, over (problem, scheme); zero if there is none."""
     enough = is_outcome(atlas, "accurate").all("amplitude")
     count = enough.cumprod("dt_over_period").sum("dt_over_period")
     return xr.DataArray(np.append(0.0, atlas.dt_over_period.values)[count.values], count.coords, count.dims)
 
 
 def first_of(atlas: xr.Dataset, name: str) -> xr.DataArray:
-    """Smallest step size over period at which a run ends in the named way, over (problem, scheme); infinite if none."""
+    """Smallest Δt/T at which a run ends in the named way, over (problem, scheme); infinite if no run does."""
     met = is_outcome(atlas, name).any("amplitude")
     return met.dt_over_period.where(met, np.inf).min("dt_over_period")
 
 
 def _with_problem(values: xr.DataArray) -> str:
-    """The smallest value over problems, and the first letter of the problem with it; a dash if it is infinite."""
+    """The smallest value of all problems, and the first letter of its problem; a dash if the value is infinite."""
     least = values.min().item()
     return "–" if np.isinf(least) else f"{least:.2g} ({values.problem.values[int(np.argmin(values.values))][0]})"
 

@@ -18,8 +18,8 @@ from study.problem.named import problems as problems_by_name
 #: Relative tolerance of diffrax and CVODE.
 RTOL = 1e-13
 
-#: Numbers of instants in the shortest period at which exact pieces search for events. The difference between the
-#: motions with these two numbers is the uncertainty of the motion.
+#: Numbers of instants in the shortest period at which :mod:`reference.piecewise` seeks events. The motion is solved
+#: with both numbers. The difference of the two motions is the uncertainty.
 PLACES = (200, 331)
 
 

@@ -64,9 +64,9 @@ def errors(
 ) -> dict[str, float]:
     """Errors of a solution after ``periods`` periods, by measure as in ``MEASURES``.
 
-    Both solutions are sampled at the same times of the last period. A delay δ changes the state by −δ (u̇, ü), so the
-    projection of the last error on (u̇, ü) is −δ (u̇, ü). A loss of energy ΔE is a loss of amplitude ΔE/p(A) at the
-    turning point A.
+    The solution and the exact solution have samples at the same times of the last period. A delay δ changes the state
+    by −δ (u̇, ü), so the projection of the last error on (u̇, ü) is −δ (u̇, ü). A loss of energy ΔE is a loss of
+    amplitude ΔE/p(A) at the turning point A.
     """
     scales = np.max(np.abs(exact_solution.u)), np.max(np.abs(exact_solution.v))
     off = (solution.u - exact_solution.u) / scales[0], (solution.v - exact_solution.v) / scales[1]
@@ -137,9 +137,9 @@ def work_precision(
     Runs have 100 and 1,000 periods. A shorter length is the beginning of a run, with a proportional part of its time
     and evaluations. Errors are measured in the last period of each length only, where growing errors are the largest.
     A run is repeated up to ``repeats`` times, and no repeat begins after ``longest`` seconds. A run of 1,000 periods is
-    left out (NaN) if it would take longer, judged by the run of 100 periods. If a run fails, or 100 periods take
-    longer, all tighter tolerances are left out (NaN). The classical Runge-Kutta method, which is also a scheme of the
-    study, is timed in diffrax too.
+    left out (NaN) if it would take more than ``longest`` seconds, judged by the run of 100 periods. If a run fails, or
+    100 periods take more than ``longest`` seconds, all tighter tolerances are left out (NaN). The classical Runge-Kutta
+    method, which is also a scheme of the study, is timed in diffrax too.
 
     Variables of the solvers have the shape (problem, solver, tolerance, periods).
 

@@ -25,13 +25,14 @@ from study.words import printed
 #: Quantities that are compared.
 QUANTITIES = ("displacement", "velocity", "acceleration")
 
-#: Duration of every run, and the initial velocity of each run. An error is the root mean square over these runs.
+#: Duration of every run. Initial velocities of the runs or, on a moving support, their amplitudes of the slow mode. An
+#: error is the root mean square over these runs.
 DURATION, SPEEDS = 6.0, np.linspace(0.6, 1.4, 12)
 
-#: Relative difference between unequal steps, which are alternately larger and smaller, and their mean.
+#: Deviation of unequal steps from their mean, relative to the mean. Larger and smaller steps alternate.
 UNEQUAL = 1 / 3
 
-#: Relative and absolute tolerance of the references, by the method of Dormand and Prince of eighth order.
+#: Relative and absolute tolerance of the reference motions, computed by Dormand and Prince's method of eighth order.
 TOLERANCES = {"rtol": 1e-13, "atol": 1e-14}
 
 
@@ -43,7 +44,8 @@ def carries(state: Any) -> bool:
 class AtTheEnd(Reduction):
     """Displacement, velocity and acceleration at the end of a run.
 
-    The acceleration is part of the state, or follows from the equation of motion if the state contains none.
+    The acceleration is part of the state. If the state contains none, or the accelerations of all stages, the
+    acceleration follows from the equation of motion.
     """
 
     variables: ClassVar = {name: {"long_name": name, "units": "1"} for name in QUANTITIES}

@@ -37,8 +37,8 @@ class Rule(NamedTuple):
     tolerances: tuple[float, ...]
 
 
-#: Rules by code. A tolerance is the half-increment residual over the largest force for Abaqus, the step size over
-#: the apparent period for Nastran, and the number of Newton iterations for OpenSees.
+#: Rules by code. A tolerance is the half-increment residual divided by the largest force for Abaqus, the step size
+#: divided by the apparent period for Nastran, and the number of Newton iterations for OpenSees.
 RULES = {
     "Abaqus": Rule(hht_alpha, HalfStepResidual(), HalfIncrement(), (0.1, 1.0, 10.0)),
     "Nastran": Rule(average_acceleration, ApparentFrequency(), Nastran(), (1 / 40, 1 / 20, 1 / 10)),

@@ -13,7 +13,7 @@ from study.marching.run import run
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: Exponents of ten of the smallest and the largest tolerance tried first, and number of tolerances tried at once.
+#: Exponents of ten of the smallest and the largest tolerance tried first. Number of tolerances tried at once.
 WIDEST, LANES = (-9.0, 0.5), 64
 
 ESTIMATOR = "zienkiewicz_xie"

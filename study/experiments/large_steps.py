@@ -48,7 +48,7 @@ def large_steps(problems: Springs, schemes: Schemes, dt_over_period: Sizes, peri
                     observe="energy_error",
                     on_failure="ignore",
                 )
-                at, along = (p, s, r), ds.energy_error.values  # NaN from the failing step on
+                at, along = (p, s, r), ds.energy_error.values  # NaN after a failure, from the failing step on
                 error[at], drift[at], late[at] = 100 * np.abs(along).max(), along[-1], along[len(along) // 2 :].max()
                 status[at], failed_at_step[at] = ds.status, ds.failed_at_step
     return xr.Dataset(

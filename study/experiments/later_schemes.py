@@ -39,7 +39,7 @@ WITH_MODEL: dict[str, Scheme] = {
     "kr_alpha": KolayRicles(rho_inf=1.0),
     "mkr_alpha": KolayRicles(rho_inf=1.0, modified=True),
 }
-#: Ratios of tangent to model stiffness that are tried, and largest excess of a spectral radius over one that counts as
+#: Ratios of tangent to model stiffness that are tried. Largest excess of a spectral radius above 1 that counts as
 #: round-off.
 RATIOS, GROWTH = np.geomspace(1.0001, 1e4, 20_000), 1e-7
 
@@ -59,13 +59,13 @@ OF_FOURTH_ORDER: dict[str, Scheme] = {
     "nystrom4": nystrom4,
 }
 
-#: ωΔt of the stiff unknown in the test of trigonometric methods (π and 2π are resonances), and duration of the runs.
+#: ωΔt of the stiff unknown in the test of trigonometric methods; π and 2π are resonances. Duration of these runs.
 PHASES, OSCILLATES = np.pi * np.array([0.5, 1.0, 2.0]), 2.0
 
-#: Orders M of mixed Padé methods and their ρ∞, and numbers of steps of their runs.
+#: Orders M of the mixed Padé methods. Their ρ∞. Numbers of steps of their runs.
 TERMS, RHO_INF, LONG = (1, 2, 3, 4), 0.5, (8, 16, 32)
 
-#: Part of the bar, of unit length, that the front of the wave has passed at the end of a run.
+#: Distance of the wave front from the pushed end at the end of a run; the bar has unit length.
 REACHED = 0.7
 
 
@@ -202,14 +202,14 @@ def later_schemes(
     omega_steps
         ωΔt of the model. For each value, the largest ratio of tangent to model stiffness with stable steps is found.
     steps
-        Numbers of steps of the runs of trigonometric methods on a soft and a stiff unknown, and of the runs with the
-        auxiliary variable.
+        Numbers of steps of two kinds of runs: trigonometric methods on a soft and a stiff unknown, and BDF2 with a
+        scalar auxiliary variable next to average acceleration on the hardening oscillator.
     courant, elements
         Courant numbers, Δt divided by the time in which a wave crosses an element, and number of elements of the bar.
     long_steps
-        Step sizes of runs of a thousand steps with the auxiliary variable on the hardening oscillator ü + u + u³ = 0.
+        Step sizes of runs of a thousand steps of BDF2 with the auxiliary variable on the oscillator ü + u + u³ = 0.
     forces
-        Numbers of forces that each scheme of fourth order evaluates over the same motion.
+        Numbers of forces that each scheme of fourth order evaluates during the same motion.
     """
     plain = circumstances_with([])["plain"]
     auxiliary: dict[str, Scheme] = {

@@ -45,8 +45,8 @@ OBSERVED = ("energy_drift", "max_energy_error", "mean_energy_error", "oscillatio
 def _step_sizes(step: float, runs: int) -> np.ndarray:
     """Step sizes close to ``step`` of each kind in ``BITS``, (kind, run); all arithmetics represent them exactly.
 
-    Neighbours differ by one unit in the last place of a short step size. So the runs have independent round-off, and
-    long runs end at different phases of the orbit.
+    Neighbouring step sizes differ by one unit in the last place of a number of 12 bits. So the runs have independent
+    round-off, and long runs end at different phases of the orbit.
     """
     sizes = []
     for bits in BITS.values():
@@ -77,7 +77,7 @@ def _phase_error(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, 
     Parameters
     ----------
     period, crossing
-        Exact period T, and the exact time of the first upward crossing over T.
+        Exact period T, and the exact time of the first upward crossing of zero, divided by T.
     """
     late = np.full(len(dt), np.nan)
     for lane in np.flatnonzero(ds.crossings.values > 0):

@@ -68,8 +68,8 @@ def order_under_reality(
     The error is measured at the end of a run of six units of time. It is the root mean square over twelve motions and
     all unknowns, relative to the root mean square of the exact motion. The order is the slope of the logarithm of the
     error against the logarithm of the step size. Reference motions are exact, or computed by a Runge-Kutta method of
-    eighth order with adaptive steps. The acceleration is part of the scheme's state, or follows from the equation of
-    motion if the state has none.
+    eighth order with adaptive steps. The acceleration is part of the scheme's state. If the state has none, or the
+    accelerations of all stages, the acceleration follows from the equation of motion.
 
     - ``plain``, ``damping``, ``load``: the oscillator ü + c u̇ + u + u³ = f cos(1.5t − 0.7), free and undamped, with
       c = 0.2, or with f = 1;
@@ -86,7 +86,7 @@ def order_under_reality(
     steps
         Numbers of steps of a run.
     stiffness_ratios
-        Stiffness of the spring at the support over the stiffness between the masses.
+        Stiffness of the spring at the support divided by the stiffness of the spring between the masses.
     tolerances
         Tolerances of Newton's iteration: largest change of the displacement by the last correction, relative to the
         displacement.

@@ -12,8 +12,8 @@ from study.experiments import coordinates
 from study.marching.run import run
 from study.problem.named import problems as problems_by_name
 
-#: Initial displacements of the runs, as differences from the initial displacement of the problem in multiples of the
-#: perturbation.
+#: Differences of the initial displacements of the runs from the initial displacement of the problem, in multiples of
+#: ``perturbation``.
 STARTS = (0, *(way * k for k in range(1, 5) for way in (1, -1)))
 
 #: Distance at which two displacements count as separated.

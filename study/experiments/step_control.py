@@ -15,7 +15,7 @@ from study.marching.run import run
 from study.observer.motion import Quantity
 from study.problem.named import problems as problems_by_name
 
-#: Name of reversible control along ``control``, and name of equal steps along ``with_equal``.
+#: Name of reversible control along the dimension ``control``. Name of equal steps along the dimension ``with_equal``.
 REVERSIBLE, EQUAL = "reversible", "equal"
 
 #: Largest mean number of steps per period of a run. This limit ends runs whose energy grows, because their steps become

@@ -54,7 +54,10 @@ def _held(definition: Problem, displacements: np.ndarray) -> bool:
 
 
 def _motion(problem: str, ds: xr.Dataset) -> dict[str, np.ndarray]:
-    """Displacement, velocity and the acceleration that the equation of motion gives for them, by time."""
+    """Displacement, velocity and the acceleration from the equation of motion, by time.
+
+    The acceleration is left out if the mass is singular or the force has a history.
+    """
     t, u, v = (ds[name].values for name in ("t", "u", "v"))
     definition = problems_by_name[problem]
     motion = {"displacement": u, "velocity": v}
@@ -135,7 +138,7 @@ def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[
 
     The error of the displacement is max |u − u_ref| / max |u_ref| over the samples of ``reference/PROBLEM``, with
     Euclidean norms over the unknowns; the errors of velocity and acceleration are defined likewise. The step size is
-    the time scale of the structure over ``steps_per_period``. Variables have the shape (problem, scheme,
+    the time scale of the structure divided by ``steps_per_period``. Variables have the shape (problem, scheme,
     steps_per_period) or (problem,).
 
     Raises
