@@ -44,7 +44,7 @@ def _decimal(value: Any, digits: int) -> str:
 
 
 def _quantities(entry: Entry, scheme: Mapping[str, str]) -> list[tuple[str, int]]:
-    """Quantity and number of the unknown for every list of values; accelerations are last."""
+    """Quantity and unknown of every list of expected values; accelerations are last."""
     names = "uv" if scheme["family"] in WITHOUT_ACCELERATION else "uva"
     return [(name, unknown) for name in names for unknown in range(len(entry.problem["u0"]))]
 

@@ -1,4 +1,4 @@
-"""Tables that are made from maps, from sufficient steps and from the ledger."""
+"""Tables that are made from maps, from sufficient numbers of steps and from the ledger."""
 
 import numpy as np
 import pandas as pd
