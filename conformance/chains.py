@@ -1,7 +1,7 @@
 """Input files of Abaqus and code_aster for linear structures: masses on a line, with springs and dashpots in between.
 
 The files follow the manuals of both codes, but neither code has run them. The comment at the head of a file describes
-the table ``NAME.csv`` of its motion.
+the table ``NAME.csv`` that holds the motion.
 """
 
 import math
@@ -184,7 +184,7 @@ def code_aster(case: Mapping[str, Any]) -> str | None:
         for name, values in (("u0", one.u0), ("v0", one.v0))
     }
     nodal = ", ".join(f'_F(GROUP_NO="N{i}", FX={f!r})' for i, f in zip(free, forces, strict=True))
-    # scale of an absolute tolerance; a relative one is divided by the external forces, which are zero in free motion
+    # scale of an absolute tolerance; a relative tolerance refers to the external forces, which are zero in free motion
     largest = max(map(abs, [*one.pull, *one.forces, *(m * a for m in one.mass for _, a in one.ground)]))
     columns = {
         f"{name}{i}": f'RECU_FONCTION(RESULTAT=motion, NOM_CHAM="{field}", NOM_CMP="DX", GROUP_NO="N{i}")'

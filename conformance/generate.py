@@ -1,8 +1,8 @@
 """Make all cases: ``python -m conformance.generate`` computes them with 50 digits and writes ``cases/*.json``.
 
 A case is a problem and a scheme of the tables in ``contents.py``. It holds the values of the scheme. It also
-holds the values of those alternatives and mistakes of ``variants.py`` that differ from the scheme, and the derivatives
-of the values with respect to the parameters of the scheme, which identify a slightly wrong parameter.
+holds the values of alternatives and mistakes in ``variants.py``, if these values differ from the values of the scheme.
+The derivatives of the values with respect to the parameters of the scheme identify a slightly wrong parameter.
 """
 
 import json
@@ -20,16 +20,16 @@ from conformance.variants import UNEQUAL, VARIANTS, WITHOUT_ACCELERATION
 
 CASES = Path(__file__).parent / "cases"
 
-#: DIGITS is the number of decimal digits of the arithmetic, EXPECTED of the expected values, and STORED of the values
-#: of variants and of the slopes.
+#: Numbers of decimal digits: DIGITS of the arithmetic, EXPECTED of the expected values, and STORED of the slopes and of
+#: the values of variants.
 DIGITS, EXPECTED, STORED = 50, 17, 12
 
 #: SAME is the smallest tolerance and LOOSE the largest, relative to the largest value of a quantity. In between, the
 #: tolerance is ROUND_OFFS times the observed round-off.
 SAME, ROUND_OFFS, LOOSE = 1e-9, 100, 1e-6
 
-#: DISTINCT is the smallest difference between a variant and the expected values or an earlier variant, in multiples of
-#: the tolerance. A variant is omitted as unstable if it exceeds UNSTABLE times the scheme's largest value or energy.
+#: A variant is stored only if it differs from the expected values and from every stored variant by more than DISTINCT
+#: times the tolerance. It is omitted as unstable if it exceeds UNSTABLE times the scheme's largest value or energy.
 DISTINCT, UNSTABLE = 100, 1e6
 
 
@@ -44,7 +44,7 @@ def _decimal(value: Any, digits: int) -> str:
 
 
 def _quantities(entry: Entry, scheme: Mapping[str, str]) -> list[tuple[str, int]]:
-    """Quantity and number of the unknown for every list of values; accelerations are last."""
+    """Quantity and unknown of every list of expected values; accelerations are last."""
     names = "uv" if scheme["family"] in WITHOUT_ACCELERATION else "uva"
     return [(name, unknown) for name in names for unknown in range(len(entry.problem["u0"]))]
 
@@ -138,7 +138,7 @@ def _bound(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
 
 
 def exact(problem: Mapping[str, Any], end: str) -> Any:
-    """Exact displacement at the time ``end`` of a problem with one unknown, by Taylor series."""
+    """Exact displacement of a problem with one unknown at the time ``end``, by Taylor series."""
     one = Problem(problem, mp)
 
     def slope(t, y):

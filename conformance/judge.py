@@ -16,7 +16,7 @@ CASES = Path(__file__).parent / "cases"
 #: Largest number of digits reported, the digits of double precision.
 DIGITS = 16.0
 
-#: Bound of the rounding errors of the stored values of variants, relative to the largest value.
+#: Largest rounding error of a stored value of a variant, relative to the largest value.
 STORED = 1e-11
 
 #: Largest unexplained fraction of the difference at which a wrong parameter is named as the likely cause.

@@ -10,7 +10,7 @@ from conformance.judge import Verdict
 
 VERDICTS = ("pass", "differs", "fail", "skip")
 
-#: Order of the verdicts in the rows of a page.
+#: Order of the rows of a page, by verdict.
 _ROWS = ("fail", "differs", "pass", "skip")
 
 _STYLE = """body {font: 16px/1.4 sans-serif; margin: 2em auto; max-width: 70em; padding: 0 1em}
@@ -45,7 +45,7 @@ def table(verdicts: Sequence[Verdict]) -> str:
 
 
 def page(found: Mapping[str, Any], titles: Mapping[str, str]) -> str:
-    """HTML page of the verdicts on a tool, from its ``summary`` and the titles of the cases by name."""
+    """HTML page of the verdicts on a tool, from its ``summary`` and the title of each case."""
     tool = escape(f"{found['tool']} {found['version']}".strip())
     counts = ", ".join(f"{verdict} {number}" for verdict, number in found["counts"].items())
     rows = [

@@ -42,7 +42,7 @@ def of_function(place: str) -> Runner:
     """
     file, _, name = place.rpartition(":")
     folder, module = (str(Path(file).parent), Path(file).stem) if file.endswith(".py") else (".", file)
-    # the folder stays on the path, because the function may import its neighbours when it runs
+    # the folder stays on the path, because the function may import neighbouring modules when it runs
     sys.path.insert(0, str(Path(folder).absolute()))
     try:
         step = getattr(importlib.import_module(module), name)

@@ -126,7 +126,7 @@ class March:
         return [6 * dt * v - 2 * first - 3 * u + 6 * before, before, u]
 
     def newmark_place(self, beta: Any, gamma: Any = None) -> tuple:
-        """Constant and slope in u₁ of the velocity and of the acceleration at t₁, by Newmark's formulas."""
+        """v₁ and a₁ as linear functions of u₁, each as a pair of constant and slope, by Newmark's formulas."""
         u, v, a, dt = self.u, self.v, self.a, self.dt
         gamma = self.problem.numbers.mpf(1) / 2 if gamma is None else gamma
         new = -(u + dt * v) / (beta * dt**2) - (1 / (2 * beta) - 1) * a, 1 / (beta * dt**2)

@@ -69,7 +69,7 @@ close $out
 """
 
 
-#: Function that makes the text of a file with each suffix: for OpenSees, Abaqus, and commands and mesh of code_aster.
+#: Functions that make the texts of files, by suffix: input of OpenSees and of Abaqus, commands and mesh of code_aster.
 WRITERS = {".tcl": opensees, ".inp": abaqus, ".comm": code_aster, ".mail": mesh}
 
 

@@ -18,7 +18,7 @@ from study.building import Effort, Phase, acceleration
 class Heun(study.OneStep):
     r"""Heun's method on u̇ = v, v̇ = F(t, u, v): the mean of two slopes.
 
-    The second slope is taken at the end of a step by Euler's rule.
+    The second slope is taken at the end point of an Euler step.
 
     .. math::
 

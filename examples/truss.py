@@ -26,7 +26,7 @@ def energy(u):
 
 truss = study.Problem(
     potential=energy,
-    u0=[0.001, 0.0],  # off the axis of symmetry, so that the mass also moves sideways
+    u0=[0.001, 0.0],  # a start off the axis of symmetry, so that the mass also moves sideways
     mass=MASS,
     damping=10.0,
     load=lambda t: jnp.array([0.0, LOAD]),

@@ -28,7 +28,7 @@ def commands(text: str) -> list[list[str]]:
 
 
 def run_examples(text: str, name: str, folder: Path, monkeypatch: Any) -> dict:
-    """Run the blocks of Python in order, with small results in a folder and JAX's default rules; return all names."""
+    """Run the Python blocks in order, with small results in a folder and JAX's default rules. Return all variables."""
     small_results.write_to(folder / "results")
     monkeypatch.chdir(folder)
     matplotlib.use("agg")

@@ -23,7 +23,7 @@ paths = st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=8)
 
 
 def _along(material, path, history=None):
-    """Forces at the points of a path, at each of which the history is committed, and the last history."""
+    """Forces at the points of a path, and the last history; the history is committed at every point."""
     history, forces = material.history if history is None else history, []
     for u in path:
         force, history = jax.jit(material)(jnp.asarray(u), jnp.asarray(0.0), history)

@@ -1,10 +1,10 @@
 """Estimated time of a study on many cores, from the measured times of its jobs.
 
 ``python tools/scaling.py OUTPUT``, in the folder of a finished study, reads the plan of the pipeline and
-``results/benchmarks``. It assigns ready jobs to free cores, the longest path first, and writes a table OUTPUT.csv and a
-figure OUTPUT.png of time against cores. The time of a job is its elapsed time or, if shorter, its processor time, as
-on one idle core. Figures and pages are drawn one after another. Waiting in a queue and the exclusive node of timed jobs
-are not counted.
+``results/benchmarks``. It assigns ready jobs to free cores, first the job with the longest path to the end. It writes a
+table OUTPUT.csv and a figure OUTPUT.png of time against cores. The time of a job is its elapsed time or, if shorter,
+its processor time, as on one idle core. Figures and pages are drawn one after another. Waiting in a queue and the
+exclusive node of timed jobs are not counted.
 
 The study must have been made with ``snakemake --no-hooks``, without the worker that runs the jobs of a local run,
 because Snakemake measures processor time and memory only of processes that it starts itself.

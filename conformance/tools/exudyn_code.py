@@ -20,7 +20,7 @@ def _settings(scheme, dt, steps):
     integration.newton.relativeTolerance = integration.newton.absoluteTolerance = 1e-13
     integration.newton.useModifiedNewton = False
     settings.solutionSettings.writeSolutionToFile = False
-    settings.solutionSettings.sensorsWritePeriod = dt / 2  # less than a step, so that every step is written
+    settings.solutionSettings.sensorsWritePeriod = dt / 2  # shorter than a step, so that every step is written
     alpha = integration.generalizedAlpha
     alpha.computeInitialAccelerations = True
     family, solvers = scheme["family"], exudyn.DynamicSolverType

@@ -17,7 +17,7 @@ def step(problem, scheme, dt, steps):
     a = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), -slope])
     b = np.vstack([np.zeros((n, n)), np.linalg.inv(problem.mass)])
     a, b, c, d, _ = cont2discrete((a, b, np.eye(2 * n), np.zeros((2 * n, n))), dt, method="bilinear")
-    # the output of the transformed system is the state (u, v) of the problem; its state x differs
+    # the output of the discrete system is (u, v); its internal state x differs from (u, v)
     load = problem.load(0.0)
     x = np.linalg.solve(c, np.concatenate([problem.u0, problem.v0]) - d @ load)
     rows = [c @ x + d @ load]

@@ -69,7 +69,7 @@ def test_sums_and_products_keep_to_the_least_form(make):
 
 
 def test_one_unknown_has_numbers():
-    """Matrices of a single unknown are numbers; sums and products of them take n = 0."""
+    """Matrices of a single unknown are numbers. Their sums and products are computed with n = 0."""
     assert linear.add(2.0, 3.0, n=0) == 5.0
     assert linear.product(2.0, 3.0, 0) == 6.0
     assert elimination.solve(4.0, 2.0) == 0.5

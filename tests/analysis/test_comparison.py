@@ -67,7 +67,7 @@ def test_a_crossing_never_leaves_its_step():
 
 
 def test_interpolation_between_exact_steps_is_of_sixth_order():
-    """With exact states the phase error is that of interpolation; halving the step size divides it by more than 50."""
+    """With exact states the phase error is an interpolation error; halving the step size divides it by more than 50."""
     reference, problem = _harmonic(400)
     errors = []
     for steps in (25, 50):
@@ -107,7 +107,7 @@ def test_phases_that_the_reference_lacks_are_refused():
 
 
 def test_the_reference_is_taken_at_the_times_of_the_run():
-    """The reference includes the rounding error of the stored period, which would otherwise grow into a phase error."""
+    """The reference corrects the rounding error of the stored period, which would otherwise grow into a phase error."""
     reference, problem = _harmonic(400, stretch=1 + 1e-5)
     # the true period is longer than the stored one by 1e-5; if ``period_remainder`` states this, the run has no error
     errors = []
@@ -115,7 +115,7 @@ def test_the_reference_is_taken_at_the_times_of_the_run():
         dt, observers = against(reference.assign(period_remainder=remainder), 400, longest=400)
         ds = study.run(problem, "rk4", dt=dt, steps=4000, observe=observers)
         errors.append(ds.max_trajectory_error.item())
-    # at 9.75 periods the speed is largest for the last time, and with it the error of the trajectory
+    # the speed, and with it the error of the trajectory, has its last maximum at 9.75 periods
     assert errors[0] == pytest.approx(2 * np.pi * 9.75 * 1e-5, rel=1e-2)
     assert errors[1] < 1e-2 * errors[0]
 

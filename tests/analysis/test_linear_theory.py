@@ -113,7 +113,7 @@ def test_radii_at_infinite_frequency(name):
 
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
-    """The principal roots have the claimed order of the scheme, except for the orders in ``expected``."""
+    """The order of the principal roots is the claimed order of the scheme, unless ``expected`` states another order."""
     scheme = study.schemes[scheme_name]
     expected = {
         # symplectic Euler is conjugate to velocity Verlet, and KR-α and MKR-α to the generalized-α method: their steps
@@ -129,7 +129,7 @@ def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
         ("chen_ricles", 0.1): 2,
         # WAT2 is of third order with damping or with a nonlinear force
         ("wat2", 0.0): 4,
-        # Fox and Goodwin's method is then Numerov's formula
+        # without damping, Fox and Goodwin's method is Numerov's formula
         ("fox_goodwin", 0.0): 4,
     }.get((scheme_name, damping_ratio), scheme.order_with_damping if damping_ratio else scheme.order)
     theory = LinearTheory(scheme, np.logspace(-3, 0, 301), damping_ratio)
@@ -278,7 +278,7 @@ def test_a_scheme_that_grows_weakly_is_stable_at_no_step():
     [
         ("average_acceleration", [0, 0], [0, 0]),
         ("hht_alpha", [0, 1], [0, 0]),
-        ("wilson_theta", [2, 1], [1, 0]),  # as in Hilber and Hughes for collocation
+        ("wilson_theta", [2, 1], [1, 0]),  # as published by Hilber and Hughes for collocation methods
         ("central_difference", [2, 3], [1, 2]),  # u₁ = (1 − Ω²/2) u₀ + Ω v₀
         ("chen_ricles", [0, 0], [1, 0]),
     ],

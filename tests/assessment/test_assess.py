@@ -155,7 +155,7 @@ def test_no_recommended_step_contradicts_the_largest_safe_one(assessed):
 
 
 def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
-    """Errors over 20 periods: displacement and acceleration against the exact motion, energy against MaxEnergyError."""
+    """Over 20 periods, errors equal the distance from the exact motion; the energy error equals MaxEnergyError."""
     problem, steps = study.problems["hardening"], 20 * 32
     exact = float(taylor.period(problem, 0.15))
     duration = 20 * exact

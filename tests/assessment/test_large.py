@@ -32,7 +32,7 @@ def test_steps_and_error_bar_are_those_of_the_certified_reference(damped_chain, 
     certified = study.assess(damped_chain(), SCHEMES, quantities=quantities, **OPTIONS)
     assert set(found.quantity.values) == {"displacement", "velocity"}
     assert found.reference_uncertainty.max() < 1e-3
-    # compared at an error of 1 % only, because at 10 % the coarsest step of a program limits the search
+    # compared at an error of 1 % only, because at 10 % the search of a large problem is limited by its coarsest step
     ratio = (found.largest_dt / certified.largest_dt).sel(quantity=found.quantity, allowed_error=0.01)
     assert ((ratio > 0.9) & (ratio < 1.1)).all()
     assert found.attrs["reference"].startswith(("rk4", "nystrom4"))
@@ -61,7 +61,7 @@ def test_another_problem_of_the_same_title_has_other_runs(damped_chain, of_progr
 
 
 def test_unknowns_whose_force_is_not_linear_are_compared():
-    """Both unknowns with stops are among the 256 compared unknowns; of 1000 cubic springs 256 unknowns are compared."""
+    """Both unknowns with stops are among the 256 compared ones. Of 1000 cubic springs, 256 unknowns are compared."""
     n, stops = 1000, [311, 737]
     linear = sparse.diags_array([np.full(n - 1, -1.0), np.full(n, 2.0), np.full(n - 1, -1.0)], offsets=[-1, 0, 1])
 

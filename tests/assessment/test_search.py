@@ -61,7 +61,7 @@ def test_the_step_of_a_regular_error_is_found(order):
 
 
 def test_a_lucky_step_is_passed_over():
-    """Step sizes in a narrow band with small errors are not recommended, whether for all starts or for one start."""
+    """A narrow band of step sizes has small errors, at all starts or at one start; the search does not recommend it."""
     for lucky in (lambda start: True, lambda start: start == 1.0):
         _, verdict = searched(lambda dt, start, lucky=lucky: 1e-6 if lucky(start) and 0.3 < dt < 0.5 else dt**2)
         assert verdict.how == FOUND and 0.085 < verdict.largest < 0.1
@@ -149,9 +149,9 @@ def test_a_step_of_a_large_structure_is_confirmed_by_several_others():
 
 
 def test_stiff_modes_take_a_search_to_finer_steps_as_far_as_their_work_allows():
-    # 150 unknowns with periods from 3 s to 0.03 s, over the longest period
+    # a run of 3 s with 150 unknowns, whose periods range from 3 s to 0.03 s
     assert finest_step(3.0, 3.0, 200.0, 150) == pytest.approx(0.03 / 200)
-    # with one unknown, and with modes too stiff for any of these steps, a cap on steps × unknowns decides
+    # caps on steps × unknowns decide: for one unknown, and for 1000 unknowns whose modes are too stiff for these steps
     assert finest_step(3.0, 3.0, 2.0, 1) == finest_step(3.0, 3.0, 1e6, 1) == 3.0 / 250_000
     assert finest_step(3.0, 3.0, 1e6, 1000) == 3.0 / 4000
 

@@ -64,7 +64,7 @@ def test_recommend_states_whether_equal_steps_are_cheaper(assessed):
 
 
 def test_the_report_lists_the_tolerances(assessed):
-    assert page(assessed).count("controlled steps") == 4  # for displacement, velocity, acceleration and energy
+    assert page(assessed).count("controlled steps") == 4  # once for each of u, u̇, ü and energy
 
 
 @pytest.mark.parametrize("largest, expected", [(0.1, 0.1), (0.0999, 0.05), (3e-4, 2e-4), (5e-7, 5e-7), (1.01e-3, 1e-3)])

@@ -89,7 +89,7 @@ class Commands(dict):
 )
 def test_commands_of_code_aster_state_the_case(name, scheme):
     case, problem, names = BY_NAME[name], Problem(BY_NAME[name]["problem"]), Commands()
-    exec(_written(chains.code_aster, case).partition("u1 = ")[0], names)  # the program after this text reads the motion
+    exec(_written(chains.code_aster, case).partition("u1 = ")[0], names)  # the rest of the program reads the motion
     called: dict[str, Any] = names["called"]
     parts, n = called["AFFE_CARA_ELEM"].DISCRET, len(problem.u0)
     np.testing.assert_allclose(np.diag([one.VALE for one in parts if one.CARA == "M_T_D_N"]), problem.mass)

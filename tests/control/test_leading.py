@@ -15,7 +15,10 @@ CASES = [(scheme, estimator) for scheme in CARRIED for estimator in ESTIMATORS]
 
 
 def _distance(scheme, estimator, steps):
-    """Largest difference of measured and exact ratio after a third of the period, relative to the largest ratio."""
+    """Largest difference between the measured ratio and its closed form, relative to the largest ratio.
+
+    The first third of the period is left out.
+    """
     equal = study.Prescribed([2 * np.pi / steps])
     ds = study.run(OSCILLATOR, scheme, controller=equal, duration=2 * np.pi, estimator=estimator)
     part = (np.arange(steps) + 0.5) / steps

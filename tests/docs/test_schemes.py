@@ -79,7 +79,11 @@ def test_orders_come_from_the_errors():
 
 
 def _kinks(*needed, first_order=0):
-    """Runs on a yielding oscillator; for 1 % central difference and Runge-Kutta need ``needed`` steps a period."""
+    """Made-up runs of central difference and Runge-Kutta on a yielding oscillator.
+
+    ``needed`` states, for each scheme, the steps a period from which on its error is below 1 %. The first
+    ``first_order`` schemes have order one.
+    """
     steps, names = np.array([16, 32, 64]), ["central_difference", "rk4"]
     dims = ("problem", "scheme", "steps_per_period")
     error = np.where(steps < np.array(needed)[:, None], 0.02, 0.005)[None]

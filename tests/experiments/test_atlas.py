@@ -44,5 +44,5 @@ def test_a_map_shows_the_linear_limit_at_small_amplitude(springs):
     lost = one.outcome.values >= Outcome.GROWING
     first = one.dt_over_period.values[lost.argmax()]
     limit = 2 / (one.highest_frequency * one.period).item()
-    # the tangent has its highest frequency only at the turning points, so that longer steps may be stable too
+    # the tangent has its highest frequency only at the turning points, so steps slightly above the limit may be stable
     assert limit * 0.9 < first < 1.15 * limit

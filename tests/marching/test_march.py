@@ -166,7 +166,7 @@ def test_a_step_without_a_solution_is_recorded():
 
 
 def test_step_size_and_count_share_one_compilation(caplog):
-    problem = study.Problem(lambda u: u, u0=1.0, potential=lambda u: u**2 / 2)  # no other test compiles it
+    problem = study.Problem(lambda u: u, u0=1.0, potential=lambda u: u**2 / 2)  # no other test compiles this problem
     with jax.log_compiles():
         for dt, steps in ((0.01, 10), (0.02, 20), (0.03, 30)):
             study.run(problem, "houbolt", dt=dt, steps=steps, observe=["max_energy_error"])
@@ -174,7 +174,7 @@ def test_step_size_and_count_share_one_compilation(caplog):
 
 
 def test_labels_and_samples_share_one_compilation(caplog):
-    """Programs are compiled for parameters, but not for titles of problems and schemes or the number of samples."""
+    """Other parameters need another compiled program; other titles, sources or numbers of samples do not."""
 
     def times_compiled(*variants):
         caplog.clear()

@@ -96,7 +96,10 @@ def _dense(x, default):
 
 @pytest.mark.parametrize("name", ["average_acceleration", "gauss4", "energy_momentum"])
 def test_steps_are_vectorised_and_differentiated_twice(name):
-    """Vectorised steps and first derivatives, which the Lyapunov exponent needs, also work without compilation."""
+    """Derivatives of steps equal differences. Vectorised steps and first derivatives also work without compilation.
+
+    The Lyapunov exponent needs the first derivatives.
+    """
     scheme, problem, dt = study.schemes[name], study.problems["hardening"], jnp.asarray(0.01)
 
     def moved(u0):

@@ -65,7 +65,7 @@ def test_of_many_unknowns_the_places_of_the_tangent_are_found():
 
 
 def test_a_structure_is_sought_where_the_force_has_a_derivative():
-    """The potential is real only near the start, where its far coupling is found; a narrow band is refused."""
+    """The potential is real only near the start. A coupling of distant unknowns is found; a narrow band is refused."""
     n = 200
 
     def potential(u):

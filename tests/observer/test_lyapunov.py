@@ -37,7 +37,7 @@ def test_neighbours_part_as_two_runs_do():
 def test_equal_unknowns_have_the_exponent_of_one(n):
     problem = study.Problem(lambda u: -2 * u, np.ones(n), np.zeros(n))
     ds = study.run(problem, "rk4", dt=0.01, steps=2000, observe="lyapunov_exponent", bound=np.inf)
-    # √2, and ln(√3/2) over 20 s, because √3/2 is the growing part of a perturbation of length one
+    # the rate √2, plus ln(√3/2)/(20 s): a displacement perturbation of length one has a growing part of length √3/2
     assert ds.lyapunov_exponent.item() == pytest.approx(np.sqrt(2) + np.log(np.sqrt(3) / 2) / 20, rel=1e-4)
 
 

@@ -62,7 +62,7 @@ def test_the_source_compiles(folder, pytestconfig):
     shutil.copy(pytestconfig.rootpath / ".github" / "softening.png", folder / "figures" / "orbit.png")
     # pdfLaTeX finds a picture of any format by a name without a suffix
     (folder / "text.tex").write_text(converted(folder / "text.typ").replace("figures/orbit.pdf", "figures/orbit"))
-    for _ in range(3):  # until references and widths of tables are settled
+    for _ in range(3):  # repeated until references and widths of tables are settled
         done = subprocess.run(["pdflatex", "-interaction=nonstopmode", "text.tex"], cwd=folder, capture_output=True)
     assert done.returncode == 0
     assert b"LaTeX Warning: Reference" not in done.stdout and (folder / "text.pdf").exists()

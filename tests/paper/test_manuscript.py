@@ -123,7 +123,7 @@ _KEY = re.compile(r'^ +f?"([^"]+)": |\{f"([^"]+)": |^ +\w+\[f?"([^"]+)"\] = ', r
 
 
 def _keys(function):
-    """Patterns of the names of the numbers that a function returns."""
+    """Regular expressions of the keys of the mapping that a function returns."""
     body = inspect.getsource(function).partition("\ndef ")[2]
     body = re.sub("^ +return .*", lambda line: re.sub(r'[{,] ?(?="\w+": )', "\n ", line[0]), body, flags=re.MULTILINE)
     keys = (next(filter(None, match.groups())) for match in _KEY.finditer(body))

@@ -161,7 +161,7 @@ def test_a_figure_is_one_new_file(tmp_path):
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert all((tmp_path / f"own{suffix}").stat().st_size > 1000 for suffix in (".pdf", ".png", ".svg"))
-    assert b'width="238.32pt"' in (tmp_path / "own.svg").read_bytes()  # the width in the style of the figures
+    assert b'width="238.32pt"' in (tmp_path / "own.svg").read_bytes()  # the width that the style of the figures sets
     done = subprocess.run([*command, "--width", "90"], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert b'width="255.118' in (tmp_path / "own.svg").read_bytes()

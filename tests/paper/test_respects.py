@@ -38,7 +38,7 @@ def test_a_scheme_dominates_if_it_is_worse_in_nothing_and_better_in_something():
     forces = xr.DataArray([[10.0, 20.0], [5.0, 5.0]], {"scheme": ["one", "two"]}, ["problem", "scheme"])
     assert dominated_by(respects(forces, _spectral([0.5, 0.5])), "two") == ["one"]
     assert dominated_by(respects(forces, _spectral([0.5, 0.5])), "one") == []
-    # a scheme that has a smaller radius, or lacks the stability limit of the other scheme, is not dominated
+    # a scheme with the smaller spectral radius, or one that alone is unconditionally stable, is not dominated
     assert dominated_by(respects(forces, _spectral([0.5, 0.4])), "two") == []
     assert dominated_by(respects(forces, _spectral([0.5, 0.5], (2.0, np.inf))), "two") == []
     equal = xr.DataArray([[10.0, 10.0]], {"scheme": ["one", "two"]}, ["problem", "scheme"])

@@ -15,7 +15,7 @@ from tests.pipeline.pipeline import PROJECT, SMALL
 
 #: Sections on which most other sections depend; after a change in them all datasets would be made again.
 DEEP = {"references", "agreement", "accuracy", "work_precision", "assess", "structures"}
-#: Number of sections with changed values, and the factors from which the factor of a value is drawn.
+#: Number of sections in which values are changed, and the factors by which a value may be multiplied.
 NUMBERS, FACTORS = 5, (0.3, 0.5, 0.7, 1.4, 2.0)
 
 

@@ -29,7 +29,7 @@ def program(run, folder, schemes=models.SCHEMES, **options):
 
 @pytest.fixture(scope="module", autouse=True)
 def few_confirming():
-    """Let cheap programs confirm their steps by as few runs as expensive ones, except in the test of this number."""
+    """Let cheap programs confirm their steps by as few runs as expensive ones; one test restores the usual number."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
         yield
@@ -275,7 +275,7 @@ def test_a_curve_at_its_steps_needs_no_spline():
 
 
 def _on_another_branch(scheme, dt):
-    """A number that tends to 1 with the schemes a and b, of which b is slow, and to 1.5 with the scheme stray."""
+    """A number that converges to 1 with the schemes a and b, and to 1.5 with stray. Runs of b take the most time."""
     time.sleep(0.01 if scheme == "b" else 0.0)
     return {"drift": {"a": 1 + dt**2, "b": 1 - dt**2 / 2, "stray": 1.5 + dt**2}[scheme]}
 

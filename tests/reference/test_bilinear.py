@@ -33,7 +33,7 @@ def test_peaks_do_not_depend_on_the_places_where_events_are_looked_for():
 
 
 def test_an_oscillator_thrown_by_a_pulse_has_its_closed_peak():
-    # the peak under constant acceleration is the static displacement times one plus the decay in half a period
+    # the peak under constant acceleration is the static displacement times 1 + d; d is the decay in half a period
     peak = bilinear.peaks(np.full((1, 101), -3.0), 0.02, np.array([16.0]), np.array([0.8]), np.array([1e9]), 0.02, 3)
     damped = np.exp(-0.1 * np.pi / np.sqrt(1 - 0.1**2))
     assert peak[0] == pytest.approx(3 / 16 * (1 + damped), rel=1e-12)

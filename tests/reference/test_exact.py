@@ -37,7 +37,7 @@ def test_motion_is_certified_and_closes_after_a_period(name):
 
 
 def test_folding_is_the_long_integration():
-    """The reference in the hundredth period, folded into the first, equals a run of 128 bits over all periods."""
+    """Times in the hundredth period are folded into the first; the motion equals a run of 128 bits over all periods."""
     problem = study.problems["softening"]
     t = np.array([113.7, 113.9, 114.05])
     truth = exact.folded(problem, t, *exact.period(problem, 1.14))

@@ -50,7 +50,7 @@ def test_without_friction_it_swings_for_ever():
 
 
 def contact(stiffness):
-    """Problem of the spring parallel to an elastic contact that slips; both are one elastoplastic spring."""
+    """Problem of the spring parallel to an elastic contact that slips; together they are one elastoplastic spring."""
     both = STIFFNESS + stiffness
     spring = study.materials.elastoplastic(both, SLIP * both / stiffness, hardening=STIFFNESS / both)
     # the contact starts at its slip force, as if the mass had slipped to its start from farther out

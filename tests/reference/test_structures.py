@@ -28,7 +28,7 @@ def test_two_solvers_agree_on_a_stiff_chain():
 
 @pytest.mark.parametrize("name", closed_form.STRUCTURE_TRAJECTORIES)
 def test_closed_forms_solve_the_equation_of_motion(name):
-    """Central differences of the closed form meet the equation of motion, and its start the initial condition."""
+    """The closed form satisfies the equation of motion, checked by central differences, and the initial conditions."""
     problem, h = study.problems[name], 1e-6
     t = np.array([0.3, 1.1, 2.7])
     u, _ = closed_form.structure_trajectory(name, problem, t)

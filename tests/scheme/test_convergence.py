@@ -17,8 +17,8 @@ STEPS = {
 }
 
 
-#: Extrapolation of order 6, tested in place of order 12: errors of the latter reach round-off before an order can be
-#: fitted, and linear theory shows its order.
+#: Extrapolation of order 6, tested in place of order 12. Errors of order 12 reach round-off before an order can be
+#: fitted, but linear theory shows this order.
 SIXTH = study.Extrapolation((1, 2, 3))
 
 

@@ -112,7 +112,7 @@ def test_methods_of_given_radius_need_none(make, least, most):
     assert not any(make(rho_inf).needs_mass for rho_inf in np.linspace(least, most, 101).tolist())
 
 
-#: The other implicit schemes, with several of their parameters.
+#: Implicit schemes that the tests above do not cover, with several of their parameters.
 OTHERS = [
     study.BackwardDifferences((1.0, -1.0)),
     study.BackwardDifferences((3 / 2, -2.0, 1 / 2)),

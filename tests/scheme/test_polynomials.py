@@ -51,7 +51,7 @@ def test_central_difference_shortens_the_period():
 
 @pytest.mark.parametrize("name, last", [("rk4", 4), ("nystrom4", None)])
 def test_explicit_runge_kutta_methods_are_series(name, last):
-    """The classical root is the series of e^z up to z⁴, z = iΩ; Nyström's matrix has the trace 2 − Ω² + Ω⁴/12."""
+    """The root of rk4 is the series of e^z up to z⁴, z = iΩ; the matrix of nystrom4 has the trace 2 − Ω² + Ω⁴/12."""
     parts = PARTS[STEPS < 10]
     omega = 2 * np.pi * parts
     if last:
@@ -59,9 +59,9 @@ def test_explicit_runge_kutta_methods_are_series(name, last):
         _assert_roots(study.schemes[name], (1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)[:, None], parts)
     else:
         for polynomial, x in zip(_polynomials(study.schemes[name], parts), omega**2, strict=True):
-            # u₁ and u̇₁ of the three stages, written out for F = −u
+            # u₁ and u̇₁ in terms of u₀ and u̇₀, from the three stages with F = −u
             matrix = np.array([[1 - x / 2 + x**2 / 24, 1 - x / 6], [-1 + x / 6 - x**2 / 96, 1 - x / 2 + x**2 / 24]])
-            # in terms of u and Δt u̇, the entry for the effect of u₀ on Δt u̇₁ has the factor Ω²
+            # for the state (u, Δt u̇), the coefficient of u₀ in Δt u̇₁ has the factor Ω²
             expected = np.poly(matrix * np.array([[1, 1], [x, 1]]))
             np.testing.assert_allclose(polynomial, expected, rtol=1e-10, atol=1e-10 * (1 + x**2))
 

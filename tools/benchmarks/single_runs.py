@@ -104,7 +104,7 @@ def against_heyoka() -> Iterator[Case]:
     run = Timed(problem, study.schemes["extrapolation12"], (EnergyDrift(),))
     yield Case(
         "extrapolation12, 100 periods to 1e-10 : heyoka",
-        # heyoka's time excludes set-up and call; over ten times as many periods our set-up and call matter little
+        # heyoka's time excludes set-up and call; our run is ten times as long, so our set-up and call matter little
         lambda: run.run(period / parts, 10 * parts * periods)[0] / 10,
         lambda: taylor.trajectory(problem, t, 1e-13).seconds,
         1.0,

@@ -54,7 +54,7 @@ def _iterations(problem, dt, steps) -> tuple[Callable[[], float], int]:
 
 
 def long_bars() -> Iterator[Case]:
-    """A Newton iteration on a bar compared with LAPACK's solution of a system of the same size and form alone."""
+    """A Newton iteration on a bar compared with LAPACK's solution alone, of a system of the same size and form."""
     for n in (1_000, 10_000, 100_000, 1_000_000):
         bar = chains.impact_bar(n)
         ours, solved = _iterations(bar, 1 / n, max(10, 1_000_000 // n))

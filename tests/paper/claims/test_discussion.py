@@ -10,7 +10,7 @@ from paper.claims.terms import DAMPED
 from paper.published import SCHEMES
 from tests.paper.claims.made_up import energy_error, filled
 
-#: Step sizes as parts of the period; four of the 80 pairs of neighbours are a twentieth.
+#: Step sizes as fractions of the period. They form 80 pairs of neighbours, and a twentieth of these pairs is four.
 STEPS = [round(0.01 * k, 2) for k in range(1, 82)]
 
 

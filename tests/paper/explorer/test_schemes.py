@@ -30,7 +30,7 @@ def _computed(expression):
 
 @pytest.fixture(scope="module")
 def runs():
-    """Runs of the page by problem and scheme, each with u, v and the relative height of its energy."""
+    """Runs of the page by problem and scheme: u, v, and the energy above its minimum, relative to the start."""
     starts = {problem: (float(study.problems[problem].u0), dt) for problem, dt in STEPS.items()}
     return _computed(
         f"Object.fromEntries(Object.entries({json.dumps(starts)}).map(([problem, [u0, dt]]) => [problem, "

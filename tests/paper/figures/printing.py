@@ -52,7 +52,7 @@ def _of_code(words: str) -> bool:
 
 
 def faults(figure: Figure) -> list[str]:
-    """Sentences on faults of a figure: a wrong size, and texts that are too small, code, cut off, or overlapping."""
+    """Sentences on faults of a figure: wrong size, texts that are too small, contain code, are cut off or overlap."""
     width, height = figure.get_size_inches() * 2.54
     found = (
         [] if min(abs(width - COLUMN), abs(width - PAGE)) < 0.01 else [f"{width:.1f} cm is no width of the manuscript"]

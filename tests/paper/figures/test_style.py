@@ -22,7 +22,7 @@ EVERY = xr.Dataset(coords=scheme_coordinates(list(study.schemes)))
 
 
 def _members(number, family="Own"):
-    """Coordinates of ``number`` made-up schemes of one family, which the study need not have."""
+    """Coordinates of ``number`` made-up schemes of one family; the study need not have this family."""
     names = [f"{family} {place}" for place in range(number)]
     of = {"scheme": names, "scheme_title": names, "family": [family] * number, "place_in_family": list(range(number))}
     return xr.Dataset(coords={name: ("scheme", values) for name, values in of.items()})

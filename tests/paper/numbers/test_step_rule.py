@@ -34,7 +34,7 @@ def test_ranges_are_those_of_the_runs():
     assert found["rule_steps_central_difference"] == "20 to 40"
     assert (found["rule_below_rk4"], found["rule_most_rk4"]) == ("0.01", "0.02")
     assert found["rule_steps_rk4"] == "100 to 200"
-    assert not found["rule_serves"]  # the number of steps in a period varies no more than Δt ωmax
+    assert not found["rule_serves"]  # Δt ωmax varies as much as the number of steps in a period
     assert found["rule_exceptions"] == "none"
 
 

@@ -207,7 +207,7 @@ def test_elsewhere_the_fewest_forces_decide(rows):
     assert _steps(record) == ["Cheap: 20 ms", "Cheap: 10 ms", "–"]
     assert record["10 %"] == "Cheap: 20 ms (50 forces/s, ωΔt 0.063 < 2)"
     assert implicit["0.1 %"] == "Fails: 40 ms (75 forces/s, ωΔt 0.13)"
-    # all runs with steps of 15 ms exceed the error, and half of the runs with steps of the record's spacing do
+    # all runs with steps of 15 ms exceed the error, and so do half of the runs with steps of the record's spacing
     assert (record["Beware of"], implicit["Beware of"]) == ("other steps", "")
 
 

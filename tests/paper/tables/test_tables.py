@@ -1,4 +1,4 @@
-"""Tables that are made from maps, from sufficient steps and from the ledger."""
+"""Tables that are made from maps, from sufficient numbers of steps and from the ledger."""
 
 import numpy as np
 import pandas as pd
@@ -47,7 +47,7 @@ def test_the_table_names_the_spring_that_comes_first():
 
 
 def test_the_longest_runs_count_and_the_most_steps_stand_for_failure():
-    needed = np.array([[[20.0, 40.0], [10.0, np.nan]]])  # by problem, level and length of runs
+    needed = np.array([[[20.0, 40.0], [10.0, np.nan]]])  # steps by problem, level and length of runs
     steps = xr.Dataset(
         {
             "steps_needed": (("problem", "scheme", "level", "periods"), needed[:, None]),
