@@ -58,11 +58,12 @@ class Relaxed(Wrapper):
         h &= t_1 - \tau_0, \quad y_1 = y_0 + \gamma\,\Delta y, \quad \tau_1 = \tau_0 + \gamma h \\
         E(y_1) &= E(y_0), \quad \gamma = 1 + O(h^{p-1})
 
-    The motion y₁ belongs to τ₁, where the scheme has its order p. As the motion at τ₀ + h it would be of order p − 1.
-    The next step compensates for this difference, so that τ₁ − t₁ = (γ − 1) h stays of the order p and does not
-    accumulate: y₁ as the motion at t₁ has the order p too. Stability for linear systems is unchanged. For problems with
-    a potential and without damping, load and history. Carries the state of the wrapped scheme, scaled in the same way,
-    and τ₁ − t₁; as many forces per step as the wrapped scheme, and additional potentials.
+    The motion y₁ belongs to τ₁ and has the order p of the scheme there. If the next step started at t₁ instead of τ₁,
+    the differences (γ − 1) h of all steps would accumulate, and the order would be p − 1. Because the next step starts
+    at τ₁, only the last difference τ₁ − t₁ = (γ − 1) h = O(hᵖ) remains, and y₁ as the motion at t₁ has the order p too.
+    Stability for linear systems is unchanged. For problems with a potential and without damping, load and history.
+    Carries the state of the wrapped scheme, scaled in the same way, and τ₁ − t₁; as many forces per step as the wrapped
+    scheme, and additional evaluations of the potential.
 
     Parameters
     ----------
@@ -72,7 +73,7 @@ class Relaxed(Wrapper):
     Raises
     ------
     TypeError
-        If ``scheme`` is not such a scheme.
+        If ``scheme`` is not a :class:`study.OneStep`.
 
     References
     ----------
