@@ -1,8 +1,8 @@
 """Pages whose numbers come from the datasets.
 
 The Python of some pages runs when the site is built, and its output follows each block. In any page the role ``eval``
-prints the value of an expression. The expression may use the names that this Python defines, the numbers ``n`` of the
-article, and the functions ``listed``, ``number`` and ``percent`` of :mod:`study.words`.
+prints the value of an expression. The expression may use the names that the Python of the page defines, the numbers
+``n`` of the article, and the functions ``listed``, ``number`` and ``percent`` of :mod:`study.words`.
 """
 
 import contextlib

@@ -141,8 +141,8 @@ def _steps(subject: "Subject", library: "Library") -> str:
     return (
         "Steps per period, and in brackets forces per period, for an error of the displacement:\n\n"
         + table(head, rows, numbers_from=len(head))
-        + f"\n\nThe first row is linear theory after {PERIODS} periods. All finer steps keep the error too. The last "
-        f"column names the {_kind(subject.scheme)} scheme with the fewest forces. A dash means that no step tried "
+        + f"\n\nThe first row is linear theory after {PERIODS} periods. Steps finer than these keep the error too. The "
+        f"last column names the {_kind(subject.scheme)} scheme with the fewest forces. A dash means that no step tried "
         f"keeps the error. {runs if len(rows) > 1 else _not_run(subject)} {{doc}}`/decisions` compares all schemes."
     )
 
@@ -285,7 +285,7 @@ def _items(reasons: Iterator[str], none: str) -> str:
 
 def _not_run(subject: "Subject") -> str:
     """A sentence on missing runs of a scheme."""
-    missing = "The study behind this page has no runs of this scheme by error. Sections without data are omitted"
+    missing = "The study behind this page has no runs for steps of this scheme. Sections without data are omitted"
     if subject.name in study.schemes:
         return f"{missing}. The full study runs all named schemes."
     return f"{missing}. The key `own_schemes` of the configuration adds the scheme to the datasets."
