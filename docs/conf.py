@@ -69,6 +69,6 @@ def _describe(app, pagename, templatename, context, doctree):
 
 
 def setup(app):
-    """Register the changes of docstrings, which come before numpydoc reads them, and of descriptions."""
+    """Register two handlers: one changes docstrings before numpydoc reads them, one adds descriptions to pages."""
     app.connect("html-page-context", _describe)
     app.connect("autodoc-process-docstring", _docstring, priority=400)

@@ -28,7 +28,7 @@ _EXECUTED, _NOT_EXECUTED = ("index", "gallery/", "how_to/"), "how_to/speed"
 
 
 def run(text: str, results: Path) -> tuple[str, dict[str, Any]]:
-    """Run the Python of a page in the parent of a folder of results; return page with output, and defined names."""
+    """Run the Python of a page in the folder that contains ``results``; return the page with output, and all names."""
     names = {"listed": listed, "number": number, "percent": percent, "n": read(results / NUMBERS)}
 
     def with_output(block: re.Match) -> str:

@@ -61,9 +61,9 @@ def _in_theory(library: "Library", error: float) -> pd.DataFrame:
 
 
 def needs(library: "Library") -> dict[str, dict[float, pd.DataFrame]]:
-    """Steps and forces per period for an error of the displacement: a table for each title of a problem and error.
+    """Tables of steps and forces per period, by title of the problem and by error of the displacement.
 
-    A row is a scheme that keeps the error, with its ``kind``, by the same rule as in the table of decisions.
+    Each row is a scheme that keeps the error, with its ``kind``. The rule is the same as in the table of decisions.
     """
     data = library.data
     found = {LINEAR: {error: _in_theory(library, error) for error in ERRORS}}
@@ -82,7 +82,7 @@ def needs(library: "Library") -> dict[str, dict[float, pd.DataFrame]]:
 
 
 def tried(library: "Library") -> dict[str, set[str]]:
-    """Names of the schemes that ran on each problem, by title. Errors on kinks are NaN if a scheme did not run."""
+    """Names of the schemes that ran on each problem, by title. On kinks, a scheme whose errors are NaN did not run."""
     data = library.data
     kinks, structures = data["kinks"], data["structures"]
     found = {data[name].attrs.get("problem", ""): {*data[name].scheme.values} for name in ASSESSED}
