@@ -1,8 +1,8 @@
-"""Names and levels for screen readers that the theme omits."""
+"""Labels and heading levels for screen readers, which the theme of the site omits."""
 
 from pathlib import Path
 
-#: Texts of the theme, and their replacements in a page.
+#: Pieces of the theme's HTML, and their replacements.
 REPLACED = {
     'class="caption" role="heading"': 'class="caption" role="heading" aria-level="2"',
     '<aside class="sidebar-drawer"': '<aside class="sidebar-drawer" aria-label="pages of the site"',
@@ -13,7 +13,7 @@ REPLACED = {
 
 
 def complete(folder: Path) -> None:
-    """Add names and levels to all pages of a site."""
+    """Add the labels and heading levels to all HTML pages of a folder."""
     for page in folder.rglob("*.html"):
         text = page.read_text(encoding="utf-8")
         for old, new in REPLACED.items():

@@ -34,7 +34,7 @@ INCLUDED = ("CONTRIBUTING.md", "CHANGELOG.md", "examples/scheme.py")
 
 
 def library_of(results: Path, own: Iterable[str]) -> Library:
-    """All named schemes and the user's schemes, with the datasets."""
+    """All named schemes and the user's schemes, with the datasets that their pages read."""
     for place in own:
         if place.rpartition(":")[2] in study.schemes:
             raise SystemExit(f"'{place}' has the name of a scheme of the study; choose another name.")
@@ -53,7 +53,7 @@ def registry_page(title: str, documented: Mapping[str, Any]) -> str:
 
 
 def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
-    """Write the sources of all pages to a folder: those written by hand, and those made."""
+    """Write the sources of all pages to a folder: pages written by hand, and pages made from data and docstrings."""
     shutil.copytree(PAGES, folder)
     (folder / "included").mkdir()
     for name in INCLUDED:
@@ -78,7 +78,7 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
 
 
 def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
-    """Build the site of some results, and replace an earlier one.
+    """Build the site from a folder of results, and replace the earlier site.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
     results, output = results.absolute(), output.absolute()
     output.parent.mkdir(parents=True, exist_ok=True)
-    # if this process is killed, the next run of the pipeline removes a folder of such a name
+    # if this process is killed, the next run of the pipeline removes folders whose names have this pattern
     unfinished = output.with_name(f".{output.name}.{os.getpid()}.{secrets.token_hex(8)}.unfinished")
     try:
         with tempfile.TemporaryDirectory() as folder:
@@ -103,7 +103,7 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
         for name in PRODUCTS:
             (unfinished / name).parent.mkdir(exist_ok=True)
             shutil.copy(results / name, unfinished / name)
-        explorer = unfinished / "explorer.html"  # it links to the site from the folder above
+        explorer = unfinished / "explorer.html"  # links of the original begin with the folder of the site
         explorer.write_text(explorer.read_text("utf-8").replace('href="site/', 'href="'), "utf-8")
         shutil.rmtree(output, ignore_errors=True)
         unfinished.rename(output)

@@ -30,7 +30,7 @@ extensions = [
 ]
 exclude_patterns = ["included/*"]
 nitpicky = True
-# other packages, whose documentation is not available when the site is built, and modules that are not public
+# references not checked: to other packages, whose documentation is missing during the build, and to private modules
 nitpick_ignore_regex = [("py:.*", r"(jax|numpy|scipy|xarray|study\.(?!building|materials|settings)[a-z]\w*)\..*")]
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
@@ -61,7 +61,7 @@ def _docstring(app, what, name, documented, options, lines):
 
 
 def _describe(app, pagename, templatename, context, doctree):
-    """Use the first paragraph as the description of a page without one, for search engines."""
+    """Use the first paragraph as description for search engines, if a page declares no description."""
     if doctree is not None and 'name="description"' not in context["metatags"]:
         said = next((paragraph.astext() for paragraph in doctree.findall(nodes.paragraph)), "")
         text = html.escape(textwrap.shorten(said, 160, placeholder=" …"))
@@ -69,6 +69,6 @@ def _describe(app, pagename, templatename, context, doctree):
 
 
 def setup(app):
-    """Change docstrings before numpydoc reads them, and describe pages."""
+    """Register two handlers: one changes docstrings before numpydoc reads them, one adds descriptions to pages."""
     app.connect("html-page-context", _describe)
     app.connect("autodoc-process-docstring", _docstring, priority=400)

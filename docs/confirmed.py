@@ -10,7 +10,7 @@ from study.words import number
 
 
 def limits() -> list[dict[str, str]]:
-    """All limits of stability that textbooks print."""
+    """Rows of ``printed_limits.csv``: the limits of stability that textbooks print."""
     return read(Path(__file__).with_name("printed_limits.csv")).to_dict("records")
 
 
@@ -27,7 +27,7 @@ def names_in_codes(scheme: str) -> str:
 
 
 def printed_limit(scheme: str) -> str:
-    """Limits that textbooks print, in a phrase; empty if none has been confirmed."""
+    """Stability limits of a scheme that textbooks print, in a phrase; empty if no limit has been confirmed."""
     found = [(float(row["limit"]), row) for row in limits() if row["scheme"] == scheme]
     return "; ".join(
         f"{'at any step size' if math.isinf(limit) else f'ωΔt ≤ {number(limit, 4)}'} in {row['work']}, {row['place']}"

@@ -10,13 +10,14 @@ from docs.text import described, table
 
 RESULTS = Path(__file__).parent.parent / "conformance" / "verdicts"
 
-#: Causes of failed cases of order and of bound. The causes in the verdicts contain numbers that differ between cases.
+#: Causes shown for failed cases of the kinds order and bound. They replace the causes in the files of verdicts, which
+#: contain numbers that differ between cases.
 _OF_KIND = {"ORDER": "the order is not that of the scheme", "BOUND": "the energy grows"}
 
-#: Verdicts whose cases are counted in a column; all other cases are skipped.
+#: Verdicts with a column for their number of cases. The remaining verdict is ``skip``.
 _SHOWN = ("pass", "differs", "fail")
 
-#: Maximum number of example cases in a row.
+#: Maximum number of cases that a row names as examples.
 SHOWN = 4
 
 
@@ -31,7 +32,7 @@ def _named(code: Mapping[str, Any]) -> str:
 
 
 def _overview(codes: Sequence[Mapping[str, Any]]) -> str:
-    """A row for every code, with its passed cases over its supported cases by level."""
+    """A table with a row for every code: by level, the number of passed cases over the number of supported cases."""
     rows = []
     for code in codes:
         ran, passed = Counter[str](), Counter[str]()
@@ -45,7 +46,7 @@ def _overview(codes: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _causes(code: Mapping[str, Any]) -> str:
-    """A row for every alternative and then for every likely cause, by frequency; empty if no case differs or fails."""
+    """Table of alternatives, then of likely causes, the most frequent first; empty if no case differs or fails."""
     cases = defaultdict(list)
     for case in code["cases"]:
         if case["verdict"] in ("differs", "fail"):
@@ -62,7 +63,7 @@ def _causes(code: Mapping[str, Any]) -> str:
 
 
 def conformance_page() -> str:
-    """The page in Markdown, with the guide of the kit."""
+    """The page in Markdown: the guide of the kit, and the results for codes."""
     codes = found()
     parts = [
         "```{include} /included/conformance.md\n```",

@@ -13,16 +13,16 @@ from docs.text import table
 from paper.products import made, reader
 from study.scheme.codes import NameInCode, names_in_codes
 
-#: The title of a scheme in a cell: before a number of steps, or at the end of a remark.
+#: Pattern of the title of a scheme in a cell: it precedes a number of steps, or ends a remark.
 _TITLE = re.compile(r"(?:^|[:;] )([^:;\n]+)(?=[:;]|$)", re.MULTILINE)
 
-#: Programs whose schemes the short table compares, by prefixes of their names.
+#: Beginnings of the names of the programs whose schemes the short table compares.
 _PROGRAMS = ("OpenSees", "Abaqus", "LS-DYNA")
 _HEAD = ("scheme", "code", "name and parameters", "remark")
-#: Quantities of the short table.
+#: Quantities whose rows the short table shows.
 _QUANTITIES = ("displacement", "peak drift")
 _ERRORS = ("10 %", "1 %", "0.1 %")
-#: A cell of the table of decisions: the scheme and its step, and ω Δt in the brackets.
+#: Pattern of a cell of the table of decisions: title of the scheme, step, and ω Δt in the brackets.
 _CELL = re.compile(r"(.+): (.+?) \(.*ωΔt\s([\d.]+)[^)]*\)")
 
 
@@ -35,7 +35,7 @@ def _short_cell(cell: str) -> str:
 
 
 def _input_lines(cells: Iterable[str], codes: tuple[str, ...] = ("",)) -> list[NameInCode]:
-    """Names of the schemes in some cells of the table, in the codes whose names begin with one of ``codes``."""
+    """Names of the schemes in the cells, in other codes whose names begin with an entry of ``codes``."""
     titles = set(_TITLE.findall("\n".join(cells)))
     named = [one for one in names_in_codes() if one.code.startswith(codes)]
     return [one for one in named if study.schemes[one.scheme].title in titles]
@@ -64,7 +64,7 @@ def recommended(results: Path) -> dict[str, str]:
 
 
 def tables(results: Path) -> dict[str, str]:
-    """All tables in Markdown, by name."""
+    """All tables of decisions and of input lines in Markdown, by name."""
     decision = pd.read_csv(results / DECISION, keep_default_na=False)
     cells = decision.to_numpy()
     lines = [

@@ -7,14 +7,14 @@ from typing import Any
 
 from numpydoc.docscrape_sphinx import SphinxDocString
 
-#: End of a reference: a page, a year or a section, with a full stop. A line that ends with an abbreviation continues
-#: on the next one.
+#: Pattern of the end of a reference: the last digit of a page, a year or a section, and a full stop. A line that ends
+#: with an abbreviation does not end the reference.
 _END_OF_REFERENCE = re.compile(r"\d\.$")
 _SUBSCRIPT = re.compile(r"([α-ωΩ])_(?:(\w+)|\{([^}]+)\})")
 
 
 def references_of(lines: Iterable[str]) -> list[str]:
-    """The works in a section of references, which does not separate them by empty lines."""
+    """The works in a section of references, one text for each work. No empty lines separate them in the section."""
     found: list[list[str]] = [[]]
     for line in filter(None, (line.strip() for line in lines)):
         found[-1].append(line)
@@ -24,7 +24,7 @@ def references_of(lines: Iterable[str]) -> list[str]:
 
 
 def restructured(lines: Iterable[str]) -> list[str]:
-    """A docstring with subscripts behind Greek letters, as in α_m, and with its references as a list."""
+    """A docstring as reStructuredText: α_m and similar symbols get a subscript, and the references become a list."""
     text, heading, works = "\n".join(lines).partition("References\n----------\n")
     text = _SUBSCRIPT.sub(r"\1\\ :sub:`\2\3`\\ ", text)
     # without the backslash the initial of an author would be read as the letter of a list
@@ -33,5 +33,5 @@ def restructured(lines: Iterable[str]) -> list[str]:
 
 
 def parsed(documented: Any) -> SphinxDocString:
-    """The docstring of a class or a function by its sections; its string is reStructuredText."""
+    """The docstring of a class or a function, parsed into sections. ``str`` of it is reStructuredText."""
     return SphinxDocString("\n".join(restructured((inspect.getdoc(documented) or "").splitlines())))

@@ -15,7 +15,8 @@ from matplotlib.ticker import NullFormatter
 from paper.figures.style import OUTCOME_STYLES  # importing this module sets the style of these figures too
 from study.words import RAISED
 
-#: Colours of text and lines, of the highlighted curve and of other curves; ``static/site.css`` replaces them.
+#: Colours of text and axes, of the highlighted curve, and of other curves. :func:`svg` replaces them by the colours of
+#: the page, which ``static/site.css`` defines.
 INK, ACCENT, OTHER = "#000000", "#0072b2", "#999999"
 _NAMES = {INK: "currentColor", ACCENT: "var(--curve)", OTHER: "var(--curve-other)"}
 
@@ -26,12 +27,12 @@ _SETTINGS: Any = {"font.family": ["DejaVu Sans", "sans-serif"], "font.size": 9, 
 
 
 def panel(logarithmic: str = "") -> tuple[Figure, Axes]:
-    """A figure with one panel; a page that is wide enough shows several side by side.
+    """A figure with one panel, and its axes. A wide page shows several panels side by side.
 
     Parameters
     ----------
     logarithmic
-        Axes that are logarithmic: "x", "y", "xy" or none.
+        Names of the logarithmic axes: "x", "y", "xy", or "" if no axis is logarithmic.
     """
     with rc_context(_SETTINGS):
         # fixed margins, because a layout that measures all texts would take most of the time
@@ -42,7 +43,7 @@ def panel(logarithmic: str = "") -> tuple[Figure, Axes]:
         for name in logarithmic:
             axes.set(**{f"{name}scale": "log"})
             axis = getattr(axes, f"{name}axis")
-            # mathematical typesetting would take longer than the rest
+            # labels such as 10⁻² are plain text: mathematical typesetting would take longer than the rest
             axis.set_major_formatter(lambda value, _: "10" + str(round(math.log10(value))).translate(RAISED))
             axis.set_minor_formatter(NullFormatter())
         axes.grid(color=OTHER, linewidth=0.3, alpha=0.6)
@@ -51,7 +52,7 @@ def panel(logarithmic: str = "") -> tuple[Figure, Axes]:
 
 
 def svg(figure: Figure, label: str) -> str:
-    """A figure as an element of a page; equal data give equal elements.
+    """A figure as an SVG element of a page; equal data give equal text.
 
     Parameters
     ----------
@@ -65,7 +66,7 @@ def svg(figure: Figure, label: str) -> str:
     text = text[text.index("<svg") :].strip()
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r' (width|height)="[\d.]+pt"', "", text, count=2)
-    text = re.sub(r'<g id="[^"]*">', "<g>", text)  # identifiers of parts, which would occur several times in a page
+    text = re.sub(r'<g id="[^"]*">', "<g>", text)  # identifiers would repeat within a page
     for colour, name in _NAMES.items():
         text = re.sub(rf"(fill|stroke): {colour}\b", rf"\1: {name}", text)
     text = text.replace("<svg", f'<svg role="img" aria-label="{html.escape(label)}"', 1)
@@ -80,7 +81,7 @@ def figure_of(panels: list[str], caption: str) -> str:
 
 
 def lines_legend(lines: list[tuple[str, str]]) -> str:
-    """A legend of line styles, the first in colour, as an element of a page."""
+    """A legend of line styles as an element of a page. The first line is the highlighted curve."""
     styles = {"-": "solid", "--": "dashed", ":": "dotted"}
     colours = ["var(--curve)"] + ["var(--curve-other)"] * (len(lines) - 1)
     items = "\n".join(

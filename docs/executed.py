@@ -1,8 +1,8 @@
 """Pages whose numbers come from the datasets.
 
 The Python of some pages runs when the site is built, and its output follows each block. In any page the role ``eval``
-prints the value of an expression. The expression may use the names that this Python defines, the numbers ``n`` of the
-article, and the functions ``listed``, ``number`` and ``percent`` of :mod:`study.words`.
+prints the value of an expression. The expression may use the names that the Python of the page defines, the numbers
+``n`` of the article, and the functions ``listed``, ``number`` and ``percent`` of :mod:`study.words`.
 """
 
 import contextlib
@@ -22,12 +22,13 @@ from study.words import listed, number, percent
 #: A block of Python.
 CODE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _KEY = "names of expressions"
-#: Beginnings of the names of pages whose Python runs, and a page that prints times, which would differ in each build.
+#: Pages whose Python runs, by the beginnings of their names. ``_NOT_EXECUTED`` is excluded, because this page prints
+#: times, which differ in each build.
 _EXECUTED, _NOT_EXECUTED = ("index", "gallery/", "how_to/"), "how_to/speed"
 
 
 def run(text: str, results: Path) -> tuple[str, dict[str, Any]]:
-    """Run the Python of a page next to a folder of results; return the page with its output, and the defined names."""
+    """Run the Python of a page in the folder that contains ``results``; return the page with output, and all names."""
     names = {"listed": listed, "number": number, "percent": percent, "n": read(results / NUMBERS)}
 
     def with_output(block: re.Match) -> str:
@@ -49,7 +50,7 @@ def _warn(what: str, error: Exception, location: Any) -> None:
 
 
 class Eval(SphinxRole):
-    """The value of an expression."""
+    """The role ``eval``, which prints the value of an expression."""
 
     def run(self) -> tuple[list[nodes.Node], list[nodes.system_message]]:
         """Evaluate the expression; an error is a warning, which fails the build."""
@@ -74,6 +75,6 @@ def _before_page(app: Any, docname: str, source: list[str]) -> None:
 
 
 def setup(app: Any) -> None:
-    """Register the role, and run the Python of a page before its text is read."""
+    """Register the role ``eval``, and run the Python of each page before Sphinx reads its text."""
     app.add_role("eval", Eval())
     app.connect("source-read", _before_page)

@@ -1,4 +1,4 @@
-"""The gallery: a grid of its questions, each with a small picture of its figure, and its scripts."""
+"""The gallery: the grid of its questions with their figures, and the scripts of its pages."""
 
 import re
 from pathlib import Path
@@ -17,7 +17,7 @@ def questions() -> list[Path]:
 
 
 def grid() -> str:
-    """A figure with its question for every page, as Markdown."""
+    """The grid as Markdown: for every page its figure, with the question below it."""
     cards = []
     for page in questions():
         text = page.read_text("utf-8")
@@ -30,7 +30,7 @@ def grid() -> str:
 
 
 def write_scripts(folder: Path) -> None:
-    """Write the Python of every question to a file next to its page, and link it from there."""
+    """Write the Python of every page to a file next to the page, and add a link to this file to the page."""
     for page in questions():
         text = page.read_text("utf-8")
         (folder / f"{page.stem}.py").write_text("\n".join(CODE.findall(text)), "utf-8")

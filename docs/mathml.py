@@ -1,6 +1,7 @@
 r"""Formulas as MathML, converted when the site is built, so that a page needs no script.
 
-Equations of one block are separated by ``\\`` or by an empty line, and aligned at ``&``, as Sphinx does elsewhere.
+Equations of one block are separated by ``\\`` or by an empty line, and aligned at ``&``, as in the other renderers of
+Sphinx.
 """
 
 import re
@@ -10,7 +11,7 @@ from docutils import nodes
 from latex2mathml.converter import convert
 from sphinx.util import logging
 
-#: Output of the converter for an unsupported command or sign.
+#: Pattern of the converter's output for an unsupported command or sign.
 _NOT_SET = re.compile(r"<mi>(\\\w+|&)</mi>")
 
 

@@ -20,13 +20,13 @@ OF_SCHEMES = (
     "work_precision",
     *ASSESSED,
 )
-#: Numbers of the article, and its table of decisions.
+#: Files of the article's numbers and of its table of decisions.
 NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
-#: Declaration of the table of decisions; the table of recommendations is computed from it for fewer schemes.
+#: Declaration of the table of decisions. Its function also makes the table of recommendations, for fewer schemes.
 (RECOMMENDED,) = (one for one in discover(["tables"]) if one.name == "decision")
-#: All tables of the study, and the table of claims.
+#: Declarations of all tables of the study, and the name of the table of claims.
 TABLES, LEDGER = tuple(one for one in discover(["tables"]) if one.kind == "table"), "claims"
-#: Files of the results that are part of the site.
+#: Files of the results that are copied into the site.
 PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf", "replication.pdf", "assessment/hardening.html")
 
 #: Folders and files of the project that pages show or document.
@@ -37,7 +37,7 @@ _FILES = ("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "conformance/README
 def shown(root: Path) -> list[Path]:
     """The files of the project that pages show or document."""
     within = (path for folder in _FOLDERS for path in sorted(root.joinpath(folder).rglob("*")) if path.is_file())
-    # caches of Python and of ruff are no sources
+    # caches of Python and of ruff are not sources
     files = [path for path in within if path.suffix != ".pyc" and ".ruff_cache" not in path.parts]
     return [*files, *(root / name for name in _FILES)]
 

@@ -10,12 +10,12 @@ from docs.theory import PARTS, ROUND_OFF
 if TYPE_CHECKING:
     from docs.scheme_page import Library, Subject
 
-#: Schemes that every page shows for comparison, with their lines.
+#: Schemes that every page shows for comparison, with their line styles.
 COMPARED = {"average_acceleration": "--", "central_difference": ":"}
 
 
 def linear_theory(subject: "Subject", library: "Library") -> str:
-    """Spectral radius, elongation of the period and numerical damping over the step size."""
+    """Curves of spectral radius, period elongation and numerical damping over the step size, as part of a page."""
     drawn = [
         ("radius", "spectral radius", (1e-2, 1e2), (0.0, 1.5), "x"),
         ("elongation", "relative elongation of the period", (0.0, 0.4), (-0.4, 0.6), ""),
@@ -36,7 +36,7 @@ def linear_theory(subject: "Subject", library: "Library") -> str:
         if name == "radius":
             axes.axhline(1.0, color=INK, lw=0.6)
         if name == "damping" and np.nanmin(values, initial=0.0) < vertical[0]:
-            vertical = (-vertical[1], vertical[1])  # a scheme that adds energy
+            vertical = (-vertical[1], vertical[1])  # negative damping: the scheme adds energy
         axes.set(xlim=horizontal, ylim=vertical, xlabel="step size over period", ylabel=label)
         panels.append(svg(figure, f"{label} of {subject.scheme.title} over the step size"))
     caption = (

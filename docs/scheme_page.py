@@ -33,19 +33,19 @@ class Subject:
 
     @cached_property
     def theory(self) -> Theory:
-        """Linear theory."""
+        """Linear theory of the scheme."""
         return theory_of(self.scheme)
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Names and values of its parameters."""
+        """Names and values of the scheme's parameters."""
         fields = (one.name for one in dataclasses.fields(self.scheme))
         return {name: getattr(self.scheme, name) for name in fields if name not in _LABELS}
 
 
 @dataclass
 class Library:
-    """All schemes that have pages, by name, and the datasets that the pages show."""
+    """All schemes that have pages, their other names, and the datasets that the pages show, each by name."""
 
     data: Mapping[str, Any]
     schemes: Mapping[str, study.Scheme]
@@ -54,16 +54,16 @@ class Library:
 
     @cached_property
     def needs(self) -> Mapping[str, Mapping[float, pd.DataFrame]]:
-        """Steps and evaluations of the force that the schemes need in a period, by problem and allowed error."""
+        """Steps and evaluations of the force that the schemes need in a period, by title of the problem and error."""
         return scheme_verdict.needs(self)
 
     @cached_property
     def tried(self) -> Mapping[str, set[str]]:
-        """Schemes that ran on each problem."""
+        """Names of the schemes that ran on each problem, by title of the problem."""
         return scheme_verdict.tried(self)
 
     def subject(self, name: str) -> Subject:
-        """A scheme by its name, whose linear theory is computed once for all pages."""
+        """A scheme by its name. Each call returns the same object, so that linear theory is computed once."""
         if name not in self._known:
             self._known[name] = Subject(name, self.schemes[name])
         return self._known[name]
@@ -101,7 +101,7 @@ def high_frequencies(theory: Theory) -> str:
 
 
 def overshoot(theory: Theory) -> str:
-    """Growth of the first step, and the largest overshoot of 64 steps, in a phrase."""
+    """Exponents of growth in the first step, and the largest overshoot within 64 steps, in a phrase."""
     if not math.isinf(theory.limit):
         return "bounded by the stability limit"
     (u_from_u, v_from_u), (u_from_v, v_from_v) = np.round(theory.growth).astype(int)
@@ -115,7 +115,7 @@ def overshoot(theory: Theory) -> str:
 
 
 def forces(scheme: study.Scheme) -> str:
-    """Forces that a step evaluates, in a phrase."""
+    """Number of forces that a step evaluates, in a phrase."""
     counted = [f"{scheme.forces_per_step} per step"] if scheme.forces_per_step else []
     counted += [] if scheme.explicit else [f"{scheme.forces_per_iteration} per Newton iteration"]
     return " and ".join(counted)
@@ -192,7 +192,7 @@ def scheme_page(subject: Subject, library: Library) -> str:
         found_by([subject.name, *library.aliases.get(subject.name, [])]),
         summary,
         scheme_verdict.verdict(subject, library),
-        # a study may not run the scheme for all sections
+        # sections without runs of the scheme are empty
         *(f"## {heading}\n\n{text}" for heading, text in sections.items() if text),
     ]
     return described(description, "\n\n".join(parts) + "\n")

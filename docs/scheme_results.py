@@ -19,7 +19,7 @@ from study.words import listed, number, percent
 if TYPE_CHECKING:
     from docs.scheme_page import Subject
 
-#: Names of the measures of error.
+#: Measures of error in the datasets, and their headings in a table.
 _MEASURES = {
     "max_trajectory_error": "displacement",
     "period_elongation": "period",
@@ -28,7 +28,7 @@ _MEASURES = {
 }
 #: Descriptions of failures.
 _FAILURES = {"no_solution_found": "no balance of forces is found", "unbounded": "the motion grows without bound"}
-#: Length in periods of the runs of work and precision.
+#: Length, in periods, of the runs whose error is shown against the number of forces.
 _LONG = 100
 _LIMIT = " Dashed: linear limit of stability at the stiffest place of the motion."
 #: Smallest error drawn; below it round-off dominates.
@@ -36,7 +36,7 @@ _FLOOR = 1e-14
 
 
 def _of(subject: "Subject", dataset: xr.Dataset) -> xr.Dataset | None:
-    """The part of a dataset with a scheme; None if the dataset lacks the scheme."""
+    """The part of a dataset for one scheme; None if the dataset lacks the scheme."""
     return dataset.sel(scheme=subject.name) if subject.name in dataset.scheme.values else None
 
 
@@ -45,7 +45,7 @@ def _titles(one: xr.Dataset) -> dict[str, str]:
 
 
 def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """Observed orders on springs, with kinks and in the circumstances of real problems; empty if not measured."""
+    """Tables of observed orders: on springs, with kinks, and in real circumstances; empty if no order was measured."""
     parts = []
     one = _of(subject, data["accuracy"])
     if one is not None:
@@ -78,7 +78,7 @@ def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
 
 
 def energy(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """Largest energy errors as printed in 1996 and as found here, and the computing times of 1996; empty if not run."""
+    """Largest energy errors printed in 1996 and found here, and computing times of 1996; empty without runs."""
     one = _of(subject, data["energy_error"])
     if one is None:
         return ""
@@ -95,7 +95,7 @@ def energy(subject: "Subject", data: Mapping[str, Any]) -> str:
         for problem in titles:
             if known:
                 value = printed.sel(problem=problem, steps_per_period=steps, scheme=subject.name).item()
-                row.append(f"{value:.1f}")  # as the paper prints it
+                row.append(f"{value:.1f}")  # one decimal, as in the paper
             row.append(number(one.sel(problem=problem, steps_per_period=steps).item()))
         rows.append(row)
     errors = "Largest energy error over 100 periods, in percent:\n\n" + table(head, rows, numbers_from=0)
@@ -103,7 +103,7 @@ def energy(subject: "Subject", data: Mapping[str, Any]) -> str:
 
 
 def _times_of_1996(scheme: str, titles: dict[str, str]) -> str:
-    """The seconds printed in 1996, and their ratio to average acceleration."""
+    """A sentence with the computing times printed in 1996, and their ratios to the times of average acceleration."""
     seconds = printed_cpu_times().sel(problem=list(titles))
     ratio = seconds / seconds.sel(scheme="average_acceleration")
     times = []
@@ -115,9 +115,9 @@ def _times_of_1996(scheme: str, titles: dict[str, str]) -> str:
 
 
 def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """Outcome of runs over step size and amplitude, in words and as maps; steps that keep the energy at all amplitudes.
+    """Maps and shares of outcomes over step size and amplitude, and steps that keep the energy at all amplitudes.
 
-    Empty if they were not run.
+    Empty if the dataset of the maps lacks the scheme.
     """
     atlas = data["stability/atlas"]
     one = _of(subject, atlas)
@@ -168,7 +168,7 @@ def _steps(needed: float, robust: xr.Dataset) -> str:
 
 
 def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """Smallest step size at which runs fail at the amplitudes of 1996."""
+    """A sentence on the smallest step size at which runs fail at the amplitudes of 1996; empty without runs."""
     one = _of(subject, data["large_steps"])
     if one is None:
         return ""
@@ -188,7 +188,7 @@ def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:
 
 
 def work(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """Error against forces, compared with the other schemes, and the cost of a step; empty if they were not run."""
+    """Curves of error against number of forces for all schemes, and the cost of a step; empty without runs."""
     everything = data["work_precision"]
     one = _of(subject, everything)
     if one is None:

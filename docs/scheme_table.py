@@ -20,14 +20,14 @@ COLUMNS = {
     "ρ∞": "spectral radius at infinite frequency",
     "period, %": f"relative error of the period at {STEPS} steps a period, in linear theory",
     "amplitude, %": f"loss of amplitude a period at {STEPS} steps a period, in linear theory",
-    "forces": "forces a step for explicit schemes, forces a Newton iteration for implicit schemes",
+    "forces": "evaluations of the force: per step if explicit, per Newton iteration if implicit",
     "memory": "vectors of the size of u that a step passes to the next",
-    "time, ns": "median of a step on the softening spring at the finest step; a dash where it is not measured",
+    "time, ns": "median time of a step on the softening spring, at the smallest step size; a dash if not measured",
 }
 
 
 def _time(subject: Subject, library: Library) -> float:
-    """Time of a step on the softening spring, NaN if the dataset has none."""
+    """Median time of a step on the softening spring in ns; NaN if the dataset lacks the scheme or the spring."""
     times = library.data["work_precision"].median_time_per_step
     if subject.name not in times.scheme.values or "softening" not in times.problem.values:
         return math.nan
@@ -82,13 +82,13 @@ def table_of(subjects: Iterable[Subject], library: Library) -> str:
         rows,
         ("schemes", "table of schemes"),
         "explicit, Verlet, OpenSees, …",
-        '<label><input type="checkbox" name="chosen"> only those with a tick</label>',
+        '<label><input type="checkbox" name="chosen"> only schemes with a tick</label>',
         kind="schemes",
     )
 
 
 def index_page(library: Library) -> str:
-    """The page of the table, which leads to the page of every scheme."""
+    """The page of the table, with a link to the page of every scheme."""
     subjects = [library.subject(name) for name in library.schemes]
     entries = "\n".join(f"{one.scheme.title} <{one.name}>" for one in subjects)
     meanings = "\n".join(f"- **{name}**: {meaning}" for name, meaning in COLUMNS.items() if meaning)

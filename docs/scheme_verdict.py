@@ -21,17 +21,17 @@ from study.words import listed, number, percent
 if TYPE_CHECKING:
     from docs.scheme_page import Library, Subject
 
-#: Problem of the steps that follow from linear theory.
+#: Title of the problem whose steps follow from linear theory.
 LINEAR = "undamped linear oscillator (phase and amplitude)"
-#: Error at which schemes are compared.
+#: Allowed error of the displacement at which schemes are compared.
 COMPARED = 0.01
 #: Loss of amplitude per period at the rule of thumb above which a scheme counts as dissipative.
 DAMPS = 0.01
-#: Spectral radius at infinite frequency below which unresolved modes count as damped.
+#: Spectral radius, at infinite frequency or close to the stability limit, below which modes count as damped.
 RADIUS = 0.9
-#: Share of the schemes above which they are most schemes.
+#: Share of the schemes above which the text speaks of most schemes.
 MOST = 0.5
-#: Ratio of its error to that of another scheme below which a scheme counts as better.
+#: Fraction of the error of a scheme below which the error of another scheme counts as smaller.
 BETTER = 0.9
 
 
@@ -61,9 +61,9 @@ def _in_theory(library: "Library", error: float) -> pd.DataFrame:
 
 
 def needs(library: "Library") -> dict[str, dict[float, pd.DataFrame]]:
-    """Steps and forces per period that keep an error of the displacement, by title of the problem and error.
+    """Tables of steps and forces per period, by title of the problem and by error of the displacement.
 
-    The rows of a table are the schemes that keep the error, with their ``kind``, as in the table of decisions.
+    Each row is a scheme that keeps the error, with its ``kind``. The rule is the same as in the table of decisions.
     """
     data = library.data
     found = {LINEAR: {error: _in_theory(library, error) for error in ERRORS}}
@@ -82,7 +82,7 @@ def needs(library: "Library") -> dict[str, dict[float, pd.DataFrame]]:
 
 
 def tried(library: "Library") -> dict[str, set[str]]:
-    """Schemes that ran on each problem, by its title; a scheme without any error on a kink refuses the problem."""
+    """Names of the schemes that ran on each problem, by title. On kinks, a scheme whose errors are NaN did not run."""
     data = library.data
     kinks, structures = data["kinks"], data["structures"]
     found = {data[name].attrs.get("problem", ""): {*data[name].scheme.values} for name in ASSESSED}
@@ -96,14 +96,14 @@ def tried(library: "Library") -> dict[str, set[str]]:
 
 
 def _lost(structures: Any) -> Any:
-    """Whether a run fails, or the energies are out of balance, at some step, over (problem, scheme)."""
+    """Whether, at any step size, the run fails or its energies are out of balance, over (problem, scheme)."""
     if not structures.scheme.size:
         return xr.DataArray(np.empty((0, 0), bool), dims=("problem", "scheme"))
     return ((structures.status != 0) | ~(structures.max_energy_imbalance <= LEVEL)).any("steps_per_period")
 
 
 def _best(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
-    """The schemes of a kind whose forces tie with the fewest, the fewest first."""
+    """Rows of the schemes of a kind that need at most ``TIED`` times the fewest forces, sorted by forces."""
     rows = rows[rows.kind == kind].sort_values("forces", kind="stable")
     return rows[rows.forces <= TIED * rows.forces.min()]
 
@@ -117,7 +117,7 @@ def _kind(scheme: study.Scheme) -> str:
 
 
 def _steps(subject: "Subject", library: "Library") -> str:
-    """Steps by problem and error, and the scheme of the same kind with the fewest forces."""
+    """Table of steps by problem and error, and of the scheme of the same kind with the fewest forces."""
     rows, name = [], subject.name
     for title, tables in library.needs.items():
         if name not in library.tried[title]:
@@ -141,8 +141,8 @@ def _steps(subject: "Subject", library: "Library") -> str:
     return (
         "Steps per period, and in brackets forces per period, for an error of the displacement:\n\n"
         + table(head, rows, numbers_from=len(head))
-        + f"\n\nThe first row is linear theory after {PERIODS} periods. All finer steps keep the error too. The last "
-        f"column names the {_kind(subject.scheme)} scheme with the fewest forces. A dash means that no step tried "
+        + f"\n\nThe first row is linear theory after {PERIODS} periods. Steps finer than these keep the error too. The "
+        f"last column names the {_kind(subject.scheme)} scheme with the fewest forces. A dash means that no step tried "
         f"keeps the error. {runs if len(rows) > 1 else _not_run(subject)} {{doc}}`/decisions` compares all schemes."
     )
 
@@ -239,7 +239,7 @@ def _error(subject: "Subject") -> float:
 
 
 def _dominates(other: "Subject", one: "Subject") -> bool:
-    """Whether a scheme has a smaller error after a period, is nowhere worse in linear theory, and costs no more."""
+    """Whether ``other`` has a smaller error than ``one``, no worse order, stability and damping, and no higher cost."""
     a, b, s, t = other.theory, one.theory, other.scheme, one.scheme
     return bool(
         s.explicit == t.explicit
@@ -255,7 +255,7 @@ def _dominates(other: "Subject", one: "Subject") -> bool:
 
 
 def _alternative(subject: "Subject", library: "Library") -> str:
-    """Of the schemes that are better in linear theory, the one with the nearest radius at infinite frequency."""
+    """A phrase on the better scheme whose ρ∞ is nearest to the scheme's ρ∞, or on the lack of a better scheme."""
     theory, structures, found = subject.theory, library.data["structures"], []
     lost = {one.scheme.item(): {*one.problem.values[one.values]} for one in _lost(structures).transpose("scheme", ...)}
     for name in library.schemes:
@@ -285,7 +285,7 @@ def _items(reasons: Iterator[str], none: str) -> str:
 
 def _not_run(subject: "Subject") -> str:
     """A sentence on missing runs of a scheme."""
-    missing = "The study behind this page has no runs of this scheme by error. Sections without data are omitted"
+    missing = "The study behind this page has no runs for steps of this scheme. Sections without data are omitted"
     if subject.name in study.schemes:
         return f"{missing}. The full study runs all named schemes."
     return f"{missing}. The key `own_schemes` of the configuration adds the scheme to the datasets."

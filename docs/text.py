@@ -18,15 +18,15 @@ def narrowed(
     Parameters
     ----------
     head, rows
-        Rows of the table as HTML.
+        Rows of the head and of the body of the table as HTML.
     what
         Noun for the rows in the form, and label of the table for screen readers.
     placeholder
         Examples of words.
     choices
-        Further elements of the form.
+        Further elements of the form as HTML.
     kind
-        Class of the table.
+        Class of the table in CSS.
     """
     shown, label = what
     return (
@@ -38,7 +38,7 @@ def narrowed(
 
 
 def definitions(facts: Mapping[str, str]) -> str:
-    """A list of facts with their names; the facts are HTML."""
+    """A list of definitions as HTML: each fact with its name. The facts are HTML already."""
     inside = "".join(f"<dt>{name}</dt><dd>{fact}</dd>\n" for name, fact in facts.items())
     return f'<dl class="facts">\n{inside}</dl>\n'
 
@@ -51,6 +51,6 @@ def described(description: str, body: str, hide_toc: bool = False) -> str:
 
 
 def found_by(names: Iterable[str]) -> str:
-    """Entries of the index, which the search of the site lists first."""
+    """Entries of names in the index; for these names the search of the site lists the page first."""
     entries = ", ".join(f"! {name.replace('_', ' ')}" for name in names)
     return f"```{{index}} {entries}\n```"

@@ -7,17 +7,17 @@ import numpy as np
 
 import study
 
-#: Step sizes over period of the curves and of the order, which needs fine steps.
+#: Step sizes divided by the period, for the curves and for the measured order. The order needs the fine steps.
 PARTS = np.logspace(-3, 3, 601)
 #: Steps per period of the rule of thumb, at which pages give numbers.
 STEPS = 20
-#: Numbers of steps per period among which the coarsest is sought that keeps an error, from the finest.
+#: Numbers of steps per period at which the error is computed, from the finest steps to the coarsest.
 TRIED = np.unique(np.geomspace(1, 1e5, 1000).round())[::-1]
-#: Number of periods over which this error is taken.
+#: Number of periods after which the error is computed.
 PERIODS = 100
 #: Damping ratio of the oscillator that shows the order with damping.
 DAMPED = 0.1
-#: Loss of amplitude per period below which it counts as round-off.
+#: Size below which a number of linear theory, such as the loss of amplitude per period, counts as round-off.
 ROUND_OFF = 1e-9
 
 
@@ -35,7 +35,7 @@ class Theory(NamedTuple):
     limit
         ωΔt up to which the scheme is stable.
     at_infinity
-        Spectral radius at infinite frequency; NaN for a scheme that is unstable there.
+        Spectral radius at infinite frequency; NaN for a scheme with a stability limit.
     least_radius
         Smallest spectral radius below a stability limit; NaN for a scheme without a limit or without stable steps.
     growth
@@ -84,14 +84,14 @@ def _forces(scheme: study.Scheme) -> float:
 
 
 def _error(scheme: study.Scheme) -> np.ndarray:
-    """Error of phase and amplitude by the principal roots, or the growth by any root if it is larger."""
+    """Error of phase and amplitude for each number in ``TRIED``, or the growth of the largest root if it is larger."""
     theory = study.LinearTheory(scheme, 1 / TRIED)
     motion = theory.motion()
     delay = 2 * np.pi * PERIODS * motion.period_elongation / (1 + motion.period_elongation)
     amplitude = (1 - motion.amplitude_decay) ** PERIODS
-    # a phase error of half a period misses the whole motion, and a larger one may come back to it
+    # clipped to half a period, where the error is largest: with a larger delay the error would fall again
     error = abs(amplitude * np.exp(1j * np.clip(delay, -np.pi, np.pi)) - 1)
-    growth = PERIODS * TRIED * (theory.spectral_radius - 1)  # first order, because its power would overflow
+    growth = PERIODS * TRIED * (theory.spectral_radius - 1)  # to first order: a power of the radius would overflow
     return np.maximum(error, growth)
 
 
@@ -103,7 +103,7 @@ def theory_of(scheme: study.Scheme) -> Theory:
     if limit is None:
         limit = undamped.stability_limit()
     least_radius = np.nan
-    if 0 < limit < np.inf:  # the radius falls steeply next to the limit
+    if 0 < limit < np.inf:  # fine steps: the radius falls steeply next to the limit
         least_radius = study.LinearTheory(scheme, np.linspace(0, limit, 1001)[1:] / (2 * np.pi)).spectral_radius.min()
     return Theory(
         undamped.spectral_radius,

@@ -26,8 +26,9 @@ class Compensated(Wrapper):
         y &= \Delta u - \text{lost}, \quad u_1 = u_0 + y \\
         \text{lost} &= (u_1 - u_0) - y
 
-    and the same for u̇. Order and stability are those of the wrapped scheme. Carries its state and the round-off of both
-    sums; as many forces per step as the wrapped scheme.
+    and the same for u̇, where Δu is the increment of the step and lost is the round-off of the last addition. Order and
+    stability are those of the wrapped scheme. Carries the state of the wrapped scheme and the round-off of both sums;
+    as many forces per step as the wrapped scheme.
 
     Parameters
     ----------
@@ -37,7 +38,7 @@ class Compensated(Wrapper):
     Raises
     ------
     TypeError
-        If ``scheme`` is not such a scheme.
+        If ``scheme`` is not a :class:`study.OneStep`.
 
     References
     ----------

@@ -24,23 +24,24 @@ class Neighbours(WrapperState):
 
 
 def _power_of_two(size):
-    """The p with 2ᵖ ≤ size < 2ᵖ⁺¹, and 2⁻ᵖ, from the bits of a positive number: a logarithm takes ten times longer."""
+    """The p with 2ᵖ ≤ size < 2ᵖ⁺¹, and 2⁻ᵖ, from the bits of ``size`` > 0. A logarithm would take ten times longer."""
     number = jnp.finfo(size.dtype)
     bias = number.maxexp - 1
     biased = lax.bitcast_convert_type(size, f"int{number.bits}") >> number.nmant
     biased = jnp.clip(biased, 1, 2 * bias - 1)  # the factor stays finite if the size under- or overflows
-    # The division is exact. XLA may repeat cheaper operations for every number that is scaled, but no division.
+    # An exact division. XLA does not duplicate divisions, so it computes ``size`` once, not for each scaled number.
     return (biased - bias).astype(int), 1 / lax.bitcast_convert_type(biased << number.nmant, size.dtype)
 
 
 class Linearised(Wrapper):
-    """Another scheme with a neighbouring run infinitely close to its own.
+    """Another scheme together with a neighbouring run at an infinitesimal distance δ.
 
-    If y₁ = Φ(y₀) is the step of the scheme in its whole state, δ₁ = DΦ(y₀) δ₀ by automatic differentiation. The first δ
-    is the derivative of the first state along a unit vector of initial displacements. After every step δ is divided by
-    a power of two, without round-off, so that the largest component of the displacement and velocity of δ lies between
-    1 and 2. Order and stability are those of the wrapped scheme. Carries its state, δ and the exponent; one additional
-    Jacobian-vector product per step.
+    Let y₁ = Φ(y₀) be a step of the wrapped scheme in its whole state. The distance follows δ₁ = DΦ(y₀) δ₀, computed by
+    automatic differentiation. The first δ is the derivative of the first state along a unit vector of initial
+    displacements. After every step δ is divided by a power of two, without round-off, so that the largest component of
+    the displacement and velocity of δ lies between 1 and 2. Order and stability are those of the wrapped scheme.
+    Carries the state of the wrapped scheme, δ and the sum of the exponents; one additional Jacobian-vector product per
+    step.
 
     Parameters
     ----------

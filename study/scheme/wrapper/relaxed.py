@@ -58,12 +58,12 @@ class Relaxed(Wrapper):
         h &= t_1 - \tau_0, \quad y_1 = y_0 + \gamma\,\Delta y, \quad \tau_1 = \tau_0 + \gamma h \\
         E(y_1) &= E(y_0), \quad \gamma = 1 + O(h^{p-1})
 
-    y₁ approximates the motion at τ₁ to the order p of the scheme. If every step took y₁ for the motion at t₁, the order
-    would drop to p − 1. Instead the next step starts at τ₁ and has the length t₂ − τ₁. Then τ₁ − t₁ = (γ − 1) h does
-    not accumulate. It stays of the order p, so y₁ has the order p at t₁ too. Stability for linear systems is
-    unchanged. For problems with a potential and without damping, load and history. Carries the state of the wrapped
-    scheme, scaled in the same way, and τ₁ − t₁; as many forces per step as the wrapped scheme, and additional
-    potentials.
+    The motion y₁ belongs to τ₁ and has the order p of the scheme there. If the next step started at t₁ instead of τ₁,
+    the differences (γ − 1) h of all steps would accumulate, and the order would be p − 1. Because the next step starts
+    at τ₁, only the last difference τ₁ − t₁ = (γ − 1) h = O(hᵖ) remains, and y₁ as the motion at t₁ has the order p too.
+    Stability for linear systems is unchanged. For problems with a potential and without damping, load and history.
+    Carries the state of the wrapped scheme, scaled in the same way, and τ₁ − t₁; as many forces per step as the wrapped
+    scheme, and additional evaluations of the potential.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class Relaxed(Wrapper):
     Raises
     ------
     TypeError
-        If ``scheme`` is not such a scheme.
+        If ``scheme`` is not a :class:`study.OneStep`.
 
     References
     ----------

@@ -26,7 +26,8 @@ class UnequalSteps(Wrapper):
 
     An α-method carries an acceleration that belongs to the time t₁ + s Δt, with its ``acceleration_offset`` s. If the
     next step has another size Δt', the method assumes that the acceleration belongs to t₁ + s Δt'. The method drops to
-    first order unless the acceleration is moved to that time:
+    first order unless the carried acceleration is moved to that time. With the accelerations ü₀ and ü₁ at the beginning
+    and at the end of the last step, the move is
 
     .. math::
 
@@ -35,9 +36,9 @@ class UnequalSteps(Wrapper):
         \ddot u &\leftarrow a_1 + \frac{\Delta t'}{\Delta t} (\ddot u_1 - a_1), \quad
             M a_1 = f(t_1) - C \dot u_1 - p(u_1) \quad\text{(balance)}
 
-    For equal steps, order and stability are those of the wrapped scheme. Carries its state, the acceleration with which
-    the last step began, and the size of this step. The correction ``balance`` takes one additional force per step, the
-    correction ``difference`` none.
+    For equal steps, order and stability are those of the wrapped scheme. Carries the state of the wrapped scheme, the
+    acceleration with which the last step began, and the size of this step. The correction ``balance`` takes one
+    additional force per step, the correction ``difference`` none.
 
     Parameters
     ----------
@@ -49,7 +50,7 @@ class UnequalSteps(Wrapper):
     Raises
     ------
     TypeError, ValueError
-        If ``scheme`` has no ``acceleration_offset``, or there is no such correction.
+        If ``scheme`` has no ``acceleration_offset``, or if ``correction`` is another word.
 
     References
     ----------
