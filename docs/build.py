@@ -99,7 +99,8 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
             if build_main([*options, "-d", str(Path(folder, "trees")), str(sources), str(unfinished)]):
                 raise SystemExit("the site is not built: the lines above are the warnings of Sphinx.")
         accessible.complete(unfinished)
-        (unfinished / ".buildinfo").unlink()  # a checksum with paths of this machine, for incremental builds
+        # a checksum of settings that include paths of this machine; only incremental builds need it
+        (unfinished / ".buildinfo").unlink()
         for name in PRODUCTS:
             (unfinished / name).parent.mkdir(exist_ok=True)
             shutil.copy(results / name, unfinished / name)

@@ -248,9 +248,10 @@ class Search:
         return largest_with_margin(dt[below], error[below], allowed)
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
-        """Make runs down to a twentieth of each step that keeps an error, then runs that confirm the round steps.
+        """Make runs down to a twentieth of the smallest step that a limit needs, then runs that confirm the steps.
 
-        Each round step is run with every multiple of start and load. Random steps in the octave below it are run too.
+        The largest step that keeps the error of a limit is rounded. The rounded step is run with every multiple of
+        start and load. Random steps in the octave below it are run too.
         """
         top = self.coarsest
         while not self.late:
