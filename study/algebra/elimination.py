@@ -121,7 +121,7 @@ def _solve_banded(bands, rhs):
 
 def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
     """Solve by conjugate gradients, or by GMRES if the matrix is not symmetric, with the diagonal as preconditioner."""
-    import lineax  # imported here, because the import takes a quarter of a second
+    import lineax  # imported here, because only a matrix-free solution needs it
 
     diagonal = jnp.broadcast_to(matrix.diagonal, rhs.shape)
     size = jnp.sqrt(jnp.where(diagonal == 0, 1.0, jnp.abs(diagonal)))

@@ -51,7 +51,7 @@ def step_control(
     from the start: the larger of the differences of displacement and velocity, each relative to its largest value.
     ``max_energy_error`` is eq. (17) of Xie (1996), in percent. Reversible control takes about as many steps as the
     first controller at the same tolerance. The histories are the largest energy errors of each period, for the first
-    scheme at the middle tolerance. The run with equal steps takes as many steps as the run of the first controller.
+    scheme at the middle tolerance. They include a run with equal steps, as many as the first controller took.
     """
     controls = [*controllers, REVERSIBLE]
     shape = (len(problems), len(schemes), len(controls), len(tolerances))
