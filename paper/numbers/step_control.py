@@ -29,9 +29,9 @@ def growth(step_control: xr.Dataset) -> xr.DataArray:
 
 
 def forces_needed(error: xr.DataArray, forces: xr.DataArray, allowed: float, along: str) -> xr.DataArray:
-    """Fewest forces for which a run along a dimension keeps an error, as do all runs with more forces.
+    """Smallest number of evaluations of the force from which on every run along a dimension keeps an error.
 
-    The number is NaN if the run with the most forces exceeds the error.
+    The number is NaN if the run with the most evaluations exceeds the error.
     """
 
     def fewest(error: np.ndarray, forces: np.ndarray) -> float:

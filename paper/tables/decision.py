@@ -119,9 +119,9 @@ def _remembering(kinks: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dic
 
 
 def _losing(one: xr.Dataset) -> str:
-    """A remark on the schemes that fail or lose the balance of energies.
+    """A remark on the schemes that fail or lose the balance of energies; empty if there are none.
 
-    If more than half of the schemes do so, the remark is on the schemes that keep the balance.
+    If more than half of the schemes do so, but not all, the remark is on the schemes that keep the balance.
     """
     loses = ((one.status != 0) | ~(one.max_energy_imbalance <= LEVEL)).any("steps_per_period").values
     if not loses.any():

@@ -1,4 +1,4 @@
-"""Schemes that another scheme dominates in every respect measured."""
+"""Cost of each scheme, and the schemes that dominate it in all respects measured."""
 
 import numpy as np
 import pandas as pd

@@ -100,7 +100,7 @@ def times_of_runs(assessed: xr.Dataset) -> xr.DataArray:
 
 
 def curves(assessed: xr.Dataset, along: xr.DataArray, label: str, values: xr.DataArray, ylabel: str, limits=()) -> str:
-    """Values of every scheme against steps or times of its runs, as SVG; empty if there is nothing to draw."""
+    """Values of every scheme against the step sizes or times of its runs, as SVG; empty if there is nothing to draw."""
     from matplotlib.figure import Figure
 
     # narrow, so that a phone does not shrink the letters

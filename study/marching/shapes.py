@@ -17,7 +17,7 @@ DisplacementsLike = Float[Any, "*lanes_and_n"]
 #: A number or one per lane, shape () or (lanes,).
 PerRun = Float[np.ndarray, "*lanes"]
 
-#: A count or one per lane, shape () or (lanes,).
+#: A count, or a count for each lane; shape () or (lanes,).
 CountPerRun = Int[np.ndarray, "*lanes"]
 
 #: A displacement, shape () or (n,), or one per lane, with the axis of lanes in front.

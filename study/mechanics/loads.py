@@ -48,6 +48,8 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
         problem = eqx.tree_at(lambda p: p.u0, problem, factor * problem.u0)
     if problem.load is None:
         return problem
+    if problem.ground is not None:
+        problem = eqx.tree_at(lambda p: p.ground, problem, problem.ground.scaled(factor))
     load, before = (
         (problem.load.load, problem.load.factor) if isinstance(problem.load, _Scaled) else (problem.load, 1.0)
     )

@@ -60,7 +60,7 @@ def _returned(scheme: Any, method: str, *arguments: Any) -> tuple[Any, Effort]:
     if not (isinstance(returned, tuple) and len(returned) == 2 and isinstance(returned[1], Effort)):
         raise TypeError(f"{of} must return a state and a study.building.Effort, not {type(returned).__name__}.")
     if None in (returned[1].iterations, returned[1].converged):
-        raise TypeError(f"{of} must return a study.building.Effort of iterations and convergence, not {returned[1]!r}.")
+        raise TypeError(f"{of} must return a study.building.Effort with iterations and converged, not {returned[1]!r}.")
     return returned
 
 

@@ -107,7 +107,7 @@ def test_phases_that_the_reference_lacks_are_refused():
 
 
 def test_the_reference_is_taken_at_the_times_of_the_run():
-    """The reference corrects the rounding error of the stored period, which would otherwise grow into a phase error."""
+    """The comparison corrects the rounding error of the stored period, which would otherwise grow to a phase error."""
     reference, problem = _harmonic(400, stretch=1 + 1e-5)
     # the true period is longer than the stored one by 1e-5; if ``period_remainder`` states this, the run has no error
     errors = []

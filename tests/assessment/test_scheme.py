@@ -120,7 +120,7 @@ class _Branching(_Plain):
         (_Branching(), "increment of _Branching branches on a number that JAX traces"),
         (_Single(), "increment of _Single must return 'u' in float64, not in float32."),
         (_NoField(), "increment of _NoField raises AttributeError: 'Phase' object has no attribute 'w'"),
-        (_NoNumbers(), "increment of _NoNumbers must return a study.building.Effort of iterations and"),
+        (_NoNumbers(), "increment of _NoNumbers must return a study.building.Effort with iterations and"),
         (_NoEffort(), "step of _NoEffort must return a state and a study.building.Effort, not Phase."),
         (_OtherState(), "step of _OtherState must return a state like that of start"),
         (_OtherShape(), r"start of _OtherShape must return a state with 'v' of shape \(\)."),

@@ -22,13 +22,12 @@ from tests.pipeline.report import check_contents, check_explorer
 from tests.pipeline.texts import check_latex, check_ledger, check_pages
 from tests.test_readme import check_the_results_of_the_readme
 
-# one worker of pytest runs this whole file, so that the pipeline runs once for all tests in it
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory) -> Path:
-    """A copy of the project in which all products have been made."""
+    """A copy of the project in which all products have been made; one worker of pytest runs all tests of this file."""
     folder = copied(tmp_path_factory.mktemp("project"))
     make(folder)
     return folder

@@ -68,7 +68,7 @@ def ignores_the_step(scheme, dt):
 
 
 class Remembers:
-    """A program whose second scheme gives larger displacements with every run."""
+    """A program whose displacements become larger with every run of the second scheme."""
 
     def __init__(self):
         self.runs = 0

@@ -47,7 +47,7 @@ def few_unknowns() -> Iterator[Case]:
 
 
 def _iterations(problem, dt, steps) -> tuple[Callable[[], float], int]:
-    """A function that returns the seconds of a run, and the number of its Newton iterations."""
+    """A function that makes a run and returns its seconds; and the number of Newton iterations of the run."""
     given = {"dt": dt, "steps": steps, "observe": ["newton_iterations"]}
     solved = study.run(problem, "average_acceleration", **given).newton_iterations.item()
     return (lambda: timed(lambda: study.run(problem, "average_acceleration", **given))), int(solved)

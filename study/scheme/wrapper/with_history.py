@@ -24,10 +24,10 @@ class WithHistory(Wrapper):
 
     Within a step, every iteration and every stage evaluates the force from the history h₀ that the previous step
     committed, for a straight motion from u₀ to the displacement of this iteration or stage. The end of the step commits
-    h₁; the start commits the history after a straight motion from the state at rest to u₀. A scheme of sub-steps with
-    balances at their ends commits at the end of each sub-step, and its effort holds the history from which the last
-    sub-step started. A march wraps its scheme in this wrapper if the problem has a history. Carries the state of the
-    wrapped scheme and the history; one additional force per step.
+    h₁; the start commits the history after a straight motion from the state at rest to u₀. The composite methods of
+    Bathe and the method of Noh and Bathe also commit at the ends of their earlier sub-steps. Their effort holds the
+    history from which the last sub-step started. A march wraps its scheme in this wrapper if the problem has a history.
+    Carries the state of the wrapped scheme and the history; one additional force per step.
 
     Parameters
     ----------
