@@ -18,8 +18,8 @@ from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.scheme.base import check_ranges
 
-#: Smallest and largest ratio of successive step sizes. The safety factor multiplies the step size that the estimate
-#: allows.
+#: Smallest and largest ratio of successive step sizes, where a controller limits it, and the safety factor. This factor
+#: multiplies the step size that the estimate allows.
 SMALLEST, LARGEST, SAFETY = 0.2, 5.0, 0.9
 
 #: Smallest ratio r with which a controller computes, so that the next step stays finite if the estimate is zero.
@@ -82,7 +82,8 @@ class Integral(Controller):
 class ProportionalIntegral(Controller):
     r"""The PI controller, :math:`\Delta t' = 0.9\,\Delta t\,r^{-0.7/k} r_0^{0.4/k}` with r₀ of the last accepted step.
 
-    A step with r > 1 is repeated with :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`.
+    A step with r > 1 is repeated with :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`. The step size grows or shrinks by at
+    most a factor of five.
 
     References
     ----------
@@ -140,18 +141,18 @@ class Filtered(Controller):
 
 
 class DeadBand(Controller):
-    r"""The controller of Zienkiewicz and Xie: the step size stays while the estimate stays within bounds.
+    r"""The controller of Zienkiewicz and Xie: the step size stays the same while r stays within bounds.
 
     A step with r > ``high`` is repeated with :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`. After ``patience``
-    consecutive steps with r < ``low``, the step size grows by the same factor :math:`0.9\,r^{-1/k}`. The factor 0.9 is
-    our addition: without it, a step just above the bound is repeated without end.
+    consecutive steps with r < ``low``, the step size is multiplied by the same factor :math:`0.9\,r^{-1/k}`, at most
+    five. The number 0.9 is our addition: without it, a step just above the bound is repeated without end.
 
     Parameters
     ----------
     low, high
-        0 < low < high: bounds of r.
+        0 ≤ low ≤ high: bounds of r.
     patience
-        Number of consecutive steps with r < ``low`` before the step size grows.
+        Number of consecutive steps with r < ``low`` before the step size changes.
 
     Raises
     ------
@@ -195,7 +196,7 @@ class Reversible(Controller):
         \rho_{n+1/2} = \rho_{n-1/2} + \varepsilon G(y_n), \quad \Delta t_n = \varepsilon/\rho_{n+1/2},
         \quad G = \frac{1}{\rho} \frac{d\rho}{dt}
 
-    with the derivative of ρ along the motion, and the tolerance ε. Symmetric schemes on reversible problems then show
+    with the derivative dρ/dt along the motion, and the tolerance ε. Symmetric schemes on reversible problems then show
     no drift of energy. The controller evaluates one additional force per step.
 
     Parameters
@@ -233,13 +234,15 @@ class Reversible(Controller):
 class Prescribed(Controller):
     """Steps of given sizes in turn, whatever the error; after the last size the first one follows again.
 
+    The last two steps before a time at which a step must end can have other sizes, and so can the step after them.
+
     Parameters
     ----------
     sizes
         Step sizes in s.
     """
 
-    #: Step sizes, as an array, so that all sizes share the compiled program.
+    #: Step sizes, as an array, so that arrays of one length share the compiled program.
     sizes: np.ndarray = eqx.field(converter=lambda sizes: np.asarray(sizes, np.float64))
 
     title = "Prescribed"

@@ -33,8 +33,8 @@ class Estimator(eqx.Module):
     title: ClassVar[str]
     source: ClassVar[str]
     doi: ClassVar[str]
-    #: Whether estimates are relative to the size of the motion. A run from rest then needs another scale, because this
-    #: size is zero.
+    #: Whether estimates are relative to sizes of the motion. If one of these sizes is zero at the start, a trial run
+    #: with equal steps then measures them.
     relative: ClassVar[bool] = True
 
     @abc.abstractmethod
@@ -50,7 +50,7 @@ class Estimator(eqx.Module):
         return scheme.forces_per_step
 
     def sizes(self, problem: Problem, state: Any) -> Sizes:
-        """Norms of the motion, one for each estimate, which is divided by the largest value of the norm so far."""
+        """One norm of the motion per estimate; the run divides the estimate by the largest value of its norm so far."""
         return (size(state.u),)
 
     def start(self, scheme: Scheme, problem: Problem, state: Any) -> Any:
@@ -60,7 +60,7 @@ class Estimator(eqx.Module):
     def step(
         self, scheme: Scheme, problem: Problem, carried: Any, state: Any, t: ScalarLike, dt: ScalarLike
     ) -> tuple[Any, Effort, Sizes, Any]:
-        """The state after a step, its effort, the estimates of its error, and the next state of the estimator."""
+        """The state after a step, the effort and the estimates of this step, and the next state of the estimator."""
         new, effort = stepped(scheme, problem, state, t, dt)
         estimates, carried = self.estimate(scheme, problem, carried, state, new, t, dt, effort)
         return new, effort, estimates, carried
@@ -71,7 +71,7 @@ class Estimator(eqx.Module):
 
 
 class Unestimated(Estimator):
-    """No estimate, for steps of given sizes."""
+    """An estimator that returns zero, for controllers that choose the steps without an estimate."""
 
     title = "none"
     source = ""
@@ -152,7 +152,7 @@ class ZienkiewiczXie(_OfAcceleration):
     For Newmark's method :math:`e = (\beta - \tfrac16)\,\Delta t^2 (\ddot u_1 - \ddot u_0)`. An α-method carries the
     acceleration of the time :math:`t_1 + s\,\Delta t` with s = α_m − α_f, which adds
     :math:`\tfrac{s}{2} \Delta t^2 (\ddot u_1 - \ddot u_0)` to e. The estimate vanishes where the third derivative of u
-    is zero, as at every turning point of a free vibration. The estimate ignores the error of the velocity.
+    is zero, as at every turning point of a free undamped vibration. The estimate ignores the error of the velocity.
 
     References
     ----------
@@ -183,7 +183,8 @@ class ThreePoint(_OfAcceleration):
     r"""The motion after a step minus a motion whose acceleration is the parabola through ü at three times.
 
     The parabola passes through ü at both ends of this step and at the start of the previous step, and is integrated
-    over this step. The estimate is the larger of the errors of u and u̇, each relative to the largest value so far.
+    over this step. The estimate is the larger of the errors of u and u̇, each relative to the largest :math:`|u|` or
+    :math:`|\dot u|` so far.
     For Newmark's method with equal steps, the error of u is
     :math:`\Delta t^2 [(\beta - \tfrac18) \ddot u_1 + (\tfrac1{12} - \beta) \ddot u_0 + \tfrac1{24} \ddot u_{-1}]`.
     The estimate of the error of u̇ is centred half a step too early. Both estimates are wrong after a kink of the force.
@@ -230,8 +231,8 @@ class StepDoubling(Estimator):
 
         \eta = \frac{|y_{2 \times \Delta t/2} - y_{\Delta t}|}{(2^p - 1) \max |y|} \quad\text{for } y = u, \dot u
 
-    for a scheme of order p. The run continues from the two half steps. A trial step evaluates three times the forces of
-    a step.
+    with the order p of the scheme with damping. The run continues from the two half steps. A trial step evaluates three
+    times the forces of a step.
 
     References
     ----------

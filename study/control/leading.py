@@ -42,11 +42,12 @@ def linear_ratio(scheme: Scheme, estimator: str, part: np.ndarray, steps: float)
     part
         Phase in the middle of the step, as a fraction of the period, zero at the largest displacement.
     steps
-        Steps in a period.
+        Number of steps in a period.
     """
     unknown = np.full_like(part, np.nan)
     if estimator == "step_doubling":
-        # no closed form is known for a carried acceleration with an offset, which is half as long for half a step
+        # no closed form is known if the carried acceleration has an offset, because half a step halves the offset,
+        # or if damping lowers the order, because the estimate uses the lower order
         exact = not scheme.acceleration_offset and scheme.order == scheme.order_with_damping
         return np.ones_like(part) if exact else unknown
     weights = _weights(scheme)

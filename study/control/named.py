@@ -28,7 +28,7 @@ estimators: Registry[Estimator] = Registry(
     },
 )
 
-#: Controllers by name; ``Reversible`` and ``Prescribed`` need arguments.
+#: Controllers by name, except ``Reversible`` and ``Prescribed``, which need arguments.
 controllers: Registry[Controller] = Registry(
     "controller",
     {

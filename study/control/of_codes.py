@@ -20,8 +20,8 @@ class HalfStepResidual(Estimator):
         u_h = u_0 + \tfrac{\Delta t}{2} \dot u_0 + \tfrac{\Delta t^2}{16} (\ddot u_0 + \ddot u_h) \\
         \eta &= \max |M \ddot u_h + C \dot u_h + p(u_h) - f(t_h)| / \max |M \ddot u|
 
-    with u̇_h = u̇₀ + Δt (ü₀ + ü_h)/4. An α-method carries the accelerations of times s Δt after the ends of the step,
-    with s = α_m − α_f. Therefore s (ü₁ − ü₀) is first subtracted from both accelerations. The estimate takes one
+    with u̇_h = u̇₀ + Δt (ü₀ + ü_h)/4. An α-method carries the accelerations at s Δt after both ends of the step, with
+    s = α_m − α_f. Therefore s (ü₁ − ü₀) is first subtracted from both accelerations. The estimate takes one
     additional force per step. It is of second order in Δt, and the error of the step is of third order.
 
     References
@@ -67,8 +67,8 @@ class ApparentFrequency(Estimator):
 
         \omega^2 = \frac{\Delta u^T \Delta p}{\Delta u^T M \Delta u}, \quad \eta = \frac{\omega\,\Delta t}{2 \pi}
 
-    with the changes Δu and Δp of displacement and internal force over the step. A tolerance of 0.05 gives twenty steps
-    per period. This estimator does not estimate an error, and takes one additional force per step.
+    with the changes Δu and Δp of displacement and internal force over the step. A tolerance of 0.05 aims at twenty
+    steps per period. This estimator does not estimate an error, and takes one additional force per step.
 
     References
     ----------
@@ -103,7 +103,8 @@ class ApparentFrequency(Estimator):
 class Iterations(Estimator):
     r"""The number of Newton iterations of the step: a tolerance of 6 aims at six iterations.
 
-    This estimator measures the work of the solver, not an error: a linear structure takes the largest step.
+    This estimator measures the work of the solver, not an error. A linear structure needs few iterations for any step
+    size, so the step size grows as far as the controller allows.
 
     References
     ----------
@@ -160,8 +161,8 @@ class Nastran(Controller):
     r"""The controller of TSTEPNL for the apparent frequency: the step size changes by powers of two.
 
     The frequency allows 1/r times the present step size. The step size is multiplied by ¼ if
-    1/r < R/2, otherwise by ½ if 1/r < R, by 1 if 1/r < 2, by 2 if 1/r < 3/R, and by 4 if 1/r is larger. No step is
-    repeated.
+    1/r < R/2, otherwise by ½ if 1/r < R, by 1 if 1/r < 2, by 2 if 1/r < 3/R, and by 4 otherwise. A step is repeated
+    only if no finite solution was found.
 
     Parameters
     ----------
@@ -188,7 +189,7 @@ class Nastran(Controller):
 class Proportional(Controller):
     r"""The controller of OpenSees, :math:`\Delta t' = \Delta t/r` within limits.
 
-    A step is repeated only if Newton's iteration has failed.
+    A step is repeated only if no finite solution was found.
 
     Parameters
     ----------

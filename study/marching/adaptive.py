@@ -18,7 +18,8 @@ from study.scheme.contract import started
 #: Status of a running march, and the two final statuses that runs with equal steps do not have.
 RUNNING, STEP_TOO_SMALL, TOO_MANY_STEPS = -1, 4, 5
 
-#: Factor of the step size after a step without convergence or with a state that is not finite, as in Abaqus.
+#: Factor of the step size after a step without convergence, or with a state or estimate that is not finite. Abaqus uses
+#: the same factor.
 AFTER_FAILURE = 0.25
 
 #: Smallest step size, as a fraction of the duration.
@@ -31,8 +32,8 @@ OF_EACH_STEP = ("t", "step_size", "estimate", "rejected_by_estimate", "rejected_
 #: Name of the array that holds the values of each step.
 OF_STEP = "of each step"
 
-#: Relative tolerance at a stated time, at which a step must end. A step that falls short of this time by less than this
-#: fraction of the remaining interval is lengthened to end at it. Otherwise round-off would add a tiny step.
+#: Largest gap between the end of a step and a stated time, at which a step must end, as a fraction of the interval that
+#: remains. The step is lengthened to close such a gap. Otherwise round-off would add a tiny step.
 ROUND_OFF = 1e-9
 
 
@@ -55,7 +56,7 @@ class Trial(NamedTuple):
     state, reduced, estimator, controller
         States of the scheme, the reductions, the estimator and the controller.
     scales
-        Sizes of the motion that the estimator measures: of each size, the largest value so far.
+        Largest value so far of each size of the motion that the estimator measures.
     """
 
     status: jax.Array
@@ -81,7 +82,7 @@ class AdaptiveMarch(eqx.Module):
     controller: Controller
     #: Stated times, at which a step must end, (times,); the last one ends the run.
     times: jax.Array
-    #: Largest number of steps.
+    #: Largest number of accepted steps.
     most: jax.Array
 
     def begin(self, u0, v0, dt, tolerance, room: int) -> tuple[Trial, Any, dict[str, jax.Array]]:
@@ -90,7 +91,7 @@ class AdaptiveMarch(eqx.Module):
         Parameters
         ----------
         u0, v0, dt
-            Initial displacement and velocity, and size of the first step.
+            Initial displacement and velocity, and size of the first step, which the controller may replace.
         room
             Number of samples for which the arrays have room; with zero no sample is stored.
         """
@@ -145,7 +146,7 @@ class AdaptiveMarch(eqx.Module):
         k = self.estimator.exponent(scheme)
         decision = self.controller.decide(trial.controller, estimate / tolerance, k, dt, here, state, now, tolerance)
         accepted = solved & decision.accepted
-        # a step that was shortened to end at a stated time does not reduce the size of the next step
+        # a step that was shortened because of a stated time does not reduce the size of the next step
         next_dt = jnp.where(accepted & (dt < trial.dt), jnp.maximum(decision.dt, trial.dt), decision.dt)
         next_dt = jnp.where(solved, jnp.minimum(next_dt, end), AFTER_FAILURE * dt)
 
@@ -221,7 +222,7 @@ def proceed(
         attempt, store = jax.vmap(attempt), jax.vmap(store)
 
     def step(carry):
-        """Make trial steps until a step of at least one lane is accepted, and store its sample."""
+        """Make trial steps until at least one lane accepts a step or the loop ends, and store the accepted samples."""
         trial, stored, count = carry
         before = trial.place
 
@@ -236,7 +237,7 @@ def proceed(
         sample = {name: jnp.zeros(x.shape[:1] * lanes + x.shape[1 + lanes :]) for name, x in stored.items()}
         # a separate loop: in a loop with large arrays XLA would run the small operations of a step on a pool of threads
         trial, sample, count = lax.while_loop(unaccepted, again, (trial, sample, count))
-        # if no step of a lane was accepted, its sample goes to the additional place at the end, which is not read
+        # the sample of a lane that accepted no step goes to the additional place at the end, which is not read
         return trial, store(stored, sample, jnp.where(trial.place > before, before, room)), count
 
     carry = trial, stored, jnp.zeros((), int)

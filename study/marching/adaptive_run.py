@@ -40,7 +40,7 @@ from study.scheme.wrapper.unequal_steps import UnequalSteps
 #: Maximum number of samples of one run that are stored by one call of the compiled program.
 MOST_ROOM = 2**15
 
-#: Number of equal steps of the trial run. It measures the sizes of a motion if one of them is zero at the start.
+#: Number of equal steps of the trial run, which measures the sizes of a motion if one of them is zero at the start.
 OF_TRIAL = 200
 
 #: Meanings of the status of a run with a controlled step size.
@@ -70,7 +70,7 @@ _OF_RUN = {
 
 
 class Scales(Reduction):
-    """Sizes of the motion that the estimator measures: of each size, the largest value along a run."""
+    """Largest value along a run of each size of the motion that the estimator measures."""
 
     estimator: Estimator
 
@@ -101,7 +101,7 @@ def _begin(of, lanes: bool, adaptive, arguments, starts, dt, tolerance, room: in
 
 @partial(jit, compiler=eqx.filter_jit)
 def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts):
-    """Sizes of the motion in a run with equal steps: of each size, the largest value, or zero if it is not finite."""
+    """Largest value of each size of the motion in a run with equal steps, or zero if it is not finite."""
 
     def one(arguments, starts):
         march = of(adaptive, arguments)

@@ -1,7 +1,7 @@
 """Checks of the arguments of a run, before its first step.
 
-Each function returns its argument in the form that the march takes, or raises an error with one sentence that names the
-argument, its expected value and its received value.
+Most functions return an argument in the form that the march takes. If the argument is invalid, they raise an error. Its
+message is one sentence that names the argument, the expected value and the received value.
 """
 
 from collections.abc import Mapping, Sequence
@@ -57,12 +57,12 @@ def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
 
 
 def _most_steps() -> int:
-    """Maximum number of steps, a quarter of the largest integer: a march stores up to three times a number of steps."""
+    """Maximum number of steps: a quarter of the largest integer, because a march multiplies step numbers by three."""
     return jnp.iinfo(jnp.result_type(int)).max // 4
 
 
 def positive_integer(name: str, value: Any) -> int:
-    """A whole number between 1 and the maximum number of steps."""
+    """``value`` as an ``int``, if it is a whole number between 1 and the maximum number of steps."""
     if not is_whole(value, 1):
         raise ValueError(f"{name} must be a whole number of at least 1, not {value!r}.")
     if value > _most_steps():
@@ -76,7 +76,7 @@ def checked_steps(steps: CountPerRunLike) -> CountPerRun:
         return np.asarray(positive_integer("steps", steps))
     counts = np.asarray(steps)
     if counts.ndim > 1 or not counts.size:
-        raise ValueError(f"steps must be a whole number or one per lane (lanes,), not of shape {counts.shape}.")
+        raise ValueError(f"steps must be a whole number or of shape (lanes,), not of shape {counts.shape}.")
     if counts.dtype.kind not in "iu" or counts.min() < 1:
         raise ValueError(f"steps must be whole numbers of at least 1, not {counts}.")
     if counts.max() > _most_steps():
@@ -95,7 +95,7 @@ def checked_step_size(dt: PerRunLike) -> PerRun:
     """Step size, of shape () or (lanes,)."""
     dt = _numbers("dt", dt)
     if dt.ndim > 1:
-        raise ValueError(f"dt must be a number or one per lane (lanes,), not an array of shape {dt.shape}.")
+        raise ValueError(f"dt must be a number or an array of shape (lanes,), not an array of shape {dt.shape}.")
     if not np.all(np.isfinite(dt) & (dt > 0)):
         raise ValueError(f"dt must be finite and greater than zero, not {dt[()]}.")
     return dt
@@ -177,7 +177,7 @@ def _sizes(load, times):
 def number_of_lanes(
     problem: Problem, u0: Displacements, v0: Displacements, own: Mapping[str, np.ndarray], over: Mapping
 ) -> int:
-    """Number of lanes of an ensemble, 0 for a single run; an argument in ``own`` has one value, or one per lane."""
+    """Number of lanes of an ensemble, 0 for a single run; an argument in ``own`` has the shape () or (lanes,)."""
     lengths = {name: len(value) for name, value in own.items() if value.ndim}
     lengths |= {name: len(value) for name, value in (("u0", u0), ("v0", v0)) if value.ndim > np.ndim(problem.u0)}
     lengths |= {f"over['{name}']": len(value) for name, value in over.items()}

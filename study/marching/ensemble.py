@@ -42,7 +42,7 @@ def _in_tiles(values: np.ndarray, shape: tuple[int, int, int], size: int, filler
 
 
 def _on_cores(run: Callable[..., Result], arguments: Sequence[tuple]) -> list[Result]:
-    """Results of ``run`` for each tuple of arguments, on as many threads as there are cores. Ctrl-C ends all runs."""
+    """Results of ``run`` for each tuple of arguments, on at most one thread per core. Ctrl-C ends all runs."""
     stopped = threading.Event()
     workers = cores() if jax.default_backend() == "cpu" else 1
 
@@ -78,7 +78,7 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     """March every lane, side by side in tiles.
 
     The result of a lane depends neither on its neighbours nor on the number of cores, to the last bit. Lanes with
-    different numbers of steps are sorted by this number, so that long lanes share tiles; then their results are
+    different numbers of steps are sorted by this number, so that long lanes share tiles; their results are then
     independent only to round-off. A tile takes as many Newton iterations as its slowest lane, and ends with its last
     lane.
 
@@ -87,7 +87,7 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     begin
         Initial displacements and velocities (lanes, ...), and step sizes (lanes,).
     steps
-        Number of steps: one number, or one per lane.
+        Number of steps, of shape () or (lanes,).
     every, samples
         As in :meth:`study.marching.program.Program.run`.
 

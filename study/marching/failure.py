@@ -21,11 +21,11 @@ HOW = {
 
 
 class RunFailedWarning(RuntimeWarning):
-    """A run failed; its values are NaN, and its samples are NaN from the failure on."""
+    """A run failed: its values are NaN. Its samples are NaN from the failure on, or end there in a controlled run."""
 
 
 def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> str:
-    """One sentence on the likely cause of a failure, and a remedy."""
+    """One sentence on the likely cause of a failure; in most cases it names a remedy."""
     found = frequencies(problem)
     highest = None if found is None else found[-1]
     beyond = ", and may be larger beyond the kinks of the force" if problem.kinked else ""
@@ -52,7 +52,7 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
 
 
 def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun) -> str:
-    """The failures of the runs, in one or two sentences; empty if all runs completed."""
+    """Two sentences on the first failed run, with the number of failed lanes; empty if all runs completed."""
     failed = np.flatnonzero(result.status != COMPLETED)
     if not failed.size:
         return ""

@@ -124,7 +124,7 @@ class March(eqx.Module):
         return Progress(jnp.zeros((), int), failure, state, carried), state, stored
 
     def stepped(self, progress: Progress, dt, steps=None) -> Progress:
-        """Progress after one more step; with ``steps``, only of the lanes that have not yet taken this many steps."""
+        """Progress after one more step; with ``steps``, lanes that have taken this many steps stay as they are."""
 
         def one(step, state, carried, dt):
             # the round-off of a running sum would grow with the number of steps; the round-off of a product does not

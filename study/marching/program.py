@@ -34,9 +34,9 @@ LABELS = ("title", "source", "doi")
 
 
 def unlabelled(part: Any) -> Any:
-    """A copy of a march, problem or scheme, and of its parts, without labels; other objects unchanged.
+    """A copy of a march, problem or scheme without its labels and those of its parts; other objects unchanged.
 
-    Otherwise a program would be compiled again if only a label changes.
+    With the labels, a program would be compiled again if only a label changes.
     """
     if not isinstance(part, March | Problem | Scheme):
         return part
@@ -112,7 +112,7 @@ def _stretch(form: _Form, numbers: list, counts, each_step: bool, stored, lanes:
 def _stretches(steps: int, every: int, samples: int, room: int, pause: int) -> Iterator[tuple[int, int]]:
     """Stretches of a run, each marched by one call: number of the first sample in the room, and step at the end.
 
-    A stretch ends where the room for samples is full or a pause is due.
+    A stretch ends where the room for samples is full, where a pause is due, or at the end of the run.
     """
     begin = 0
     for first in range(0, samples + 1, room):

@@ -42,7 +42,7 @@ def final_state(
 
     Second derivatives of implicit schemes are right if the first derivative is taken in forward mode, as in
     ``jax.jacfwd(jax.jacfwd(f))`` and ``jax.grad(jax.jacfwd(f))``. They are wrong if the first derivative is taken in
-    reverse mode. JAX 0.10 then ignores the rule for derivatives of an implicit root in a scan, even of its own
+    reverse mode. JAX 0.10 then ignores the rule for derivatives of an implicit root in a scan, even for its own
     ``lax.custom_root``.
 
     Parameters

@@ -144,7 +144,7 @@ class Labels:
         result
             Result of the march, with NumPy arrays that no other code uses.
         u0, v0, dt, steps
-            Initial displacement and velocity, step size and number of steps: one of each, or one per lane.
+            Initial displacement and velocity, step size and number of steps, each with or without an axis of lanes.
         every, samples
             Number of steps between two samples, and number of samples after the first one.
         ensemble

@@ -139,11 +139,11 @@ def run(
         default is the sum of its step sizes.
     estimator, controller
         Names in ``study.estimators`` and ``study.controllers``, or your own. The default estimator is the first of
-        ``embedded_pair``, ``zienkiewicz_xie`` and ``step_doubling`` that fits the scheme and the problem; the default
-        controller is ``pi``.
+        ``embedded_pair``, ``zienkiewicz_xie`` (if the scheme has an ``acceleration_offset``) and ``step_doubling`` that
+        fits the scheme and the problem. The default controller is ``pi``. ``Prescribed`` by default has no estimator.
     times
         Times at which a step of a run with a tolerance must end; by default the kinks of the load, such as the samples
-        of a ground motion.
+        of a ground motion, or none with ``Prescribed``.
     observe
         Names in ``study.observers``, or your own :class:`study.Reduction` and :class:`study.Record`.
     u0, v0
@@ -160,7 +160,7 @@ def run(
     bound
         Largest displacement of any unknown; a run with a larger displacement ends as unbounded. The default is the
         larger of :math:`10^9 (|u_0| + T |\dot u_0|)` and :math:`10^5\,T^2 f/m` with the duration T, the largest load f
-        and the smallest mass m. With ``np.inf`` there is no bound.
+        and the smallest mass m, or infinite if both are zero. With ``np.inf`` there is no bound.
     on_failure
         Reaction to a failed run: ``"warn"``, with scheme, step, time and likely cause, ``"raise"`` or ``"ignore"``.
 
@@ -174,11 +174,12 @@ def run(
         along ``sample``, and ``t`` is a coordinate over (lane, sample). Values of a failed run are NaN, and so are its
         samples from the failure on. Further attributes name the problem, the scheme, its parameters and the version.
 
-        A run with a tolerance has no ``newton_restarts``. It has ``steps``, ``failed_at_time``,
-        ``steps_rejected_by_estimate`` and ``steps_rejected_by_solver``, which counts trial steps without balance or
-        finite state. Along time it has ``step_size``, ``estimate`` and the numbers of trial steps rejected before each
-        step. The samples before a failure are kept. The ``status`` may also be "step too small" or "too many steps".
-        Attributes name estimator, controller, duration and tolerance.
+        A run with a tolerance has no ``newton_restarts``, ``dt``, ``u0`` and ``v0``. It has ``steps``,
+        ``failed_at_time``, ``steps_rejected_by_estimate`` and ``steps_rejected_by_solver``, which counts trial steps
+        without balance or finite state. Along time it has ``step_size``, ``estimate`` and the numbers of trial steps
+        rejected before each step, except in an ensemble without records. The samples before a failure are kept. The
+        ``status`` may also be "step too small" or "too many steps". Attributes name estimator, controller, duration and
+        tolerance.
 
     Raises
     ------

@@ -5,22 +5,23 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int, Shaped
 
-#: Values that can be converted to a number or one per lane, shape () or (lanes,).
+#: Values that can be converted to a number, or to a number for each lane; shape () or (lanes,).
 PerRunLike = Float[Any, "*lanes"]
 
-#: Values that can be converted to a count or one per lane, shape () or (lanes,).
+#: Values that can be converted to a count, or to a count for each lane; shape () or (lanes,).
 CountPerRunLike = Int[Any, "*lanes"]
 
-#: Values that can be converted to a displacement, shape () or (n,), or one per lane, with the axis of lanes in front.
+#: Values that can be converted to a displacement, shape () or (n,), or to a displacement for each lane, shape (lanes,)
+#: or (lanes, n).
 DisplacementsLike = Float[Any, "*lanes_and_n"]
 
-#: A number or one per lane, shape () or (lanes,).
+#: A number, or a number for each lane; shape () or (lanes,).
 PerRun = Float[np.ndarray, "*lanes"]
 
 #: A count, or a count for each lane; shape () or (lanes,).
 CountPerRun = Int[np.ndarray, "*lanes"]
 
-#: A displacement, shape () or (n,), or one per lane, with the axis of lanes in front.
+#: A displacement, shape () or (n,), or a displacement for each lane, shape (lanes,) or (lanes, n).
 Displacements = Float[np.ndarray, "*lanes_and_n"]
 
 #: Step sizes of all lanes of an ensemble, shape (lanes,).

@@ -96,7 +96,7 @@ class HHTAlpha1996(OneStep):
 
     @property
     def needs_mass(self) -> bool:
-        # at infinite frequency (1 + α) u₁ = α u₀: the third root, α/(1 + α), is at most ½ in size
+        # at infinite frequency (1 + α) u₁ = α u₀: the root α/(1 + α) is at most ½ in size, so the other two decide
         return not bounded_at_infinite_frequency(self.beta, self.gamma)
 
     def increment(self, problem, state, t, dt):
@@ -118,8 +118,8 @@ class GeneralizedAlpha(OneStep):
         x_f &= (1 - \alpha_f)\,x_1 + \alpha_f x_0 \quad\text{for } x = u \text{ and } x = \dot u
 
     with u₁ and u̇₁ by Newmark's formulas. The internal force is evaluated once, at the weighted displacement, as finite
-    element codes do. Second order for γ = ½ − α_m + α_f. With :math:`\beta = (1 - \alpha_m + \alpha_f)^2/4` and α_m ≤
-    α_f ≤ ½ it is unconditionally stable for linear systems, and its spectral radius falls to ρ∞ as ωΔt grows to
+    element codes do. Second order for γ = ½ − α_m + α_f. With this γ, :math:`\beta = (1 - \alpha_m + \alpha_f)^2/4` and
+    α_m ≤ α_f ≤ ½ it is unconditionally stable for linear systems, and its spectral radius falls to ρ∞ as ωΔt grows to
     infinity. Carries u, u̇ and the algorithmic ü; one force per Newton iteration. The history of a force is committed at
     u₁, not where the forces balance.
 
@@ -199,7 +199,7 @@ class GeneralizedAlpha(OneStep):
 
     @property
     def needs_mass(self) -> bool:
-        # at infinite frequency u_f = 0: the third root, −α_f/(1 − α_f), is at most one in size, as α_f ≤ ½
+        # at infinite frequency u_f = 0: as α_f ≤ ½, the root −α_f/(1 − α_f) is at most 1 in size, so the others decide
         return not bounded_at_infinite_frequency(self.beta, self.gamma)
 
     def increment(self, problem, state, t, dt):

@@ -79,8 +79,8 @@ class BackwardDifferences(Scheme):
 
     @property
     def stability_limit(self) -> float | None:
-        # the values are the boundary of the region of stability; if it stays in the right half plane, every ωΔt is
-        # stable
+        # the values of the polynomial are the boundary of the region of stability; if this boundary stays in the right
+        # half plane, the method is stable for every ωΔt
         circle = np.exp(1j * np.linspace(0, np.pi, 721))
         return math.inf if np.polyval(self.weights[::-1], circle).real.min() > -1e-9 else None
 

@@ -140,7 +140,7 @@ class Scheme(eqx.Module):
 
 
 class OneStep(Scheme):
-    """A scheme whose step adds increments to displacement and velocity; these sums can be compensated."""
+    """A scheme whose step adds increments to u and u̇, so that the round-off of these sums can be compensated."""
 
     needs_equal_steps = False
 
@@ -249,6 +249,6 @@ def check_range(scheme: str, name: str, value, low: float, high: float) -> None:
 
 
 def check_ranges(module: eqx.Module, **ranges: tuple[float, float]) -> None:
-    """Refuse a scheme or a controller that has a field outside the range (low, high) of the field."""
+    """Refuse a scheme or a controller that has a field outside the range [low, high] of the field."""
     for name, (low, high) in ranges.items():
         check_range(type(module).__name__, name, getattr(module, name), low, high)

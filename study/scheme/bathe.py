@@ -114,7 +114,7 @@ class BetaBathe(Composite):
         M \ddot u + C \dot u + p(u) &= f \quad\text{at } t_0 + \gamma\Delta t \text{ and at } t_1
 
     With γ = ½ it is unconditionally stable for linear systems if β₁ + β₂ ≥ 1 and β₁ ≤ β₂. It is then of second order if
-    β₁ + β₂ = 1, and of first order otherwise. With β₁ + β₂ = 1 and β₁ ≥ ⅓ it is the ρ∞-Bathe method with
+    β₁ + β₂ = 1, and of first order otherwise. With β₁ + β₂ = 1 and ⅓ ≤ β₁ ≤ ½ it is the ρ∞-Bathe method with
     :math:`\rho_\infty = (3\beta_1 - 1)/(1 - \beta_1)`. β₂ = 2β₁ makes ρ∞ zero. Carries u, u̇ and ü; solves two balances
     per step, each with one force per Newton iteration. The history of a force is committed at t₀ + γΔt and at t₁.
 

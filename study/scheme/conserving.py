@@ -125,7 +125,7 @@ class EnergyMomentum(OneStep):
             \quad \bar\sigma = \frac{w(\varepsilon_1) - w(\varepsilon_0)}{\varepsilon_1 - \varepsilon_0} \\
         \bar p &= p(u_m) + \frac{V(u_1) - V(u_0) - p(u_m)^T (u_1 - u_0)}{|u_1 - u_0|^2}\,(u_1 - u_0)
 
-    Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off. With a strain energy
+    Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off. With a strain energy,
     linear and angular momentum are constant too. The second formula conserves them only to third order in the step
     size, and its tangent is full. For one unknown both formulas are p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo
     and Tarnow for a spring. For linear systems it is the trapezoidal rule, unconditionally stable. Needs the problem's

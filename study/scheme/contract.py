@@ -9,7 +9,7 @@ from study.algebra.scalars import is_number, is_whole
 from study.mechanics.function_checks import NOT_TRACEABLE
 from study.mechanics.state import Effort
 
-#: Names of attributes in the previous version, which no longer have an effect, each with its present name.
+#: Names of attributes in the previous version, each with its present name. A scheme with such an attribute is refused.
 _RENAMED = {
     "damped_order": "order_with_damping",
     "evaluations": "forces_per_step",

@@ -57,7 +57,7 @@ class EmbeddedNystrom(OneStep):
 
     The weights :math:`\hat b` and :math:`\hat b'` of ``tableau`` in place of b and b′ give the embedded method. The
     difference between the two methods estimates the error of a step. The pair of Dormand and Prince has the orders six
-    and four. Without damping it is unstable at every step size, but the motion grows by only
+    and four. Without damping it is unstable at every step size, but the relative growth of the motion is only
     :math:`4 \cdot 10^{-6} (\omega\Delta t)^8` per step. The published pair is for ü that does not depend on u̇, and has
     no v_i. Here the weights ā integrate the polynomial through the previous k, and the order is three with damping.
     Carries u, u̇ and ü; s − 1 forces per step, five for this pair. The history of a force is committed at u₁; all stages

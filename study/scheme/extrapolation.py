@@ -22,7 +22,7 @@ class Extrapolation(OneStep):
 
     Verlet's method is symmetric: its error is a series in (Δt/n)², and the extrapolation removes its first k − 1 terms.
     The order is 2k, with damping and load too. The k integrations of a step do not depend on each other, so a processor
-    executes them in parallel. Not symplectic. With the sequence 1, 2, ..., 6 it is stable without damping for ωΔt ≤
+    can execute them in parallel. Not symplectic. With the sequence 1, 2, ..., 6 it is stable without damping for ωΔt ≤
     3.141, and, beyond a narrow window of instability, again from π to 3.705. Carries u, u̇ and ü; n₁ + ... + n_k + 1
     forces per step. The history of a force is committed at u₁; all sub-steps start from the history at u₀.
 

@@ -49,7 +49,7 @@ ALIASES = {
     "runge_kutta_4": "rk4",
 }
 
-#: Names of earlier versions, each with its present name.
+#: Names of schemes in earlier versions, each with the present name.
 RENAMED = {"hht_alpha_one_force": "hht_alpha"}
 
 #: All schemes by name: first the schemes of 1996, then the others, module by module.

@@ -66,9 +66,10 @@ class Newmark(OneStep):
     - β = 1/6, γ = ½, linear acceleration, stable for :math:`\omega\Delta t \le 2\sqrt 3`;
     - β = 1/12, γ = ½, Fox and Goodwin, stable for :math:`\omega\Delta t \le \sqrt 6`; its displacement is of fourth
       order for undamped motion from rest (Numerov's formula);
-    - β = 0, γ = ½, central difference, which takes one force per step and no iteration, and is stable for ωΔt ≤ 2.
-      With steps that alternate between h and H ≥ h it is stable for :math:`\omega^2 H (h + H) \le 4`, and again where
-      :math:`\omega^2 h (h + H) \ge 4` and :math:`\omega^2 h H \le 4`.
+    - β = 0, γ = ½, central difference, stable for ωΔt ≤ 2; it takes one force per step, and no iteration unless the
+      force depends on the velocity. With steps that alternate between h and H ≥ h it is stable for
+      :math:`\omega^2 H (h + H) \le 4`, and again where :math:`\omega^2 h (h + H) \ge 4` and
+      :math:`\omega^2 h H \le 4`.
 
     Parameters
     ----------

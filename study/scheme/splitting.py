@@ -128,7 +128,7 @@ class Splitting(Alternating):
 
 
 class Composition(OneStep):
-    r"""Velocity Verlet steps of lengths w₁Δt, w₂Δt, ..., w_sΔt, some of them backwards.
+    r"""Velocity Verlet steps of lengths w₁Δt, w₂Δt, ..., w_sΔt; a step with w_i < 0 goes backwards.
 
     With h = w_iΔt for i = 1, ..., s:
 
