@@ -184,8 +184,7 @@ class ThreePoint(_OfAcceleration):
 
     The parabola passes through ü at both ends of this step and at the start of the previous step, and is integrated
     over this step. The estimate is the larger of the errors of u and u̇, each relative to the largest :math:`|u|` or
-    :math:`|\dot u|` so far.
-    For Newmark's method with equal steps, the error of u is
+    :math:`|\dot u|` so far. For Newmark's method with equal steps, the error of u is
     :math:`\Delta t^2 [(\beta - \tfrac18) \ddot u_1 + (\tfrac1{12} - \beta) \ddot u_0 + \tfrac1{24} \ddot u_{-1}]`.
     The estimate of the error of u̇ is centred half a step too early. Both estimates are wrong after a kink of the force.
 
@@ -231,8 +230,8 @@ class StepDoubling(Estimator):
 
         \eta = \frac{|y_{2 \times \Delta t/2} - y_{\Delta t}|}{(2^p - 1) \max |y|} \quad\text{for } y = u, \dot u
 
-    with the order p of the scheme with damping. The run continues from the two half steps. A trial step evaluates three
-    times the forces of a step.
+    where p is the order of the scheme with damping or load. The run continues from the two half steps. A trial step
+    evaluates three times the forces of a step.
 
     References
     ----------

@@ -160,9 +160,9 @@ class HalfIncrement(Controller):
 class Nastran(Controller):
     r"""The controller of TSTEPNL for the apparent frequency: the step size changes by powers of two.
 
-    The frequency allows 1/r times the present step size. The step size is multiplied by ¼ if
-    1/r < R/2, otherwise by ½ if 1/r < R, by 1 if 1/r < 2, by 2 if 1/r < 3/R, and by 4 otherwise. A step is repeated
-    only if no finite solution was found.
+    The frequency allows 1/r times the present step size. The step size is multiplied by ¼ if 1/r < R/2, otherwise by ½
+    if 1/r < R, by 1 if 1/r < 2, by 2 if 1/r < 3/R, and by 4 otherwise. A step is repeated only if no finite solution
+    was found.
 
     Parameters
     ----------
