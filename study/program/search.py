@@ -32,11 +32,11 @@ STUCK = 0.9
 
 
 class Needed(NamedTuple):
-    """The verdict on an error: the largest step that keeps it, the round step up to it, and the confirming runs.
+    """The verdict on an error: the largest step that keeps it, the recommended step, and the confirming runs.
 
-    ``tried`` is the number of runs with steps from a twentieth of the recommended step up to it, and ``worst`` their
-    largest error relative to the allowed error. If no step keeps the error, the steps and ``tried`` are zero, and
-    ``worst`` is NaN.
+    The recommended step is the largest step rounded down. ``tried`` is the number of runs with steps from a twentieth
+    of the recommended step up to it, and ``worst`` their largest error relative to the allowed error. If no step keeps
+    the error, the steps and ``tried`` are zero, and ``worst`` is NaN.
     """
 
     largest: float
