@@ -24,7 +24,8 @@ from study.scheme.wrapper.with_history import WithHistory
 #: Largest number of steps of a controlled run, as a multiple of the largest number of equal steps.
 MOST = 4
 
-#: Outcomes of a run; ``not_run`` marks a scheme that does not fit the problem, or that needs equal steps.
+#: Outcomes of a run; ``not_run`` marks a scheme that does not fit the problem or, with controlled steps, needs equal
+#: steps.
 STATUSES = (*ENDS, "not_run")
 NOT_RUN = STATUSES.index("not_run")
 

@@ -59,9 +59,10 @@ class Run(NamedTuple):
     status, reason
         One of the ``STATUSES``, and the reason of a failure, which is empty for a completed run.
     seconds
-        Computing time of the run in s, as measured by the program, or ``elapsed`` if the program measures none.
+        Computing time of the run in s, as measured by the program. It is ``elapsed`` if the program measures none or
+        the run failed, and NaN if the run ended its process.
     elapsed
-        Wall time of the run in s, including the start of a process by the program.
+        Wall time of the run in s, including the start of a process by the program; zero if the run ended its process.
     t
         Times in s, of shape (t,); empty if the program returns no times, or if the run failed.
     values
