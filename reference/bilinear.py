@@ -77,9 +77,9 @@ def peaks(
         Stiffness k, damping c, force at yield, and the ratio of the stiffness after yield to k. The oscillator must
         stay underdamped after yield.
     places
-        Number of equal parts of every interval between two samples. Events are sought at the end of each part. Two
-        turning points within one part are missed, so the difference of the peaks with two values of ``places``
-        estimates the uncertainty of the peaks.
+        Number of equal parts of every interval between two samples. An event in a part is detected from the
+        motion at the end of the part. Two turning points within one part are missed, so the difference of the peaks
+        with two values of ``places`` estimates the uncertainty of the peaks.
     """
     bound, slope, spacing = yield_force / stiffness, np.diff(acceleration) / dt, dt / places
     # ``side``: direction of yield, zero while elastic; ``passed``: time since the start of the current part

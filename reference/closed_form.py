@@ -166,7 +166,7 @@ def _pendulum(problem: Problem, t: Iterable) -> tuple[list, list]:
 def _modes(problem: Problem, t: Iterable) -> tuple[list, list]:
     r"""Motion Σ φ q(t) of a linear structure of unit masses from rest under the load f cos(Ωt − α).
 
-    The modes are K φ = ω² φ with φᵀφ = 1. Each coordinate solves q̈ + ω² q = φᵀf cos(Ωt − α), so that
+    The modes are K φ = ω² φ with φᵀφ = 1. Each modal coordinate solves q̈ + ω² q = φᵀf cos(Ωt − α), so that
 
     .. math::
 

@@ -1,4 +1,4 @@
-"""Route through diffrax: explicit and implicit Runge-Kutta methods under step size control."""
+"""Route through diffrax: Runge-Kutta methods under step size control, and the classical one with fixed steps."""
 
 import time
 from functools import partial
@@ -29,7 +29,8 @@ SMALLEST_RTOL = 1e-15
 #: Relative tolerance of a first run, which only compiles the program.
 LOOSE_RTOL = 1e-3
 MAX_STEPS = 1_000_000
-#: Number of stages of one step. An explicit stage evaluates the right side once, an implicit stage several times.
+#: Number of stages that are counted for a step, without the last stage of ``Dopri8`` and ``Tsit5``, which the next step
+#: uses again. A stage of these explicit methods evaluates the right side once, an implicit stage several times.
 STAGES = {"Dopri8": 13, "Tsit5": 6, "Kvaerno5": 7}
 
 

@@ -1,9 +1,9 @@
 """Exact solutions beyond double precision, with a measured uncertainty.
 
 The Taylor method of heyoka is run with significands of 128 and 192 bits, each in two formulations of the equation. The
-digits common to all four integrations are certified. A closed form is compared too if one is known. A free oscillator
-is integrated only over one period. The period is known to more than thirty digits, so any time can be reduced by whole
-periods.
+digits common to all four integrations are certified. A period is also compared with its closed form if one is known.
+:func:`folded` integrates a free oscillator only over one period. The period is known to more than thirty digits, so
+any time can be reduced by whole periods.
 """
 
 import math
@@ -37,7 +37,8 @@ class ExactSolution(NamedTuple):
     u, v
         Displacement and velocity, (t,).
     u_certified, v_certified
-        Largest absolute difference of u and of v between the four integrations, before rounding to doubles.
+        Largest absolute difference of u and of v from the other integrations, before rounding to doubles. In a solution
+        by :func:`folded`, the effect of the error of the times is added.
     """
 
     u: History
@@ -74,7 +75,7 @@ def period(problem: Problem, estimate: float) -> tuple[hy.real, float]:
     period : heyoka.real
         Period of 192 bits.
     difference : float
-        Largest relative difference of the other integrations, and of a closed form if one is known.
+        Largest relative difference of this period from the other integrations, and from a closed form if one is known.
 
     Raises
     ------

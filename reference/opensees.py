@@ -1,10 +1,11 @@
 """Schemes of the study in OpenSees, a finite element code, as an optional comparison.
 
-OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. All schemes except Houbolt's agree to round-off:
-OpenSees starts it by two steps of average acceleration. Its α-method evaluates one internal force at the weighted
-displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights two forces. Bathe's method is called TRBDF2,
-and each of its two sub-steps is a step of OpenSees. OpenSees' generalized-α method with non-zero α_m is left out,
-because at a step of a twentieth of the period its motion grows to a hundred times the amplitude within five periods.
+OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. On this spring, all schemes except Houbolt's agree
+with the study to round-off: OpenSees starts Houbolt's method by two steps of average acceleration. OpenSees' α-method
+evaluates one internal force at the weighted displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights
+two forces. Bathe's method is called TRBDF2, and each of its two sub-steps is a step of OpenSees. OpenSees'
+generalized-α method with non-zero α_m is left out, because at a step of a twentieth of the period its motion grows to a
+hundred times the amplitude within five periods.
 """
 
 import tempfile
@@ -56,7 +57,7 @@ def _nodes(places: np.ndarray) -> ModuleType:
 
 
 def _line(nodes: int) -> ModuleType:
-    """OpenSees with nodes of unit mass on a line, all at the origin; the first node is fixed."""
+    """OpenSees with nodes of unit mass in one dimension, all at the origin; the first node is fixed."""
     ops = _nodes(np.zeros((nodes, 1)))
     ops.fix(1, 1)
     return ops

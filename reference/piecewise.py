@@ -7,8 +7,8 @@ An event is a yield point, a reversal, a change of contact or a kink of the load
     m \ddot u + c \dot u + k u = q
 
 with q, the load less the offset of the piece, linear in time. The solution applies a matrix exponential to
-(u, u̇, q, q̇). An event is bracketed between times much closer than the shortest period and then found by Brent's
-method on this solution.
+(u, u̇, q, q̇). An event of the spring is bracketed within a small part of the shortest period, and then found by
+Brent's method on this solution.
 """
 
 import time

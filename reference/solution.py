@@ -20,7 +20,7 @@ ATOL_BELOW_RTOL = 1e-2
 Times = Float[np.ndarray, "t"]
 #: Displacements or velocities along time; a problem with one unknown has no axis n.
 History = Float[np.ndarray, "t *n"]
-#: A value for each window of time.
+#: Array with one value for each window of time.
 Windowed = Float[np.ndarray, "windows"]
 #: Displacement and velocity together.
 State = Float[Array, "2 *n"]
@@ -34,10 +34,11 @@ class Solution(NamedTuple):
     u, v
         Displacement and velocity.
     evaluations
-        Number of evaluations of the right side. For an implicit Runge-Kutta method it is the number of stages, for the
-        Taylor method the number of Taylor coefficients, and for exact pieces the number of pieces.
+        Number of evaluations of the right side. For diffrax's implicit method it is the number of stages, for the
+        Taylor method the number of Taylor coefficients, and for exact pieces the number of pieces. It is −1 for
+        OpenSees, which does not count evaluations.
     seconds
-        Run time without compilation.
+        Run time in s, for diffrax and heyoka without compilation.
     """
 
     u: History
@@ -47,7 +48,7 @@ class Solution(NamedTuple):
 
 
 class RouteFailed(RuntimeError):
-    """A route has no certain solution up to the last requested time; the message states the reason."""
+    """A route finds no certain solution; the message states the reason."""
 
 
 class StepLimit(RouteFailed):

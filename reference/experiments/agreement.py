@@ -24,7 +24,7 @@ ROUTES: dict[str, tuple[Callable, Callable]] = {
     "cvode_bdf": (partial(sundials.trajectory, method="BDF"), partial(sundials.period, method="BDF")),
     "dopri8": (partial(diffrax.trajectory, method="Dopri8"), partial(diffrax.period, method="Dopri8")),
     "tsit5": (partial(diffrax.trajectory, method="Tsit5"), partial(diffrax.period, method="Tsit5")),
-    # an implicit method of order five, with few steps allowed: a hundred periods at a tight tolerance take minutes
+    # the number of steps is limited, because this implicit method may take minutes for a hundred periods
     "kvaerno5": (
         partial(diffrax.trajectory, method="Kvaerno5", max_steps=30_000),
         partial(diffrax.period, method="Kvaerno5"),

@@ -13,11 +13,12 @@ from study.declaration.options import Springs
 from study.mechanics.definition import Problem
 from study.problem.named import problems as problems_by_name
 
-#: Number of decimal digits: more than the sixteen that are stored. A hundred exact periods are computed in a second.
+#: Number of decimal digits of the arithmetic, more than the sixteen that are stored. With this number, a hundred exact
+#: periods are computed in a second.
 DIGITS = 20
-#: A value for each motion.
+#: Array with one value for each motion.
 _ByAmplitude = Float[np.ndarray, "amplitudes"]
-#: The two turning points of each motion.
+#: Array with the two turning points of each motion.
 _TurningPoints = Float[np.ndarray, "amplitudes 2"]
 
 
@@ -53,7 +54,7 @@ def amplitudes(problems: Springs, exponents: dict[str, float]) -> xr.Dataset:
     Raises
     ------
     ValueError
-        If a period has no closed form, for instance if a spring is released at its position of equilibrium.
+        If a period has no closed form, for instance if a double well is released at the top of its barrier, u = 0.
     """
     x = np.linspace(exponents["first"], exponents["last"], int(exponents["count"]))
     u0 = np.stack([float(problems_by_name[problem].u0) * 10**x for problem in problems])

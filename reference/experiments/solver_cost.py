@@ -36,7 +36,8 @@ def solver_cost(
 
     The error is defined as in the dataset ``control_cost``, at the same samples of the exact motion. Error and number
     of force evaluations are NaN if a solver fails. They are also NaN for a force with a history, because a solver needs
-    a force that is a function of time and state.
+    a force that is a function of time and state. For ``kvaerno5`` the stages are counted, each of which evaluates the
+    force several times.
 
     Variables have the shape (problem, solver, tolerance).
     """

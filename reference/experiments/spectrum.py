@@ -8,8 +8,8 @@ from study.declaration.experiment import experiment, progress
 from study.declaration.options import RecordDuration, RecordPeriods, Records, Reductions
 from study.problem.inelastic import ground_motions, yielding_under_record
 
-#: Numbers of equal parts of the interval between two samples. Events are sought at the end of each part. Peaks are
-#: computed with both numbers. The difference of the two peaks is the uncertainty.
+#: Numbers of equal parts of the interval between two samples, in each of which events are sought. Peaks are computed
+#: with both numbers. The difference of the two peaks gives the uncertainty.
 PLACES = (5, 8)
 
 #: Yield force that no motion reaches.

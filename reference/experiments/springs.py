@@ -74,13 +74,13 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
 def reference(problem: Spring, steps_per_period: Sequence[int]) -> xr.Dataset:
     """Compute the exact period of a spring and its motion over one period.
 
-    Displacement and velocity have the shape (t,). The times t are the ends of all steps of T/N, with the period T and
-    every N in ``steps_per_period``.
+    Displacement and velocity have the shape (t,). The times t are zero and the ends of all steps T/N, with the period T
+    and every N in ``steps_per_period``.
 
     Raises
     ------
     RouteFailed
-        If the integrations do not agree.
+        If no period is found, an integration ends early, or the integrations do not agree.
     """
     definition = problems_by_name[problem]
     progress(f"exact solution of {problem} with 128 and 192 bits in two formulations")

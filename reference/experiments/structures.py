@@ -35,9 +35,9 @@ def _jobs(options: Options) -> dict[str, Options]:
 def structure_reference(problem: Structure, periods: float, samples_per_period: int, rtol: float) -> xr.Dataset:
     """Compute the reference motion of a structure by the best route, with its difference from the next best.
 
-    The routes, best first, are a closed form, diffrax's Dopri8 and CVODE's Adams method. No two routes share method,
-    code or control of the step, so the digits on which they agree are reliable. Displacement and velocity have the
-    shape (t, unknown), or (t,) for one unknown.
+    The routes, best first, are a closed form if one is known, diffrax's Dopri8 and CVODE's Adams method. No two routes
+    share the method or the control of the step, so the digits on which they agree are reliable. Displacement and
+    velocity have the shape (t, unknown), or (t,) for one unknown.
 
     Parameters
     ----------

@@ -65,8 +65,8 @@ def errors(
     """Errors of a solution after ``periods`` periods, by measure as in ``MEASURES``.
 
     The solution and the exact solution have samples at the same times of the last period. A delay δ changes the state
-    by −δ (u̇, ü), so the projection of the last error on (u̇, ü) is −δ (u̇, ü). A loss of energy ΔE is a loss of
-    amplitude ΔE/p(A) at the turning point A.
+    by −δ (u̇, ü), so the error of the last sample has the projection −δ (u̇, ü) on (u̇, ü). A loss of energy ΔE is a
+    loss of amplitude ΔE/p(A) at the turning point A.
     """
     scales = np.max(np.abs(exact_solution.u)), np.max(np.abs(exact_solution.v))
     off = (solution.u - exact_solution.u) / scales[0], (solution.v - exact_solution.v) / scales[1]
@@ -97,7 +97,10 @@ def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> li
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse problems, steps and lengths for which the schemes are not run, and tolerances that are too tight."""
+    """Refuse problems, steps and lengths for which the schemes are not run.
+
+    Tolerances that are too tight, and lengths without the shortest run, are refused too.
+    """
     for key in ("problems", "steps_per_period"):
         of_schemes = configuration["work_precision"]["schemes"][key]
         refused = unlisted(key, options[key], f"work_precision.schemes.{key}", of_schemes)
@@ -136,7 +139,7 @@ def work_precision(
 
     Runs have 100 and 1,000 periods. A shorter length is the beginning of a run, with a proportional part of its time
     and evaluations. Errors are measured in the last period of each length only, where growing errors are the largest.
-    A run is repeated up to ``repeats`` times, and no repeat begins after ``longest`` seconds. A run of 1,000 periods is
+    A run is made up to ``repeats`` times, and no repeat begins after ``longest`` seconds. A run of 1,000 periods is
     left out (NaN) if it would take more than ``longest`` seconds, judged by the run of 100 periods. If a run fails, or
     100 periods take more than ``longest`` seconds, all tighter tolerances are left out (NaN). The classical Runge-Kutta
     method, which is also a scheme of the study, is timed in diffrax too.
@@ -148,7 +151,7 @@ def work_precision(
     steps_per_period
         N in Δt = T/N of the classical Runge-Kutta method in diffrax.
     repeats, longest
-        Largest number of repeats of a run, and the time in seconds after which no repeat begins.
+        Largest number of times that a run is made, and the time in seconds after which no repeat begins.
     """
     shape = tuple(map(len, (problems, SOLVERS, tolerances, periods)))
     measured = {name: np.full(shape, np.nan) for name in MEASURES}

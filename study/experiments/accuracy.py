@@ -36,7 +36,7 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
     """Measure the errors of every scheme against the exact solution, by step size and length of the run.
 
     :mod:`study.analysis.comparison` defines the measures. The step size is Δt = T/N, with T the exact period and
-    N the number of steps per period. Each variable has the shape (problem, scheme, steps_per_period, periods).
+    N the number of steps per period. Each measure has the shape (problem, scheme, steps_per_period, periods).
 
     Raises
     ------

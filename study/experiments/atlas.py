@@ -1,6 +1,6 @@
 """Maps of stability: how the runs of a scheme end, over step size and amplitude.
 
-A job makes one tile of the maps, which is a range of amplitudes for one scheme.
+A job makes one tile of the maps: a range of amplitudes for one scheme.
 """
 
 from collections.abc import Mapping

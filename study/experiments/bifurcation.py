@@ -48,7 +48,8 @@ def bifurcation(
     Returns
     -------
     xarray.Dataset
-        ``u`` has the shape (dt, iterate), the other variables (dt,).
+        ``u`` has the shape (dt, iterate), the other variables (dt,), except the scalars ``perturbation``, ``order_one``
+        and ``steps``.
     """
     progress(f"bifurcation diagram of {scheme} on {problem}")
     step_sizes = np.linspace(dt["first"], dt["last"], int(dt["count"]))

@@ -25,7 +25,7 @@ from study.words import printed
 #: Quantities that are compared.
 QUANTITIES = ("displacement", "velocity", "acceleration")
 
-#: Duration of every run. Initial velocities of the runs or, on a moving support, their amplitudes of the slow mode. An
+#: Duration of every run. Initial velocities of the runs or, on a moving support, amplitudes of the slow mode. An
 #: error is the root mean square over these runs.
 DURATION, SPEEDS = 6.0, np.linspace(0.6, 1.4, 12)
 
@@ -273,7 +273,7 @@ def _support(ratio: float) -> Circumstance:
     soft = 1 - of_load**2  # by the second equation the response has u₁ = soft · u₂
     second = ratio / ((ratio + soft) * soft - 1)
     response = np.array([soft * second, second])
-    # the smaller ω² of ω⁴ − (κ + 2) ω² + κ = 0, without cancellation
+    # the smaller root ω² of ω⁴ − (κ + 2) ω² + κ = 0, in a form without cancellation
     square = 2 * ratio / (ratio + 2 + np.sqrt(ratio**2 + 4))
     mode, frequency = np.array([1 - square, 1.0]), np.sqrt(square)
 

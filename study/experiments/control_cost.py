@@ -24,7 +24,8 @@ from study.scheme.wrapper.with_history import WithHistory
 #: Largest number of steps of a controlled run, as a multiple of the largest number of equal steps.
 MOST = 4
 
-#: Outcomes of a run; ``not_run`` marks a scheme that does not fit a problem.
+#: Outcomes of a run; ``not_run`` marks a scheme that does not fit the problem or, with controlled steps, needs equal
+#: steps.
 STATUSES = (*ENDS, "not_run")
 NOT_RUN = STATUSES.index("not_run")
 
@@ -63,7 +64,8 @@ def control_cost(
     the estimates. Each trial step is assumed to take the mean number of Newton iterations of the accepted steps. The
     estimator is the default estimator of the scheme.
 
-    Variables have the shape (problem, scheme, tolerance); with equal steps (problem, scheme, steps_per_sample).
+    Results of controlled runs have the shape (problem, scheme, tolerance), and results with equal steps the shape
+    (problem, scheme, steps_per_sample).
     """
     shape = len(problems), len(schemes)
     controlled = {name: np.full((*shape, len(tolerances)), np.nan) for name in ("error", "forces", "steps", "rejected")}

@@ -24,7 +24,7 @@ from study.scheme.alpha import hht_alpha
 from study.scheme.base import Scheme
 from study.scheme.newmark import average_acceleration
 
-#: Largest number of steps in a period.
+#: Largest number of steps in a period, on average over the run.
 MOST = 1000
 
 
@@ -46,7 +46,7 @@ RULES = {
 }
 CLASSES = ("tight", "middle", "loose")
 
-#: Tolerances and duration of the runs of a linear oscillator with which SciML tests its adaptive method of Newmark.
+#: Tolerances and duration of the runs on a linear oscillator by which SciML tests its adaptive Newmark method.
 SCIML, LINEAR_DURATION = (1e-4, 1e-6, 1e-8), 5.0
 
 

@@ -63,8 +63,8 @@ def estimates(problems: Problems, schemes: Schemes, estimators: Estimators, step
     period without its first tenth. ``ratio`` is the estimate divided by the true error, along the period, at the
     smallest step size. ``linear_ratio`` is the closed form of this ratio for a linear undamped oscillator that starts
     from a displacement (:mod:`study.control.leading`). It is NaN without a closed form. For a structure, its time scale
-    takes the place of the period. Problems with a history are left out, because their motion cannot start again within
-    a run.
+    takes the place of the period. Problems with a history are left out (NaN), because their motion cannot start again
+    within a run.
     """
     shape = (len(problems), len(schemes), len(estimators), len(steps_per_period))
     estimate, true, displacement = (np.full(shape, np.nan) for _ in range(3))
@@ -151,7 +151,8 @@ class _Later(eqx.Module):
 def true_errors(problem: Problem, ds: xr.Dataset, steps: int = FINE_STEPS) -> tuple[np.ndarray, np.ndarray]:
     """True errors of each step, relative to the largest values.
 
-    The first array has the errors of the displacement, the second the larger errors of displacement and velocity.
+    The first array has the errors of the displacement. The second has the larger of the errors of displacement and
+    velocity in each step.
     """
     u, v, h = ds.u.values, ds.v.values, ds.step_size.values[1:]
     scheme = UNDAMPED if problem.damping is None else DAMPED

@@ -60,8 +60,9 @@ def kinks(
     """Measure error and order of schemes with yielding, memory and contact, and under a record.
 
     The error is max |u − u_ref| / max |u_ref| over the samples, (problem, scheme, steps_per_period). It is NaN where a
-    run fails, or where a scheme takes its force from a potential and the force dissipates. The observed order is the
-    slope of the logarithm of the error against the logarithm of the step size.
+    run fails, or where a scheme refuses the problem, for instance a scheme that takes its force from a potential if the
+    force dissipates. The observed order is the slope of the logarithm of the error against the logarithm of the step
+    size.
     """
     reference = io.open_dataset("reference/inelastic")
     shape = (len(problems), len(schemes), len(steps_per_period))

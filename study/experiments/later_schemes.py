@@ -62,7 +62,8 @@ OF_FOURTH_ORDER: dict[str, Scheme] = {
 #: ωΔt of the stiff unknown in the test of trigonometric methods; π and 2π are resonances. Duration of these runs.
 PHASES, OSCILLATES = np.pi * np.array([0.5, 1.0, 2.0]), 2.0
 
-#: Orders M of the mixed Padé methods. Their ρ∞. Numbers of steps of their runs.
+#: Orders M of the mixed Padé methods, their spectral radius ρ∞ at infinite frequency, and numbers of steps of their
+#: runs.
 TERMS, RHO_INF, LONG = (1, 2, 3, 4), 0.5, (8, 16, 32)
 
 #: Distance of the wave front from the pushed end at the end of a run; the bar has unit length.
@@ -94,7 +95,7 @@ def _coupled(u):
 
 
 def _oscillatory(omega) -> Problem:
-    """A soft unknown and a stiff one of circular frequency ω, with initial energies that do not depend on ω."""
+    """A soft and a stiff unknown; the initial energy of the stiff one does not depend on its circular frequency ω."""
     return Problem(
         potential=_coupled, stiffness=jnp.stack([0.0 * omega, omega**2]), u0=jnp.stack([1 + 0 * omega, 1 / omega]),
         v0=jnp.ones(2), tangent="dense",
@@ -205,11 +206,11 @@ def later_schemes(
         Numbers of steps of two kinds of runs: trigonometric methods on a soft and a stiff unknown, and BDF2 with a
         scalar auxiliary variable next to average acceleration on the hardening oscillator.
     courant, elements
-        Courant numbers, Δt divided by the time in which a wave crosses an element, and number of elements of the bar.
+        Courant numbers (Δt divided by the time in which a wave crosses an element), and number of elements of the bar.
     long_steps
         Step sizes of runs of a thousand steps of BDF2 with the auxiliary variable on the oscillator ü + u + u³ = 0.
     forces
-        Numbers of forces that each scheme of fourth order evaluates during the same motion.
+        Numbers of force evaluations that each scheme of fourth order spends on the same motion.
     """
     plain = circumstances_with([])["plain"]
     auxiliary: dict[str, Scheme] = {

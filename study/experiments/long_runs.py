@@ -33,8 +33,8 @@ ARITHMETIC = {
     "float64": (True, False),
     "float64_compensated": (True, True),
 }
-#: Kinds of step sizes, by the number of their bits. Single precision, of 24 bits, rounds the squares of the first kind
-#: and represents the squares of the second kind exactly.
+#: Kinds of step sizes, each with the number of its bits. Single precision, of 24 bits, rounds the squares of the first
+#: kind and represents the squares of the second kind exactly.
 BITS = {"any": 24, "short": 12}
 #: Largest number of steps of a job with all arithmetics of a scheme. Beyond it each arithmetic is a separate job, of a
 #: minute or more.
@@ -90,7 +90,7 @@ def _phase_error(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, 
 
 
 def _measured(problem: Problem, scheme: Scheme, dt: np.ndarray, length: int, steps: int, double: bool, *exact) -> dict:
-    """Errors of energy and phase, as ``_VARIABLES`` describe them, and the status, at the end of every run, (run,)."""
+    """Errors of energy and phase, status and failing step of every run, by name as in ``_VARIABLES``, each (run,)."""
     with jax.enable_x64(double):
         ds = run(problem, scheme, dt=dt, steps=steps, observe=OBSERVED, on_failure="ignore")
     return {
@@ -187,7 +187,7 @@ def long_runs(
     ValueError
         If the exact motion does not cross zero, where oscillations are counted.
     TypeError
-        If a scheme is not a one-step scheme.
+        If a scheme is not a one-step scheme, but an arithmetic compensates its sums.
     FileNotFoundError
         If the reference of the problem has not been made.
     """

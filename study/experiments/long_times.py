@@ -61,7 +61,8 @@ def summary(runs: xr.Dataset) -> xr.Dataset:
     -------
     xarray.Dataset
         Errors have the shape (scheme, arithmetic, step, periods), exponents and their standard errors
-        (quantity, scheme, arithmetic, step). All of them are NaN if one of the runs failed.
+        (quantity, scheme, arithmetic, step). An error is NaN if one of its runs failed, and an
+        exponent if one of its runs in the last two decades of lengths failed.
     """
     rounded = runs.arithmetic != _LEAST_ROUND_OFF
     less = runs - runs.sel(arithmetic=_LEAST_ROUND_OFF)

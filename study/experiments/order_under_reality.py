@@ -73,9 +73,9 @@ def order_under_reality(
 
     - ``plain``, ``damping``, ``load``: the oscillator ü + c u̇ + u + u³ = f cos(1.5t − 0.7), free and undamped, with
       c = 0.2, or with f = 1;
-    - ``support_0``, ...: two masses on a moving support, held by a spring of each of the ``stiffness_ratios``;
-    - ``hysteresis``, ``contact``: an elastoplastic spring, and a mass on a spring, which meets a stop of twenty times
-      the stiffness of the spring;
+    - ``support_0``, ...: two masses on a moving support, held by a spring with each of the ``stiffness_ratios``;
+    - ``hysteresis``, ``contact``: an elastoplastic spring, and an oscillator whose mass meets a stop of twenty times
+      the stiffness of its spring;
     - ``inconsistent_start``: the oscillator of ``plain``, with an initial acceleration of zero, which violates the
       equation of motion;
     - ``unequal_steps``: the oscillator of ``plain``, with steps that alternate between 4/3 and 2/3 of their mean;

@@ -48,7 +48,7 @@ def phase_portrait(problem: Spring, schemes: Schemes, dt: float, duration: float
     """Compute displacement, velocity and energy of every scheme over time at one step size.
 
     ``dt`` and ``duration`` are in seconds. The energy error is (E − E₀)/|E₀|. ``height`` is the energy above the energy
-    at rest, relative to its initial value. The variables have the shape (scheme, t).
+    at rest, relative to its initial value. All histories have the shape (scheme, t).
     """
     progress(f"phase portraits of {problem}")
     steps = round(duration / dt)

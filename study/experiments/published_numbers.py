@@ -79,8 +79,9 @@ def published_numbers(
     Returns
     -------
     xarray.Dataset
-        Variables of shape (problem, scheme, refinement) with equal steps, and (problem, scheme, tolerance) with
-        controlled steps. Variables with controlled steps are NaN for problems that are not ``controlled``.
+        Errors and statuses with equal steps have the shape (problem, scheme, refinement), variables with controlled
+        steps (problem, scheme, tolerance). Variables with controlled steps are NaN for problems that are not
+        ``controlled``, and for schemes that need equal steps.
     """
     names = [one["problem"] for one in coarsest]
     steps = np.array([one["steps"] for one in coarsest])[:, None] * FINER ** np.arange(refinements)

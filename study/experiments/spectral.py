@@ -115,7 +115,8 @@ def spectral(
     Returns
     -------
     xarray.Dataset
-        Variables of shape (scheme, dt_over_period, damping_ratio) or (scheme, damping_ratio).
+        Variables of shape (scheme, dt_over_period, damping_ratio) or (scheme, damping_ratio), and ``memory`` of shape
+        (scheme,).
     """
     decades = exponents["last"] - exponents["first"]
     dt_over_period = np.logspace(exponents["first"], exponents["last"], round(decades * exponents["per_decade"]) + 1)

@@ -75,8 +75,9 @@ def spectrum(
 
     ``step_needed`` is the largest step size that keeps the allowed error, as all smaller step sizes do. It is given
     among all step sizes tried, and among the step sizes commensurate with the record. It is NaN if not even the
-    smallest step size is enough, or if a scheme takes its force from a potential. A run ends with the step that reaches
-    or passes the duration. After the duration the ground acceleration is zero.
+    smallest step size is enough, or if a scheme refuses the oscillators, for instance because it takes its force from a
+    potential. A run ends with the step that reaches or passes the duration. After the duration the ground acceleration
+    is zero.
     """
     exact = io.open_dataset("reference/spectrum")
     table: Any = jnp.asarray(exact.ground.values)

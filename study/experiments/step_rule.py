@@ -15,7 +15,7 @@ from study.observer.crossings import Oscillations
 from study.observer.outcome import OutcomeObserver
 from study.problem.named import problems as problems_by_name
 
-#: Upper bound of ωT, averaged over the amplitudes; the declared number of steps follows from it.
+#: Upper bound of the mean of ωT over the amplitudes; the declared number of steps follows from it.
 MOST_STIFF = 25
 
 
@@ -45,7 +45,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
     stops_early=True,
 )
 def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> xr.Dataset:
-    """Measure the errors of energy and period by ω Δt, with the highest ω of the tangent along each motion.
+    """Measure the errors of energy and period by ω Δt, with ω the highest frequency of the tangent along each motion.
 
     The problems and amplitudes come from ``results/reference/amplitudes``.
 

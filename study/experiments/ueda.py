@@ -41,7 +41,7 @@ def ueda(
     Returns
     -------
     xarray.Dataset
-        Variables of shape (scheme, steps_per_period), NaN where a run failed.
+        ``exponent`` and ``uncertainty`` of shape (scheme, steps_per_period), NaN where a run failed.
     """
     problem, period = problems["ueda"], time_scales["ueda"]
     u0 = problem.u0 + np.linspace(0.0, 1.0, runs)

@@ -18,14 +18,17 @@ from study.observer.energy import EnergyDrift
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: Approximate duration of a timed run in seconds, long compared with the overhead of a call, a tenth of a millisecond.
+#: Smallest duration of a timed run in seconds, approximately. The overhead of a call is only a tenth of a millisecond.
 LONG_ENOUGH = 0.004
 #: Number of steps of a first run, whose duration gives the number of steps of the timed runs.
 FIRST_STEPS = 10_000
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse problems, schemes and step sizes whose errors ``accuracy`` does not measure."""
+    """Refuse problems, schemes and step sizes whose errors ``accuracy`` does not measure.
+
+    An ``accuracy`` without runs of 100 periods is refused too.
+    """
     for key in ("problems", "schemes", "steps_per_period"):
         refused = unlisted(key, options[key], f"accuracy.{key}", configuration["accuracy"][key])
         if refused is not None:

@@ -59,11 +59,12 @@ class Run(NamedTuple):
     status, reason
         One of the ``STATUSES``, and the reason of a failure, which is empty for a completed run.
     seconds
-        Computing time of the run in s, as measured by the program, or ``elapsed`` if the program measures none.
+        Computing time of the run in s, as measured by the program. It is ``elapsed`` if the program measures none or
+        the run failed, and NaN if the run ended its process.
     elapsed
-        Wall time of the run in s, including the start of a process by the program.
+        Wall time of the run in s, including the start of a process by the program; zero if the run ended its process.
     t
-        Times in s, of shape (t,); empty if all quantities are single numbers, or if the run failed.
+        Times in s, of shape (t,); empty if the program returns no times, or if the run failed.
     values
         Quantities by name: along time, of shape (t, ...), or a single number, of shape ().
     """
@@ -129,8 +130,8 @@ def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, d
     Raises
     ------
     Unusable
-        If the result is not a mapping from names to finite numbers, if it is empty, or if its times are not equally
-        spaced or end too early.
+        If the result is not a mapping from names to finite numbers, if it is empty, if a quantity and the times have
+        different lengths, or if the times are not equally spaced or end too early.
     """
     if returned is None:
         raise Unusable("nothing", "it returned nothing")

@@ -47,10 +47,11 @@ class Curve:
         return SAME * (self.t[1] - self.t[0])
 
     def at(self, times: np.ndarray) -> Values:
-        """Values at some times, by a cubic spline if they are not times of this curve; a single number is constant."""
+        """Values at some times, by a cubic spline unless all are times of this curve; a single number is constant."""
         if not self.values.ndim:
             return self.values
-        # times of a run with half the step need no spline; with many components, a spline takes longer than the run
+        # no spline is needed at the times of a run with twice the step; with many components, it would take longer
+        # than the run
         places = np.searchsorted(self.t, times - self._slack).clip(max=len(self.t) - 1)
         if (np.abs(self.t[places] - times) <= self._slack).all():
             return self.values[places]

@@ -57,9 +57,9 @@ class Program:
     folder
         Folder in which runs are kept, by default in the user's cache folder.
     workers
-        Number of runs at once, by default the number of cores. Each of them has a process if ``run`` can be pickled, as
-        a function in a file can. A script then needs ``if __name__ == "__main__":``. If ``run`` cannot be pickled, or
-        if ``workers`` is 1, runs are made one after the other in this process.
+        Number of runs at once, by default the number of cores. Runs are made in other processes if ``run`` can be
+        pickled, as a function in a file can. A script then needs ``if __name__ == "__main__":``. If ``run`` cannot be
+        pickled, or if ``workers`` is 1, runs are made one after the other in this process.
 
     Raises
     ------

@@ -50,8 +50,8 @@ def opensees(
         transient analysis. Newton's iteration ends when the norm of the correction is at most 1e-10, or ``tolerance``
         if the file defines it.
     schemes
-        Names of the study, such as ``"average_acceleration"``, ``"hht_alpha"`` or ``"bathe"``, or of OpenSees'
-        integrators, such as ``"Newmark"``, ``"TRBDF2"`` or ``"CentralDifference"``.
+        Names of schemes of the study, such as ``"average_acceleration"``, ``"hht_alpha"`` or ``"bathe"``, or of
+        OpenSees' integrators, such as ``"Newmark"``, ``"TRBDF2"`` or ``"CentralDifference"``.
     duration, time_limit
         As for :func:`study.command`.
     **options

@@ -104,7 +104,7 @@ def _step(ops: ModuleType, one: Integrator, dt: float) -> None:
 
 
 def history(file: dict, scheme: str, dt: float, duration: float) -> dict[str, np.ndarray]:
-    """Times, elapsed seconds and measured quantities of a run, at every step.
+    """Times, elapsed seconds and measured quantities of a run, at its start and after every step.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def history(file: dict, scheme: str, dt: float, duration: float) -> dict[str, np
 
 
 def main(file: str, scheme: str, dt: str, duration: str, output: str) -> None:
-    """Make a run, and write its times, seconds and quantities to a file of CSV."""
+    """Make a run, and write its times, seconds and quantities to a CSV file."""
     found = history(runpy.run_path(file), scheme, float(dt), float(duration))
     np.savetxt(output, np.stack([*found.values()], axis=1), "%.17g", ",", header=",".join(found), comments="")
 

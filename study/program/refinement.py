@@ -137,7 +137,11 @@ class Refinement:
         return runs[failed[-1] + 1 :] if failed else runs
 
     def _ends(self, scheme: str) -> bool:
-        """Whether a scheme is not run at finer steps: it ignores the step, timed out, or returned invalid results."""
+        """Whether a scheme is not run at finer steps.
+
+        The reason is that it ignores the step, that its finest run timed out, or that its last ``FRUITLESS`` runs
+        returned invalid results.
+        """
         last = [run.status for run in self.of(scheme)[-FRUITLESS:]]
         fruitless = len(last) == FRUITLESS and all(status in WITHOUT_USE for status in last)
         return self.noise[scheme] > 0 or last[-1:] == ["timed_out"] or fruitless
@@ -178,7 +182,10 @@ class Refinement:
         )
 
     def _repeat(self) -> None:
-        """Repeat the coarsest completed run of every scheme; add a remark if a repetition fails or differs too much."""
+        """Repeat the coarsest completed run of every scheme that does not ignore the step.
+
+        A remark is added if a repetition fails or differs too much.
+        """
         first = {s: next((run for run in self.of(s) if run.completed), None) for s in self._program.all_schemes}
         known = {s: run for s, run in first.items() if run is not None and not self.noise[s]}
         again = self._runs.run([(s, run.dt) for s, run in reversed(known.items())], repeat=1)

@@ -62,7 +62,7 @@ class Runs:
     made
         All requested runs for which there was time, by scheme and step.
     late
-        Whether a requested run was left out, because the time did not suffice.
+        Whether a requested run was left out, because the time did not suffice or Ctrl-C ended the runs.
     interrupted
         Whether Ctrl-C has ended the runs.
     """

@@ -32,11 +32,11 @@ STUCK = 0.9
 
 
 class Needed(NamedTuple):
-    """The verdict on an error: the largest step that keeps it, the round step up to it, and the confirming runs.
+    """The verdict on an error: the largest step that keeps it, the recommended step, and the confirming runs.
 
-    ``tried`` is the number of runs with steps from a twentieth of the recommended step up to it, and ``worst`` their
-    largest error relative to the allowed error. If no step keeps the error, the steps and ``tried`` are zero, and
-    ``worst`` is NaN.
+    The recommended step is the largest step rounded down. ``tried`` is the number of runs with steps from a twentieth
+    of the recommended step up to it, and ``worst`` their largest error relative to the allowed error. If no step keeps
+    the error, the steps and ``tried`` are zero, and ``worst`` is NaN.
     """
 
     largest: float
@@ -144,7 +144,7 @@ class Search:
         return [(scheme, step) for step in sorted(steps, reverse=True)]
 
     def _next(self, scheme: str, limit: Limit) -> list[float]:
-        """Next steps to try for an allowed error; empty if no step is needed.
+        """Next steps to try for an allowed error; empty if no step is needed, or finer steps are of no use.
 
         If no step keeps the error, the next step is half of the finest step tried. Otherwise the next steps are, one
         after the other: a step between the largest step that keeps the error and the next larger step tried, the round
@@ -171,8 +171,9 @@ class Search:
     def _confirming(self, scheme: str, step: float) -> int:
         """Number of random steps that confirm a recommended step.
 
-        Their runs may take a share of a quarter of the time of the reference, but at least ``CHEAP`` seconds. All
-        combinations of scheme, quantity and allowed error have equal shares.
+        The number is at least ``FEWEST_CONFIRMING`` and at most ``MOST_CONFIRMING``. Between these limits, the runs may
+        take a share of a quarter of the time of the reference, but at least ``CHEAP`` seconds. All combinations of
+        scheme, quantity and allowed error have equal shares.
         """
         if self._late:
             return FEWEST_CONFIRMING
@@ -193,7 +194,7 @@ class Search:
         return [one for one in drawn if one < step and one >= self.program.smallest]
 
     def _hopeless(self, scheme: str, name: str) -> bool:
-        """Whether finer steps are of no use, because the finest run timed out, or halving does not reduce the error.
+        """Whether finer steps are of no use, because the finest run timed out, or halving hardly reduces the error.
 
         In the second case a remark is added.
         """

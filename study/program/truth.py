@@ -30,7 +30,7 @@ class Estimate(NamedTuple):
     Attributes
     ----------
     dt
-        The finest step of the runs in s.
+        The finest step of the runs, in s.
     motion
         Quantities of the finest run, or extrapolated from the finest two.
     order
