@@ -46,7 +46,7 @@ def families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
 def of_kinds(dataset: xr.Dataset, schemes: Sequence[str]) -> xr.Dataset:
     """The part of a dataset with the given schemes. Schemes that the dataset lacks are ignored.
 
-    If it lacks all of them, the part has its first schemes instead, as many as are given.
+    If the dataset lacks all of them, the part has the first schemes of the dataset, as many as are given.
     """
     there = [name for name in schemes if name in dataset.scheme.values]
     return dataset.sel(scheme=there or dataset.scheme.values[: len(schemes)])
@@ -92,7 +92,7 @@ def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
 
 
 def largest_omega_step(rule: xr.Dataset, error: float) -> xr.DataArray:
-    """Largest ω Δt up to which all steps tried keep energy and period within a relative error; zero if no step does."""
+    """Largest ω Δt up to which steps keep energy and period within a relative error; zero if the finest does not."""
     kept = (rule.energy_error <= error) & (rule.period_error <= error)
     unbroken = kept.sortby("omega_step").astype(int).cumprod("omega_step")
     return (unbroken.omega_step * unbroken).max("omega_step")

@@ -35,7 +35,7 @@ def uses(text: str) -> dict[str, dict[str, int]]:
 
 
 def check_uses(text: Path, results: Path) -> None:
-    """Refuse a text that uses a product that a folder of results lacks.
+    """Refuse a text that uses a number, figure or table that is not in a folder of results.
 
     Raises
     ------

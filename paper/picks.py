@@ -95,7 +95,8 @@ def fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> tupl
     """Fewest forces per period with which each scheme keeps an error, and the index of the step.
 
     All finer steps must keep the error too. A run does not keep the error if its balance of energies is wrong by more
-    than ``LEVEL``, or if it exceeds a bound in ``BOUNDS``. The number of forces is NaN if no step keeps the error.
+    than ``LEVEL``, or if it exceeds a bound in ``BOUNDS``. The number of forces is NaN if the finest step does not
+    keep it.
     """
     sound = runs.max_energy_imbalance <= LEVEL
     for name, level in BOUNDS.items():

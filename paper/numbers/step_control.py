@@ -43,7 +43,7 @@ def forces_needed(error: xr.DataArray, forces: xr.DataArray, allowed: float, alo
 
 
 def with_control(control_cost: xr.Dataset, allowed: float) -> tuple[xr.DataArray, xr.DataArray]:
-    """Fewest forces for an error with controlled and with equal steps, of shape (problem, scheme)."""
+    """Fewest forces for an error: with controlled steps, and with equal steps, each of shape (problem, scheme)."""
     controlled = forces_needed(control_cost.error, control_cost.forces, allowed, "tolerance")
     return controlled, forces_needed(control_cost.equal_error, control_cost.equal_forces, allowed, "steps_per_sample")
 

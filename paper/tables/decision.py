@@ -119,7 +119,7 @@ def _remembering(kinks: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dic
 
 
 def _losing(one: xr.Dataset) -> str:
-    """A remark on the schemes that fail or lose the balance of energies; empty if there are none.
+    """A remark on the schemes that fail or lose the balance of energies at any step; empty if there are none.
 
     If more than half of the schemes do so, but not all, the remark is on the schemes that keep the balance.
     """
@@ -136,7 +136,7 @@ def _losing(one: xr.Dataset) -> str:
 
 
 def _set_by_sawtooth(runs: xr.Dataset, error: xr.DataArray, limits: Mapping[str, float]) -> str:
-    """A remark if a coarser step would suffice without the bounds on velocity and acceleration."""
+    """A remark if the cells of the row would differ without the bounds on velocity and acceleration."""
     without = runs.drop_vars(["velocity_error", "acceleration_error"], errors="ignore")
     differs = any(cell(picks_of(runs, error, e, limits)) != cell(picks_of(without, error, e, limits)) for e in ERRORS)
     return "velocity or acceleration sets the step" if differs else ""
@@ -221,10 +221,10 @@ def tabulate(
 
     The classes are explicit and implicit. A cell names the scheme of its class with the fewest evaluations of the
     force. Numbers of evaluations within a tenth tie, and the smallest error then decides. On structures and with kinks,
-    however, a scheme whose step a finer step confirms comes first. Energy and phase of a spring must also be within
-    ``LEVEL``. A cell contains the steps per period and, in brackets, the forces per period and Δt·ω with the highest ω
-    of the motion, followed by the stability limit of linear theory if there is one. Under records, the step in ms
-    replaces the steps per period, and the forces per second replace the forces per period.
+    however, tied schemes whose step is the finest that was tried come last. Energy and phase of a spring must also be
+    within ``LEVEL``. A cell contains the steps per period and, in brackets, the forces per period and Δt·ω with the
+    highest ω of the motion, followed by the stability limit of linear theory if there is one. Under records, the step
+    in ms replaces the steps per period, and the forces per second replace the forces per period.
     """
     limits = spectral.stability_limit.sel(damping_ratio=0.0).to_series().to_dict()
     return pd.DataFrame(
