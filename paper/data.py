@@ -73,7 +73,7 @@ def steps_of_period(assessed: xr.Dataset, step: float) -> int:
 
 
 def fastest(needs: pd.DataFrame) -> pd.DataFrame:
-    """The rows of ``study.recommend`` that tie for the least time, the one with the fewest forces first."""
+    """The rows of ``study.recommend`` that tie for the least time, the fewest force evaluations first."""
     return needs[needs.ties_with_fastest].sort_values("force_evaluations", kind="stable")
 
 

@@ -10,7 +10,7 @@ EQUAL = 1e-6
 
 
 def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
-    """Fewest forces per period with a step at and below which all steps that were tried keep the allowed error."""
+    """Fewest force evaluations per period with a step at and below which all steps tried keep the allowed error."""
     fine = runs.sortby("steps_per_period", ascending=False)
     of_step = fine.forces_per_step + fine.forces_per_iteration * fine.iterations_per_step
     kept = (fine[error] <= ALLOWED).astype(int).cumprod("steps_per_period")
@@ -18,7 +18,7 @@ def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
 
 
 def costs(kinks: xr.Dataset, structures: xr.Dataset) -> xr.DataArray:
-    """Forces per period for the allowed error, over (problem, scheme); NaN if the finest step exceeds it.
+    """Force evaluations per period for the allowed error, over (problem, scheme); NaN if the finest step exceeds it.
 
     The schemes are those that both datasets have.
     """

@@ -51,7 +51,7 @@ def _by_class(runs: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
 
 
 def _fewest(needs: pd.DataFrame, kind: str) -> pd.DataFrame:
-    """The rows of the schemes of a class that tie for the fewest forces, the smallest error first."""
+    """The rows of the schemes of a class that tie for the fewest force evaluations, the smallest error first."""
     needs = needs[needs.kind == kind]
     return needs.iloc[tied(needs.forces_per_time.to_numpy(), needs.made.to_numpy())]
 
@@ -169,7 +169,7 @@ def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator
 
 
 def _under_records(spectrum: xr.Dataset, error: float, limits: Mapping[str, float]) -> list[Pick]:
-    """The schemes that tie for the fewest forces per second at an error of the peak drift, each with its step."""
+    """The schemes, each with its step, that tie for the fewest evaluations per second at an error of the peak drift."""
     runs = ["record", "period", "reduction"]
     largest = largest_steps(spectrum, error)
     found = spectrum.isel(scheme=np.flatnonzero(largest.notnull()))
