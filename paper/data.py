@@ -68,7 +68,7 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
 
 
 def steps_of_period(assessed: xr.Dataset, step: float) -> int:
-    """Number of steps of a given size in seconds in a period of an assessed spring, rounded up."""
+    """Number of steps of ``step`` seconds in one period of an assessed spring, rounded up."""
     return math.ceil(assessed.attrs["duration"] / assessed.attrs["periods"] / step * (1 - 1e-9))
 
 

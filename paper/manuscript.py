@@ -15,7 +15,7 @@ TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ",
 SHARED = [LAYOUT, *(LAYOUT.with_name(name) for name in ("energy_errors.typ", "metadata.yaml"))]
 
 _COMMENT = re.compile(r"^[ \t]*//.*$", re.MULTILINE)
-#: Patterns by which the text names a number, figure or table, by kind.
+#: Patterns of the uses of numbers, figures and tables in a text, by kind.
 _USES = {
     "number": re.compile(r'(?<![\w."])n\.(?:at\("([^"]+)"\)|(?!at\()([A-Za-z_]\w*))'),
     "figure": re.compile(r'\bpicture\("([^"]+)"'),

@@ -138,7 +138,7 @@ def legend_in_gap(figure: Figure, axes: np.ndarray, number: int, columns: int) -
 
 
 def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, list[tuple[xr.Dataset, np.ndarray]]]:
-    """A figure as wide as the page with a column of panels for each family, and a place for a legend below it.
+    """A figure as wide as the page: a column of panels for each family, and a place for a legend below each column.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ PROBLEM, SCHEME = "hardening", "average_acceleration"
 #: Bounds on the largest energy error of the last period divided by the largest of the first period. Above ``DRIFTS``
 #: the energy drifts. Below ``KEPT`` it does not.
 DRIFTS, KEPT = 3.0, 1.1
-#: Steps in a period of the cells of Tables 1 and 2 that the text compares.
+#: Number of steps per period in the cells of Tables 1 and 2 that the text compares.
 CELL = 50
 #: Relative error of the displacement at which numbers of force evaluations are compared. Ratio of two such numbers
 #: above which they differ clearly.

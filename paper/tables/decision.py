@@ -71,7 +71,7 @@ def _of_spring(spring: xr.Dataset, chosen: pd.DataFrame, limits: Mapping[str, fl
 
 
 def _of_amplitudes(robustness: xr.Dataset, problem: str, chosen: pd.DataFrame) -> str:
-    """A remark if the first chosen scheme needs more than the chosen steps to keep the energy at all amplitudes."""
+    """A remark if the first chosen scheme needs more steps than chosen to keep the energy at all amplitudes."""
     known = problem in robustness.problem.values and not chosen.empty
     if not known or chosen.index[0] not in robustness.scheme.values:
         return ""
