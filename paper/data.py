@@ -46,7 +46,7 @@ def families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
 def of_kinds(dataset: xr.Dataset, schemes: Sequence[str]) -> xr.Dataset:
     """The part of a dataset with the given schemes. Schemes that the dataset lacks are ignored.
 
-    If it lacks all of them, the part has its first schemes instead, as many as are given.
+    If the dataset lacks all of them, the part has the first schemes of the dataset, as many as are given.
     """
     there = [name for name in schemes if name in dataset.scheme.values]
     return dataset.sel(scheme=there or dataset.scheme.values[: len(schemes)])
@@ -68,12 +68,12 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
 
 
 def steps_of_period(assessed: xr.Dataset, step: float) -> int:
-    """Number of steps of a given size in seconds in a period of an assessed spring, rounded up."""
+    """Number of steps of ``step`` seconds in one period of an assessed spring, rounded up."""
     return math.ceil(assessed.attrs["duration"] / assessed.attrs["periods"] / step * (1 - 1e-9))
 
 
 def fastest(needs: pd.DataFrame) -> pd.DataFrame:
-    """The rows of ``study.recommend`` that tie for the least time, the one with the fewest forces first."""
+    """The rows of ``study.recommend`` that tie for the least time, the fewest force evaluations first."""
     return needs[needs.ties_with_fastest].sort_values("force_evaluations", kind="stable")
 
 
@@ -92,7 +92,7 @@ def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
 
 
 def largest_omega_step(rule: xr.Dataset, error: float) -> xr.DataArray:
-    """Largest ω Δt up to which all steps tried keep energy and period within a relative error; zero if no step does."""
+    """Largest ω Δt up to which steps keep energy and period within a relative error; zero if the finest does not."""
     kept = (rule.energy_error <= error) & (rule.period_error <= error)
     unbroken = kept.sortby("omega_step").astype(int).cumprod("omega_step")
     return (unbroken.omega_step * unbroken).max("omega_step")

@@ -15,7 +15,7 @@ TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ",
 SHARED = [LAYOUT, *(LAYOUT.with_name(name) for name in ("energy_errors.typ", "metadata.yaml"))]
 
 _COMMENT = re.compile(r"^[ \t]*//.*$", re.MULTILINE)
-#: Patterns by which the text names a number, figure or table, by kind.
+#: Patterns of the uses of numbers, figures and tables in a text, by kind.
 _USES = {
     "number": re.compile(r'(?<![\w."])n\.(?:at\("([^"]+)"\)|(?!at\()([A-Za-z_]\w*))'),
     "figure": re.compile(r'\bpicture\("([^"]+)"'),
@@ -35,7 +35,7 @@ def uses(text: str) -> dict[str, dict[str, int]]:
 
 
 def check_uses(text: Path, results: Path) -> None:
-    """Refuse a text that uses a product that a folder of results lacks.
+    """Refuse a text that uses a number, figure or table that is not in a folder of results.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The scheme that keeps an error with the fewest forces, with its step, as a cell of a table."""
+"""The scheme that keeps an error with the fewest force evaluations, and its step, as a cell of a table."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -62,7 +62,7 @@ def first_of(titles: list[str]) -> str:
 
 
 def tied(forces: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """Indices of the numbers of forces that tie with the fewest, ordered by error; NaN is ignored."""
+    """Indices of the numbers of force evaluations that tie with the smallest, ordered by error; NaN is ignored."""
     places = np.flatnonzero(forces <= TIED * np.fmin.reduce(forces, initial=np.inf))
     return places[np.argsort(error[places], kind="stable")]
 
@@ -76,9 +76,9 @@ def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataF
     """Rows of ``study.recommend``, one per scheme, for the step that keeps a quantity, the energy and the phase.
 
     This step is the finest of the steps that quantity, energy and phase need. The error of the quantity must be at most
-    ``error``, and the errors of energy and phase at most ``LEVEL``. Schemes that exceed one of these errors at every
-    step have no row. ``steps`` and ``forces`` are the steps and the force evaluations per period, and ``made`` is the
-    error of the quantity.
+    ``error``, and the errors of energy and phase at most ``LEVEL``. A scheme without such a step has no
+    row. ``steps`` and ``forces`` are the steps and the force evaluations per period, and ``made`` is the error of the
+    quantity.
     """
     wanted = {(error, quantity), (LEVEL, "energy"), (LEVEL, "phase")}
     needs = pd.concat([recommend(spring, error=limit, quantity=what) for limit, what in wanted])
@@ -92,10 +92,11 @@ def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataF
 
 
 def fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Fewest forces per period with which each scheme keeps an error, and the index of the step.
+    """Fewest force evaluations per period with which each scheme keeps an error, and the index of the step.
 
     All finer steps must keep the error too. A run does not keep the error if its balance of energies is wrong by more
-    than ``LEVEL``, or if it exceeds a bound in ``BOUNDS``. The number of forces is NaN if no step keeps the error.
+    than ``LEVEL``, or if it exceeds a bound in ``BOUNDS``. The number of evaluations is NaN if the finest step does
+    not keep it.
     """
     sound = runs.max_energy_imbalance <= LEVEL
     for name, level in BOUNDS.items():
@@ -116,7 +117,7 @@ def marked(steps: np.ndarray, place: int) -> str:
 
 
 def picks_of(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits: Mapping[str, float]) -> list[Pick]:
-    """The schemes that tie for the fewest forces per period with an allowed error, with their steps."""
+    """The schemes that tie for the fewest force evaluations per period with an allowed error, with their steps."""
     dims = ("scheme", "steps_per_period")
     runs, error = runs.transpose(*dims, ...), error.transpose(*dims)
     fewest, best = fewest_forces(runs, error, allowed)

@@ -10,7 +10,7 @@ EQUAL = 1e-6
 
 
 def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
-    """Fewest forces per period for which a step keeps the allowed error, as do all finer steps that were tried."""
+    """Fewest force evaluations per period with a step at and below which all steps tried keep the allowed error."""
     fine = runs.sortby("steps_per_period", ascending=False)
     of_step = fine.forces_per_step + fine.forces_per_iteration * fine.iterations_per_step
     kept = (fine[error] <= ALLOWED).astype(int).cumprod("steps_per_period")
@@ -18,7 +18,7 @@ def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
 
 
 def costs(kinks: xr.Dataset, structures: xr.Dataset) -> xr.DataArray:
-    """Forces per period for the allowed error, over (problem, scheme); NaN if no step keeps it.
+    """Force evaluations per period for the allowed error, over (problem, scheme); NaN if the finest step exceeds it.
 
     The schemes are those that both datasets have.
     """
@@ -32,8 +32,8 @@ def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:
 
     These properties are the spectral radius at infinite frequency, the damping of a resolved oscillation, the inverse
     of the stability limit, and the largest power of ωΔt with which the motion grows in a first step with large ωΔt.
-    Radius and power are infinite for a scheme with a stability limit, and a cost is infinite if no step keeps the
-    error.
+    Radius and power are infinite for a scheme with a stability limit. A cost that is NaN in ``costs_at`` is infinite
+    here.
     """
     free = spectral.sel(damping_ratio=0, scheme=costs_at.scheme.values)
     limited = np.isfinite(free.stability_limit)

@@ -40,7 +40,8 @@ def sources(project: Path) -> list[Path]:
     """Source files of the project, relative to its folder.
 
     In a Git checkout, the sources are the tracked files, and the untracked files that are neither ignored nor hidden.
-    Outside a checkout, they are all files except products, caches, environments and hidden files of the project.
+    Outside a checkout, they are all files except products, caches, environments, and hidden files and folders at the
+    top of the project.
     """
     if tracked := _listed(project, "--cached"):
         new = [file for file in _listed(project, "--others", "--exclude-standard") if not _is_hidden(file)]

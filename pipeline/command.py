@@ -88,7 +88,8 @@ def _check_steps(declared: Experiment, promised: float) -> None:
     """Refuse an experiment with more than twice or less than half of the declared number of steps.
 
     Timed experiments are not checked, because they repeat their runs. Jobs of at most ``FEW`` steps are not checked,
-    because their runs round to whole numbers of steps. Experiments that stop early may take fewer steps.
+    because their runs round to whole numbers of steps. Experiments that stop early may take fewer steps. An
+    experiment without any step is accepted.
     """
     progress(f"steps: {promised:.3g} declared, {Work.steps:.3g} taken")
     too_few = 0 < 2 * Work.steps < promised and not declared.stops_early

@@ -186,7 +186,8 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
     Raises
     ------
     ValueError
-        If an experiment cannot run to its end; the message names the key or the dataset, and the expected value.
+        If an experiment cannot run to its end; the message names the key or the dataset. Also if all runs together need
+        more than ``MOST_STEPS`` steps.
     """
     declared = tuple(experiments)
     _register_own_schemes(configuration)

@@ -8,7 +8,7 @@ from paper.products import Product
 from pipeline.sources import Sources
 from pipeline.step import Step, job
 
-#: Folder and file formats of the kinds of products that have one job each; the report shows the last format.
+#: Folder and file formats of the kinds whose products have one job each; the report shows the last format.
 _FILES = {"figure": ("results/figures", ("pdf", "png", "svg")), "page": ("results", ("html",))}
 #: Module that makes all products of a kind in one job, and its output: a file, or a folder of files in some formats.
 _WHOLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
@@ -50,7 +50,7 @@ def _of_each(kind: str, products: list[Product], sources: Sources) -> Step:
 
 
 def _of_all(kind: str, products: list[Product], sources: Sources) -> Step:
-    """The step that makes all tables, claims or numbers in one job: starting a process takes longer than making one."""
+    """The step that makes all tables, claims or numbers in one job: each takes less time than starting a process."""
     name, output, formats = _WHOLES[kind]
     outputs = tuple(f"{output}/{one.name}.{form}" for one in products for form in formats) or (output,)
     modules = [f"paper.{name}.__main__", *(one.module for one in products)]

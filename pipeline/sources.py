@@ -11,8 +11,8 @@ _DECLARATIONS = ("study.declaration.experiment", "study.declaration.options", "s
 _FIRST = ("study.settings",)
 #: Suffixes of the data files that modules of ``paper`` read from their folders: printed numbers, styles, explorer.
 _DATA = (".csv", ".js", ".css", ".html", ".mplstyle")
-#: Folders of data that a module reads if its text has the name of the file, and the suffixes of these files: printed
-#: numbers, ground motion, and verdicts on other programs.
+#: Folders with data files, and the suffixes of these files: printed numbers, ground motion, and verdicts on other
+#: programs. A module depends on such a file if the name of the file is in the text of the module.
 _NAMED, _SUFFIXES = ("study", "conformance/verdicts"), (".csv", ".at2", ".json")
 
 

@@ -1,4 +1,4 @@
-"""The start of a call of Snakemake: its plan, lock and worker. It imports only the standard library."""
+"""The start of a call of Snakemake: its plan, lock and worker. This module imports only the standard library."""
 
 import fcntl
 import hashlib

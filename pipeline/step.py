@@ -28,9 +28,9 @@ class Step:
     name, message
         Name of the rule, and its message when it starts.
     outputs
-        Files that the step makes, with ``{job}`` for the name of the job if there are several jobs.
+        Files that the step makes, with ``{job}`` for the name of the job if its jobs have names.
     jobs
-        The jobs by name; the name of a single job is empty.
+        The jobs by name. A step that always has one job gives it an empty name.
     temporary
         Whether the outputs are removed after their last use.
     alone

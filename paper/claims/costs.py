@@ -1,9 +1,9 @@
 """Claims on the costs of the schemes, in sections 3.1, 3.2 and 5.
 
-Every claim depends on ratios of times per step. Each repeat of the measurement runs all schemes one after the other
-and gives one value of each ratio. The ledger states the median over the repeats. A ratio counts as above a
-bound only if both its quartiles are above it, and as below a bound only if both are below it. Otherwise the repeats
-do not decide about the ratio, and a claim that depends on the ratio is undecided.
+Every claim depends on ratios of times per step. For each problem, a repeat of the measurement runs all schemes one
+after the other. A ratio has one value per repeat, and the ledger states the median of the values. A ratio counts as
+above a bound only if its lower and its upper quartile are above it, and as below a bound only if both are below it.
+Otherwise the repeats do not decide about the ratio. A claim is undecided if its verdict depends on such ratios.
 """
 
 import xarray as xr
@@ -23,13 +23,13 @@ def _quartiles(ratio: xr.DataArray) -> tuple[float, float, float]:
 
 
 def _to(cpu_time: xr.Dataset, scheme: str, others: list[str], problem: str) -> tuple[float, float, float]:
-    """Quartiles, over the repeats, of the time of a scheme divided by the largest time of the other schemes."""
+    """Quartiles, over the repeats, of a scheme's time per step divided by the largest time per step of ``others``."""
     time = cpu_time.time_per_step.sel(problem=problem)
     return _quartiles(time.sel(scheme=scheme) / time.sel(scheme=others).max("scheme"))
 
 
 def _found(ratios: Ratios, least: float = 0.0, most_of_all: float = float("inf")) -> Finding:
-    """Whether most of the ratios lie between two bounds, with a sentence on the exceptions.
+    """The medians of the ratios, whether most ratios lie between two bounds, and a qualification on the exceptions.
 
     The claim is undecided if it does not hold, but would hold if all ratios left open by the repeats were within the
     bounds.

@@ -113,7 +113,7 @@ def smaller_may_be_unstable(large_steps):
 def five_are_unconditionally_stable(spectral):
     radius = spectral.spectral_radius.sel(damping_ratio=0)
     excess = radius.sel(scheme=UNCONDITIONAL).max().item() - 1
-    # a radius up to 1 + 1e-6 counts as one: a double root on the unit circle is computed with half of the digits
+    # a radius up to 1 + 1e-6 counts as one: a double root on the unit circle is accurate to half of the digits
     others = bool((radius.sel(scheme=EXPLICIT).max("dt_over_period") > 1 + 1e-6).all())
     return Finding(number(excess, ".0e"), excess < ROUND_OFF and others)
 

@@ -14,7 +14,7 @@ _FOURTH_ORDER = 3.5
 
 
 def excess_of_tangent(later_schemes: xr.Dataset, scheme: str) -> float:
-    """Largest difference, tangent minus model stiffness, with stable steps, in M/Δt²; median over the model's ωΔt."""
+    """Largest excess of the tangent over the model's stiffness with stable steps, in M/Δt²: its median over ωΔt."""
     ratios = later_schemes.largest_stiffening.sel(with_model=scheme)
     return float(((ratios - 1) * ratios.omega_step**2).median())
 

@@ -151,7 +151,7 @@ def _of_1996(check: Callable[..., Finding]) -> Callable[..., Finding]:
 
 
 def errors(energy_error: xr.Dataset, problem: str) -> xr.DataArray:
-    """Largest energy errors on a problem with the step sizes of the paper, over (steps_per_period, scheme)."""
+    """Largest energy errors on a problem, over (steps_per_period, scheme), with step sizes from the printed period."""
     return energy_error.max_energy_error.sel(period_used="printed", problem=problem)
 
 

@@ -61,7 +61,7 @@ def twenty_steps_for_the_peak(spectrum):
     needed = spectrum.step_needed.sel(scheme="average_acceleration")
     steps = (needed.period / needed.sel(tried="all")).max(["record", "reduction"], skipna=False)
     values = {f"{period:g} s": value for period, value in zip(steps.period.values, steps.values, strict=True)}
-    enough = all(value <= RULE for value in values.values())  # false for NaN: no step is enough
+    enough = all(value <= RULE for value in values.values())  # false for NaN, which means that no step is enough
     reason = "" if enough else "a step must resolve the record too"
     return Finding(listed(values, spectrum, ".0f", "none of those tried"), enough, reason)
 

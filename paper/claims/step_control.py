@@ -21,7 +21,7 @@ def _smooth(estimates):
 
 
 def _ratio(estimates, estimator, error="true_error"):
-    """Largest estimate in a period divided by the largest true error in the period, at the smallest step."""
+    """Largest estimate divided by largest true error, in a period after its first tenth, at the smallest step."""
     finest = estimates.sel(estimator=estimator).isel(steps_per_period=-1)
     return finest.estimate / finest[error]
 

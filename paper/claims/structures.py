@@ -10,7 +10,7 @@ from paper.data import TURNING
 from paper.published import SCHEMES
 from paper.requirements import samples_of_history
 
-#: Structures with modes that are far too fast for the steps to resolve.
+#: Structures with modes that are too fast for most of the steps to resolve.
 STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]
 #: Algebraically stable methods, which are BN-stable by a theorem of Burrage and Butcher.
 BN_STABLE = ["implicit_midpoint", "gauss4"]

@@ -18,7 +18,7 @@ FAR_OFF = 50.0
 #: Energy error in percent above which a run is "unstable". A run of a spring that only loses energy stays below
 #: 100, up to round-off.
 UNSTABLE = 101.0
-#: Gain of the energy in the second half of a run, in percent of the initial energy, above which the energy grows.
+#: Excess over the initial energy, in percent, above which the energy in the second half of a run has grown.
 GROWN = 100.0
 #: Ratio of errors up to which a scheme is "almost as accurate" as another, and above which a run is "less accurate".
 ALMOST = 1.1

@@ -19,7 +19,7 @@ LOG_CODES = 512
 
 
 def packed(blocks: Mapping[str, np.ndarray]) -> tuple[dict[str, Any], str]:
-    """Arrays as one text, and the place of each array in it: offset, type and shape by name.
+    """The place of each array (offset, type and shape, by name) in a block of bytes, and the block as one text.
 
     The text is base64 of the compressed bytes, which browsers can unpack without a library. Arrays of wider numbers
     come first, so that each array starts at a multiple of the width of its numbers.
@@ -35,14 +35,14 @@ def packed(blocks: Mapping[str, np.ndarray]) -> tuple[dict[str, Any], str]:
 
 
 def _logarithmic(values: np.ndarray) -> np.ndarray:
-    """Base-2 logarithms as integers of two bytes. The smallest integer is NaN; logarithms out of range are clipped."""
+    """Base-2 logarithms times ``LOG_CODES`` as integers of two bytes, clipped to their range; -32768 stands for NaN."""
     with np.errstate(divide="ignore"):
         codes = np.clip(np.round(LOG_CODES * np.log2(values)), -32767, 32767)
     return np.where(np.isnan(codes), -32768, codes).astype(np.int16)
 
 
 def coarse(dataset: xr.Dataset) -> xr.Dataset:
-    """A map thinned to at most ``CELLS`` amplitudes and step sizes."""
+    """A map thinned to at most ``CELLS`` amplitudes and at most ``CELLS`` step sizes."""
     strides = {name: -(-dataset.sizes[name] // CELLS) for name in ("amplitude", "dt_over_period")}
     return dataset.isel({name: slice(None, None, stride) for name, stride in strides.items()})
 
@@ -51,7 +51,7 @@ def of_maps(atlas: xr.Dataset) -> dict[str, np.ndarray]:
     """Arrays of the page: outcomes and errors of the maps, and the largest safe steps.
 
     The arrays of the maps have the shape (problem, scheme, amplitude, step size). The largest safe Δt/T have the shape
-    (error, problem, scheme, amplitude), and are zero where no step is safe.
+    (error, problem, scheme, amplitude), and are zero where the finest step is not safe.
     """
     maps = coarse(atlas).transpose("problem", "scheme", "amplitude", "dt_over_period", ...)
     safe = xr.concat([largest_safe(atlas.sel(amplitude=maps.amplitude), error) for error in ERRORS], "error")

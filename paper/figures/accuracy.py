@@ -15,7 +15,7 @@ MEASURES = {
     "max_energy_error": "energy (%)",
 }
 PROBLEMS = ("hardening", "softening")
-#: Number of periods of the runs. Number of periods of shorter runs, which show whether a change of amplitude is steady.
+#: Number of periods of the runs, and of shorter runs that show whether a change of amplitude is steady.
 PERIODS, SHORTER = 100, 3
 
 

@@ -15,7 +15,7 @@ from paper.products import figure
     bifurcation="stability/bifurcation",
 )
 def draw(bifurcation: xr.Dataset) -> Figure:
-    """Last displacements, Lyapunov exponent, and steps until a perturbation is of order one, against the step size."""
+    """Last displacements, Lyapunov exponent per step, and steps until a perturbation is of order one, by step size."""
     figure, axes = panels(3, 1, COLUMN, 12, sharex=True, height_ratios=[1.5, 1, 1.2])
     axes = axes[:, 0]
     dt = bifurcation.dt.values

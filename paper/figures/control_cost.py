@@ -8,7 +8,7 @@ from paper.figures.style import PAGE, curve_styles_in_order, legend_below, lette
 from paper.numbers.step_control import ALLOWED
 from paper.products import figure
 
-#: Schemes in the figure. General solver in the figure. Maximum number of panels.
+#: Schemes and general solver in the figure, and the maximum number of panels.
 SHOWN, SOLVER, MOST = ["average_acceleration", "generalized_alpha", "rk4", "dormand_prince6"], "cvode_adams", 8
 COLUMNS = 4
 

@@ -9,7 +9,8 @@ from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.respects import costs
 
-#: Abscissae of the schemes with the lowest and the highest stability limit. Maximum number of panels in a row.
+#: Abscissae of the schemes with the lowest and the highest finite stability limit, and the maximum number of panels in
+#: a row.
 LIMITED, MOST = (1.3, 1.8), 5
 
 

@@ -14,7 +14,7 @@ FLOOR, CEILING = 1e-13, 1e4
 
 
 def sizes(history: xr.Dataset) -> xr.DataArray:
-    """Energy errors in percent after the start; errors that are not finite are left out."""
+    """Absolute energy errors in percent after the start; NaN where they are not finite."""
     error = 100 * np.abs(history.energy_error.isel(t=slice(1, None)))
     return error.where(np.isfinite(error))
 

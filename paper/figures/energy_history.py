@@ -13,7 +13,7 @@ STRETCH = 20
 
 
 def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
-    """Largest |error| of each group of ``steps`` samples. All samples, which oscillate, would blacken the panel."""
+    """Largest absolute error of each group of ``steps`` samples; all samples oscillate and would blacken the panel."""
     return abs(error).isel(t=slice(1, None)).coarsen(t=steps, boundary="trim").max()
 
 

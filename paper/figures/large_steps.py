@@ -30,7 +30,8 @@ _DAMPED, _FAILED = 4, 4
 def classify(run: xr.Dataset) -> np.ndarray:
     """Index of the class of every run.
 
-    A run is damped away if its error exceeds 50 % and the energy lost by the end exceeds nine tenths of this error.
+    A completed run is damped away if its error exceeds 50 % and the energy that it has lost by the end exceeds nine
+    tenths of this error.
     """
     error, drift = run.max_energy_error, 100 * run.energy_drift
     completed = np.digitize(np.nan_to_num(error, nan=0.0), _BOUNDS)

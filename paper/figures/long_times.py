@@ -14,7 +14,11 @@ _RANDOM, _DRIFTING = {"energy": (0.5, "½"), "phase": (1.5, "3/2")}, {"energy": 
 
 
 def _guide(ax: Axes, round_off: xr.DataArray, offset: float, law: tuple[float, str]) -> None:
-    """Draw a line with the slope of a law over the last part of the runs, at ``offset`` times the final round-off."""
+    """Draw a line with the slope of a law over the last part of the runs.
+
+    The line ends at ``offset`` times the final round-off of a scheme: the largest if ``offset`` exceeds one, and the
+    smallest otherwise.
+    """
     exponent, label = law
     x = round_off.periods.values[round_off.periods.values >= round_off.periods.values[-1] / 50]
     last = round_off.isel(periods=-1)

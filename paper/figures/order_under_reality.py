@@ -9,7 +9,7 @@ from paper.data import families
 from paper.figures.style import PAGE, letter, panels
 from paper.products import figure
 
-#: Loss of order that has the darkest shade. Loss of order above which the text in a cell is white.
+#: Loss of order with the shade of a failure. Loss of order above which the text in a cell is white.
 DARKEST, WHITE = 2.5, 1.3
 
 

@@ -26,7 +26,7 @@ class RunOf1996(NamedTuple):
     marker: str
 
     def place(self, one: xr.Dataset) -> tuple[float, float]:
-        """Coordinates of the run on a map: step size over the period at the nearest amplitude; relative amplitude."""
+        """Coordinates of the run on a map: step size over period at the nearest amplitude, and relative amplitude."""
         nearest = one.isel(amplitude=int(np.argmin(np.abs(np.log(one.u0.values / self.u0)))))
         return self.dt / nearest.period.item(), self.u0 / nearest.u0.item() * nearest.amplitude.item()
 

@@ -18,7 +18,7 @@ _PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 1}
 
 
 def _order(portrait: xr.Dataset) -> list[str]:
-    """Schemes in the order of panels. On the double well explicit schemes, which the paper's figure omits, are last."""
+    """Schemes in the order of panels. In the double well the explicit schemes, not in the paper's figure, are last."""
     if portrait.problem != "double_well":
         return portrait.scheme.values.tolist()
     return portrait.scheme.sortby("explicit").values.tolist()

@@ -1,4 +1,4 @@
-"""Errors at known displacements, and the Lyapunov exponent of Ueda's oscillator, against the number of steps."""
+"""Errors on problems with known displacements, and Lyapunov exponents of Ueda's oscillator, by number of steps."""
 
 import xarray as xr
 from matplotlib.axes import Axes

@@ -16,7 +16,7 @@ FROM = 0.02
     requires={"spectral.damping_ratios": [0.0]},
 )
 def draw(spectral: xr.Dataset) -> Figure:
-    """ρ against Δt/T; the curves of explicit schemes leave the panel where these schemes lose their stability."""
+    """ρ against Δt/T; a scheme is unstable where its curve exceeds one."""
     data = spectral.sel(damping_ratio=0.0, dt_over_period=slice(FROM, None))
     figure, columns = of_families(data, 1, 3.0)
     for part, (ax, below) in columns:

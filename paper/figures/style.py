@@ -107,7 +107,7 @@ def empty(width: float, height: float) -> Figure:
 
 
 def wrapped(title: str, width: int) -> str:
-    """A title in lines of limited length; an equation and an order stay in one line."""
+    """A title in lines of limited length, without a break around an equals sign or after the word "order"."""
     kept = title.replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}").replace("order ", "order\N{NO-BREAK SPACE}")
     return textwrap.fill(kept, width)
 
@@ -138,7 +138,7 @@ def legend_in_gap(figure: Figure, axes: np.ndarray, number: int, columns: int) -
 
 
 def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, list[tuple[xr.Dataset, np.ndarray]]]:
-    """A figure as wide as the page with a column of panels for each family, and a place for a legend below it.
+    """A figure as wide as the page: a column of panels for each family, and a place for a legend below each column.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, 
 
 
 def legend_in(place: Axes, axes: Axes) -> None:
-    """Draw a legend of the curves of a panel, one entry per line, in the place reserved for it."""
+    """Draw a legend of the curves of a panel, in one column, in the place reserved for it."""
     handles, titles = axes.get_legend_handles_labels()
     titles = [wrapped(title, ENTRY) for title in titles]
     legend = place.legend(

@@ -8,7 +8,7 @@ from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.published import SCHEMES
 
-#: Number of periods of the runs. Number of periods of shorter runs, which show whether a change of amplitude is steady.
+#: Number of periods of the runs, and of shorter runs that show whether a change of amplitude is steady.
 PERIODS, SHORTER = 100, 3
 MEASURES = {
     "max_trajectory_error": "displacement",

@@ -1,6 +1,7 @@
 """``python -m paper.latex RESULTS FOLDER`` writes the texts as LaTeX sources with all that they include.
 
-Pandoc reads the texts with a special layout, and a filter adds the parts that Pandoc omits. pdfLaTeX compiles them.
+Pandoc reads the texts with a special layout, and a filter adds the parts that Pandoc omits. pdfLaTeX compiles the
+sources.
 """
 
 import shutil

@@ -11,8 +11,8 @@ from study.words import span
 REMEMBER = ["yielding", "hysteretic"]
 #: Problems with a kink of the force, except contact.
 KINKED = [*REMEMBER, "shaken"]
-#: Observed order below which Runge-Kutta has lost its order. Error of another scheme divided by the error of
-#: Runge-Kutta; above this ratio Runge-Kutta is more accurate.
+#: Observed order below which Runge-Kutta has lost its order. Ratio of the error of another scheme to the error of
+#: Runge-Kutta above which Runge-Kutta is more accurate.
 LOST, GAINED = 3.0, 1.5
 #: Error of the balance of energies, in percent of the energy, below which the balance counts as kept.
 KEPT = 0.01

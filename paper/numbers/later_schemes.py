@@ -83,7 +83,7 @@ YEAR = 1996
 
 
 def _later(decision: pd.DataFrame, spectral: xr.Dataset) -> dict[str, str]:
-    """Share of later schemes among all schemes that the table of decisions names, by class, such as "3 of 20"."""
+    """Share of later schemes in the cells of the table of decisions that name a scheme, by class, such as "3 of 20"."""
     years = spectral.scheme_source.to_series().str.extract(r"\((\d{4})", expand=False).astype(int)
     later = dict(zip(spectral.scheme_title.values, years > YEAR, strict=True))
     counts = {}

@@ -18,7 +18,7 @@ def _observed_order(file: str) -> str | None:
 
 @numbers()
 def of_other_programs() -> dict:
-    """Numbers of cases that OpenSees passes, with the initial acceleration set or left at zero; order of a scheme."""
+    """Cases that OpenSees passes, with initial acceleration set or left at zero, and the order of its generalized-α."""
     opensees, from_zero = verdicts("opensees.json"), verdicts("opensees_from_zero.json")
     return {
         "kit_cases": len(opensees["cases"]),

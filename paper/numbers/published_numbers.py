@@ -1,4 +1,4 @@
-"""Numbers of the text: errors of known displacements, and chaos of Ueda's oscillator."""
+"""Numbers of the text: problems with known displacements, and chaos of Ueda's oscillator."""
 
 import numpy as np
 import xarray as xr

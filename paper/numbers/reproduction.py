@@ -12,7 +12,7 @@ from study.words import span
 
 #: Schemes whose energies grow on the softening spring from its large amplitude.
 _GROWING = ["average_acceleration", "central_difference", "hht_alpha_1996"]
-#: Largest relative difference between an eighth of the period and a step that is close to the step of 1996.
+#: Largest relative difference at which a step counts as close to the step of 1996, an eighth of the period.
 NEAR = 0.01
 
 
@@ -53,7 +53,7 @@ def _caught(drift: xr.Dataset) -> np.ndarray:
     """Whole number of steps per oscillation at which a resonance holds each run; zero for other runs.
 
     A run is held if its final steps per oscillation equal that number to one part in a thousand, and if it has lost
-    less than half of the energy that the median of the runs at neighbouring step sizes has lost.
+    less than half of the energy that the runs at neighbouring step sizes have lost in the median.
     """
     count, lost = drift.steps_per_oscillation.values, -drift.energy_drift.values
     whole = np.round(count)

@@ -49,7 +49,7 @@ def of_long_times(runs: xr.Dataset) -> dict:
 
 
 def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str, float]:
-    """Share of failed runs among the runs of explicit schemes with ωΔt below the linear limit, by problem.
+    """Share of failed runs among the runs of explicit schemes with ωΔt below a finite linear limit, by problem.
 
     Here ω is the highest frequency along the motion.
     """

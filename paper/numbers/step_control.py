@@ -12,10 +12,10 @@ PROBLEM, SCHEME = "hardening", "average_acceleration"
 #: Bounds on the largest energy error of the last period divided by the largest of the first period. Above ``DRIFTS``
 #: the energy drifts. Below ``KEPT`` it does not.
 DRIFTS, KEPT = 3.0, 1.1
-#: Steps in a period of the cells of Tables 1 and 2 that the text compares.
+#: Number of steps per period in the cells of Tables 1 and 2 that the text compares.
 CELL = 50
-#: Relative error of the displacement at which numbers of forces are compared. Ratio of two such numbers above which
-#: they differ clearly.
+#: Relative error of the displacement at which numbers of force evaluations are compared. Ratio of two such numbers
+#: above which they differ clearly.
 ALLOWED, CLEARLY = 0.01, 1.25
 #: Ratio of estimate to true error above which an estimator is misled.
 FOOLED = 2.0
@@ -43,13 +43,13 @@ def forces_needed(error: xr.DataArray, forces: xr.DataArray, allowed: float, alo
 
 
 def with_control(control_cost: xr.Dataset, allowed: float) -> tuple[xr.DataArray, xr.DataArray]:
-    """Fewest forces for an error with controlled and with equal steps, of shape (problem, scheme)."""
+    """Fewest force evaluations for an error with controlled and with equal steps, each of shape (problem, scheme)."""
     controlled = forces_needed(control_cost.error, control_cost.forces, allowed, "tolerance")
     return controlled, forces_needed(control_cost.equal_error, control_cost.equal_forces, allowed, "steps_per_sample")
 
 
 def ratio_of_forces(control_cost: xr.Dataset, allowed: float) -> xr.DataArray:
-    """Fewest forces for an error with controlled steps divided by the fewest with equal steps, (problem, scheme)."""
+    """Fewest force evaluations for an error with controlled steps over those with equal steps, (problem, scheme)."""
     controlled, equal = with_control(control_cost, allowed)
     return controlled / equal
 
@@ -127,7 +127,7 @@ def of_step_control(
 
 @numbers(requires={"control_cost.problems": STIFF, "control_cost.schemes": [SCHEME]})
 def of_control_cost(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> dict:
-    """Numbers of cases (problem and scheme) in which controlled steps save forces, and the steps chosen by Abaqus."""
+    """Numbers of cases (problem and scheme) in which step control saves force evaluations, and the steps of Abaqus."""
     ratio = ratio_of_forces(control_cost, ALLOWED)
     known = ratio.stack(case=ratio.dims).dropna("case")
     pairs = [(known.sel(case=case).item(), case) for case in known.case.values]

@@ -13,7 +13,7 @@ from paper.requirements import samples_of_history
 from paper.tables.structures import STEPS_PER_PERIOD
 from study.words import printed
 
-#: Schemes without numerical damping that are run on structures, except the energy-momentum method.
+#: Schemes without numerical damping with which the text compares the energy-momentum method.
 UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "gauss4"]
 #: Relative change of an error from the second finest step to the finest. Below this change, still finer steps do not
 #: reduce the error.
@@ -26,7 +26,7 @@ def _in_a_sentence(title: str) -> str:
 
 
 def _plateaus(structures: xr.Dataset) -> dict[str, str | None]:
-    """Errors of two schemes on the stiff and soft spring, in percent; None if finer steps still reduce the errors."""
+    """Errors of two schemes on the stiff and soft spring in percent; None if not run or if finer steps reduce them."""
     names = "gauss4", "bathe"
     nothing: dict[str, str | None] = {f"plateau_{name}": None for name in names}
     if "stiff_soft" not in structures.problem or not set(names) <= set(structures.scheme.values):

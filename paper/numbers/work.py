@@ -67,8 +67,8 @@ def of_work(work: xr.Dataset) -> dict:
 def _fastest(springs: list[xr.Dataset]) -> pd.DataFrame:
     """The fastest scheme for every spring, quantity and error: its name, its title, and whether it is implicit.
 
-    Among schemes that tie, the fastest scheme is the one with the fewest forces. The column ``tied`` has the kinds,
-    explicit or implicit, of all schemes that tie.
+    Among schemes that tie, the fastest scheme is the one with the fewest force evaluations. The column ``tied`` has
+    the kinds, explicit or implicit, of all schemes that tie.
     """
     rows = []
     for spring in springs:

@@ -11,7 +11,7 @@ from paper.products import table
 
 @table("Forces for one percent of error with controlled and with equal steps")
 def tabulate(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> pd.DataFrame:
-    """One row per scheme, with its forces on each problem (controlled / equal steps), then one row per solver."""
+    """One row per scheme, with force evaluations for each problem (controlled / equal steps), then one per solver."""
     controlled, equal = with_control(control_cost, ALLOWED)
     of_solvers = forces_needed(solver_cost.error, solver_cost.forces, ALLOWED, "tolerance")
     titles = dict(zip(control_cost.problem.values, control_cost.problem_title.values, strict=True))

@@ -12,7 +12,7 @@ from paper.published import PROBLEMS
     requires={"controlled_1996.problems": PROBLEMS, "energy_error.problems": PROBLEMS},
 )
 def tabulate(controlled_1996: xr.Dataset, energy_error: xr.Dataset) -> pd.DataFrame:
-    """Two rows per step size, with equal and with controlled steps, for schemes that the estimator supports."""
+    """Two rows per problem and step size, equal and controlled steps; one column per scheme that has the estimator."""
     controlled = controlled_1996.max_energy_error.isel(controller=0)
     estimated = controlled_1996.scheme[controlled.notnull().any(["problem", "steps_per_period"])].values
     equal = energy_error.max_energy_error.sel(period_used="exact")

@@ -51,7 +51,7 @@ def _by_class(runs: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
 
 
 def _fewest(needs: pd.DataFrame, kind: str) -> pd.DataFrame:
-    """The rows of the schemes of a class that tie for the fewest forces, the smallest error first."""
+    """The rows of the schemes of a class that tie for the fewest force evaluations, the smallest error first."""
     needs = needs[needs.kind == kind]
     return needs.iloc[tied(needs.forces_per_time.to_numpy(), needs.made.to_numpy())]
 
@@ -71,7 +71,7 @@ def _of_spring(spring: xr.Dataset, chosen: pd.DataFrame, limits: Mapping[str, fl
 
 
 def _of_amplitudes(robustness: xr.Dataset, problem: str, chosen: pd.DataFrame) -> str:
-    """A remark if the first chosen scheme needs more than the chosen steps to keep the energy at all amplitudes."""
+    """A remark if the first chosen scheme needs more steps than chosen to keep the energy at all amplitudes."""
     known = problem in robustness.problem.values and not chosen.empty
     if not known or chosen.index[0] not in robustness.scheme.values:
         return ""
@@ -119,7 +119,7 @@ def _remembering(kinks: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dic
 
 
 def _losing(one: xr.Dataset) -> str:
-    """A remark on the schemes that fail or lose the balance of energies; empty if there are none.
+    """A remark on the schemes that fail or lose the balance of energies at any step; empty if there are none.
 
     If more than half of the schemes do so, but not all, the remark is on the schemes that keep the balance.
     """
@@ -136,7 +136,7 @@ def _losing(one: xr.Dataset) -> str:
 
 
 def _set_by_sawtooth(runs: xr.Dataset, error: xr.DataArray, limits: Mapping[str, float]) -> str:
-    """A remark if a coarser step would suffice without the bounds on velocity and acceleration."""
+    """A remark if the cells of the row would differ without the bounds on velocity and acceleration."""
     without = runs.drop_vars(["velocity_error", "acceleration_error"], errors="ignore")
     differs = any(cell(picks_of(runs, error, e, limits)) != cell(picks_of(without, error, e, limits)) for e in ERRORS)
     return "velocity or acceleration sets the step" if differs else ""
@@ -169,7 +169,7 @@ def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator
 
 
 def _under_records(spectrum: xr.Dataset, error: float, limits: Mapping[str, float]) -> list[Pick]:
-    """The schemes that tie for the fewest forces per second at an error of the peak drift, each with its step."""
+    """The schemes, each with its step, that tie for the fewest evaluations per second at an error of the peak drift."""
     runs = ["record", "period", "reduction"]
     largest = largest_steps(spectrum, error)
     found = spectrum.isel(scheme=np.flatnonzero(largest.notnull()))
@@ -221,10 +221,10 @@ def tabulate(
 
     The classes are explicit and implicit. A cell names the scheme of its class with the fewest evaluations of the
     force. Numbers of evaluations within a tenth tie, and the smallest error then decides. On structures and with kinks,
-    however, a scheme whose step a finer step confirms comes first. Energy and phase of a spring must also be within
-    ``LEVEL``. A cell contains the steps per period and, in brackets, the forces per period and Δt·ω with the highest ω
-    of the motion, followed by the stability limit of linear theory if there is one. Under records, the step in ms
-    replaces the steps per period, and the forces per second replace the forces per period.
+    however, tied schemes whose step is the finest that was tried come last. Energy and phase of a spring must also be
+    within ``LEVEL``. A cell contains the steps per period and, in brackets, the forces per period and Δt·ω with the
+    highest ω of the motion, followed by the stability limit of linear theory if there is one. Under records, the step
+    in ms replaces the steps per period, and the forces per second replace the forces per period.
     """
     limits = spectral.stability_limit.sel(damping_ratio=0.0).to_series().to_dict()
     return pd.DataFrame(

@@ -11,7 +11,7 @@ from paper.respects import costs, dominated_by, respects
 
 @table("Dominated schemes", requires={"spectral.damping_ratios": [0.0]})
 def tabulate(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
-    """One row per scheme: number of problems on which a step keeps the error, median forces, and dominating schemes."""
+    """One row per scheme: number of problems on which a step keeps the error, median cost, and dominating schemes."""
     forces = costs(kinks, structures)
     of = respects(forces, spectral)
     rows = []

@@ -10,13 +10,13 @@ from paper.requirements import OF_THE_TABLES
 
 
 def _percent(error: float) -> str:
-    """Two decimals, from which the printed decimal was rounded; one significant digit of errors below 0.01."""
+    """An error with two decimals, from which the printed decimal was rounded; below 0.01, one significant digit."""
     return f"{error:.2f}" if error >= 0.01 else f"{error:.1g}"
 
 
 @table("Energy errors of Tables 1 and 2 of 1996", requires=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
-    """Three rows per step size, with one column per scheme of 1996: printed, computed, exact period."""
+    """Three rows per problem and step size (printed, computed, exact period), one column per scheme of 1996."""
     printed = printed_energy_errors()
     energy_error = of_the_tables(energy_error)
     ours = energy_error.max_energy_error

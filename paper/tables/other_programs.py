@@ -18,7 +18,7 @@ PROGRAMS = (
 
 
 def verdicts(file: str) -> dict[str, Any]:
-    """Name, version and cases of a program, each case with its verdict, from one of the files of ``VERDICTS``."""
+    """Name, version and cases of a program, each case with its verdict, from a file in the folder ``VERDICTS``."""
     return json.loads((VERDICTS / file).read_text(encoding="utf-8"))
 
 
@@ -30,7 +30,7 @@ def _likely(code: dict[str, Any]) -> str:
 
 @table("Conformance of other programs")
 def tabulate() -> pd.DataFrame:
-    """One row per program: its cases by verdict, and the most frequent cause of an unexpected result."""
+    """One row per program or part of one: its cases by verdict, and the most frequent cause of an unexpected result."""
     rows = []
     for code in map(verdicts, PROGRAMS):
         counts = code["counts"]

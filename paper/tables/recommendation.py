@@ -11,7 +11,7 @@ from study.analysis.recommendation import recommend
 
 
 def _cell(spring: xr.Dataset, error: float, quantity: str) -> str:
-    """The fastest scheme with its steps; if schemes tie, the one with the fewest forces, marked by an asterisk."""
+    """The fastest scheme with its steps; if schemes tie, the one with the fewest evaluations, marked by an asterisk."""
     needs = fastest(recommend(spring, error=error, quantity=quantity))
     if needs.empty:
         return "–"

@@ -10,7 +10,7 @@ from paper.requirements import contained, rising
 
 #: Problems with positive energy; only on these can a gain of energy be distinguished from a loss.
 PROBLEMS = ["hardening", "softening", "softening_large"]
-#: Gain of the energy in the second half of a run, divided by the initial energy, above which the energy has grown.
+#: Excess over the initial energy, divided by this energy, above which the energy in the second half of a run has grown.
 GAIN = 1.0
 
 
