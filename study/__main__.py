@@ -1,4 +1,4 @@
-"""The command line, ``study`` or ``python -m study``, with a function for each of its commands."""
+"""The command line, ``study`` or ``python -m study``."""
 
 import argparse
 import math
