@@ -33,8 +33,8 @@ Which scheme and which step size
         study.recommend(ds, error=0.01, quantity="angle")
         study.report(ds, "pendulum.html")
 
-    ``work_precision`` draws error against computing time. ``cite`` lists, as BibTeX, the works on which a dataset is
-    based.
+    ``work_precision`` returns the errors and computing times of runs, and draws them if a file for the figure is given.
+    ``cite`` lists, as BibTeX, the works on which a dataset is based.
 
 A model in another program
     ``assess`` also takes a ``Program``: any function that runs a model with a scheme and a step size. ``command`` makes

@@ -1,4 +1,4 @@
-"""The command line, ``study`` or ``python -m study``, with a function for each of its commands."""
+"""The command line, ``study`` or ``python -m study``."""
 
 import argparse
 import math
@@ -213,7 +213,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     ------
     SystemExit
         With code 2 after a mistake; one sentence on the standard error output explains it. With code 130 after an
-        interrupt.
+        interrupt, and with code 1 if a case of the conformance kit fails.
     """
     parser = _parser()
     words = sys.argv[1:] if arguments is None else list(arguments)

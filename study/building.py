@@ -6,16 +6,16 @@ differentiates.
 - ``start(problem, u0, v0, dt)`` returns the state at t = 0, and ``step(problem, state, t, dt)`` returns the state at
   t + Δt, both in a tuple with the :class:`Effort`. A step does not change fields, shapes or types of the state.
 - A state is a :class:`Phase` (u, u̇), a :class:`Motion` (u, u̇, ü), or your own named tuple with ``u`` and ``v``.
-- A :class:`study.OneStep` has ``increment(problem, state, t, dt)`` in place of ``step``. It returns the new state with
-  the increments of u and u̇ in the fields ``u`` and ``v``. :class:`study.Compensated` adds these increments by
-  compensated sums. A :class:`study.OneStep` without its own ``start`` begins with the acceleration of the equation of
-  motion.
+- A :class:`study.OneStep` has ``increment(problem, state, t, dt)`` in place of ``step``. It also returns a
+  state and the :class:`Effort`, but the fields ``u`` and ``v`` of this state hold the increments of u and u̇.
+  :class:`study.Compensated` adds these increments by compensated sums. A :class:`study.OneStep` without its own
+  ``start`` begins with the acceleration of the equation of motion.
 - ``title``, ``source``, ``doi``, ``order``, ``explicit`` and ``stability_limit`` describe the scheme.
   ``order_with_damping``, ``forces_per_step`` and ``forces_per_iteration`` have defaults, to be replaced where they do
   not fit. ``family`` names the panel in which figures of the study draw the scheme.
 
 An explicit step solves the equation of motion for ü by :func:`acceleration`. An implicit step needs the
-acceleration that balances the forces, which :func:`balance` finds by Newton's iteration. :func:`load` is f(t).
+acceleration that balances the forces; :func:`balance` finds it by Newton's iteration. :func:`load` is f(t).
 """
 
 from study.mechanics.balance import acceleration as acceleration

@@ -119,7 +119,7 @@ def flags(long_name: str, meanings: Sequence[str], dtype: type[np.integer]) -> d
     meanings
         Meaning of each index, one word without spaces.
     dtype
-        Type of the values of the variable, which CF requires of ``flag_values`` too.
+        Type of the values of the variable. CF requires the same type for ``flag_values``.
     """
     return {
         "long_name": long_name,

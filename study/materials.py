@@ -104,8 +104,8 @@ def friction(slip_force, stiffness) -> Elastoplastic:
     """Coulomb friction: a contact of the given stiffness that slips where its force reaches the slip force.
 
     The stiffness models the asperities. A stiff contact approximates the rigid law of Coulomb, whose force jumps and
-    has no tangent. The relative difference of the two motions is inversely proportional to the square root of the
-    stiffness. The vibration period of the contact should stay well above the step size.
+    has no tangent. The relative difference from the motion with rigid friction is inversely proportional to the square
+    root of the stiffness. The vibration period of the contact should stay well above the step size.
 
     Raises
     ------
@@ -243,7 +243,7 @@ def gap(stiffness, opening=0.0) -> Gap:
 
 
 class _Elements(eqx.Module):
-    """Base class of the forces of springs of one material in a structure."""
+    """Base class for the force of the springs of one material in a structure."""
 
     material: Any
     elongations: Callable
@@ -297,8 +297,8 @@ def elements(material: Callable, elongations: Callable[[Vector], Vector], count:
     Returns
     -------
     Callable
-        A force for :class:`study.Problem` with the arguments of the material. It has a ``potential`` if the material
-        has one, and the ``history`` of all elements if the material has a history.
+        A force for :class:`study.Problem` with the arguments of the material. Its ``potential`` calls the
+        potential of the material. It has the ``history`` of all elements if the material has a history.
 
     Raises
     ------

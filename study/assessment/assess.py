@@ -57,13 +57,14 @@ def assess(
 
     Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, in octaves of the
     step size, from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the
-    smallest error. An octave has up to 128 runs, the octave below a recommended step up to 500; both have fewer if the
-    runs have many steps. ``largest_dt`` is the largest step tried that keeps an error, as all finer steps tried do,
-    with a margin for the scatter of their errors. The recommended step is the largest step with two digits up to
-    ``largest_dt``. If the load is a record, the step is an integer fraction or multiple of the spacing of the samples.
-    The recommended step must keep the error with the given initial values and load, and with values one percent smaller
-    and larger. If none of n random finer steps exceeds the error, at most 3/n of all finer steps do, with 95 %
-    confidence. Every recommended step was run; neither the step nor its error is interpolated.
+    smallest error, or to a limit on the number of steps. An octave has up to 128 runs, the octave below a recommended
+    step up to 500; both have fewer if the runs have many steps. ``largest_dt`` is the largest step tried that keeps an
+    error, as all finer steps tried do, with a margin for the scatter of their errors. The recommended step is the
+    largest step with two digits up to ``largest_dt``. If the load is a record with equal spacing of the samples, the
+    step is an integer fraction or multiple of this spacing. The recommended step must keep the error with the given
+    initial values and load, and with values one percent smaller and larger. If none of n random finer steps exceeds the
+    error, at most 3/n of all finer steps do, with 95 % confidence. Every recommended step was run; neither the step nor
+    its error is interpolated.
 
     A run ends with the last step that fits into the duration. Quantities along time are compared with the reference at
     every step.
@@ -79,7 +80,7 @@ def assess(
         schemes, duration and quantities.
     schemes
         Names in ``study.schemes``, your own :class:`study.Scheme`, or a mapping from names to schemes; ten common
-        schemes by default.
+        schemes by default, or all schemes of a program. Schemes that cannot step the problem are left out.
     duration
         Simulated time of the runs in seconds. The default for a free undamped oscillator of one unknown is ten of its
         periods; other problems need a duration.
@@ -87,20 +88,21 @@ def assess(
         Quantities whose errors are measured: a mapping from names to :class:`study.Quantity`. The default quantities
         are displacement and velocity along time; the acceleration, unless an unknown has no mass or the force has a
         history; the balance of energies, if the problem has a potential and its force cannot dissipate; and period,
-        phase and amplitude of a free undamped oscillator of one unknown.
+        phase and amplitude of a free undamped oscillator of one unknown. A warning is given if the balance of energies
+        is left out because the energy at the start is too small to scale its errors.
     errors
         Allowed errors, as fractions of the largest value of each quantity.
     maps
         Whether to make a map of the failures of each scheme over step size and excitation, the multiple of initial
         values and load. A program, or a problem of more than 1,000 unknowns, has no map.
     controller
-        Name in ``study.controllers``, or your own :class:`study.Controller`. Each one-step scheme then also runs with
-        controlled steps at random tolerances; the result has the tolerance that keeps each error, and its cost. A
-        program, or a problem of more than 1,000 unknowns, cannot have a controller.
+        Name in ``study.controllers``, or your own :class:`study.Controller`. Each scheme that does not need equal steps
+        then also runs with controlled steps at random tolerances; the result has the tolerance that keeps each error,
+        and its cost. A program, or a problem of more than 1,000 unknowns, cannot have a controller.
     seconds
-        Wall time in s after which no run begins. The results so far are returned. The verdict is ``out_of_time`` where
-        the runs do not suffice. The reference of two solvers and the first runs of every scheme are made in any case.
-        If the time runs out, there is no map.
+        Wall time in s after which the searches end. The results so far are returned. The verdict is ``out_of_time``
+        where the runs do not suffice. The reference of two solvers, the first runs of every scheme and the timing of
+        recommended steps are made in any case. If the time runs out, there is no map.
 
     Returns
     -------
@@ -251,7 +253,10 @@ def assess(
 
 
 def _lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
-    """A sentence if the energy at the start is too small to scale the errors of the balance of energies; else empty."""
+    """A sentence if the energy at the start is too small to scale the errors of the balance of energies; else empty.
+
+    It is also empty for a problem with a load, whose work counts in this scale.
+    """
     if problem.load is not None:
         return ""
     at_start = abs(float(problem.energy(problem.u0, problem.v0)))

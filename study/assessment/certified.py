@@ -40,7 +40,7 @@ class Certified(NamedTuple):
 def _holds(
     one: DenseSolution, other: DenseSolution, quantities: dict[str, Quantity], problem: Problem, most: float
 ) -> float:
-    """Last time on the grid of ``one`` up to which the two solutions differ by at most ``most`` in every quantity."""
+    """Last time on the grid of ``one`` that is not after the first difference above ``most`` in any quantity."""
     ends = [one.t[-1]]
     for quantity in quantities.values():
         _, along = errors.difference(quantity, problem, one, other)
@@ -62,7 +62,8 @@ def certified(
     Raises
     ------
     NoReference
-        If the solvers fail, or agree only over less than a twentieth of the duration.
+        If the solvers fail at the loosest tolerance, or agree only over less than a twentieth of the duration; also as
+        :class:`Reference`.
     ValueError
         If the problem does not move, or a quantity is not finite or is zero at all times.
     """

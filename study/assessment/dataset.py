@@ -68,10 +68,10 @@ class Assessed(NamedTuple):
 def _timed(problem: Problem, scheme: Scheme, wanted: dict[float, int]) -> dict[float, tuple]:
     """Median and interquartile range of the time in s of all steps of a run, by step size.
 
-    ``wanted`` maps each step size to the number of steps of its run. A timed run has at most ``MOST_TIMED`` steps, and
-    more steps than ``wanted`` if these take less than ``ENOUGH`` seconds. Its time is scaled to the number of steps
-    wanted. The overhead of a call is the time of a run of one step. It is subtracted from the median if the median
-    exceeds twice the overhead.
+    ``wanted`` maps each step size to the number of steps of its run. A timed run has this number of steps, but at most
+    ``MOST_TIMED``. If they take less than ``ENOUGH`` seconds, it has more steps, unless one of these fails. Its time is
+    scaled to the number of steps wanted. The overhead of a call is the time of a run of one step. It is subtracted from
+    the median if the median exceeds twice the overhead.
     """
     timed = Timed(problem, scheme, ())
     call = np.median([timed.run(max(wanted), 1)[0] for _ in range(REPEATS)])

@@ -26,7 +26,7 @@ FINER = 8
 #: Refinement of a peak: number of samples between the neighbours of the largest sample, and number of refinements.
 CLOSER, REFINEMENTS = 65, 2
 
-#: Number of times at which one call evaluates a quantity.
+#: Number of points in time at which one call evaluates a quantity.
 AT_ONCE = 4096
 
 #: Number of intervals of the reference that a step may cross without a loop. A loop takes longer than the rest of the

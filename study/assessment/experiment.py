@@ -43,7 +43,7 @@ def _files(options: Options) -> Iterable[str]:
 
 
 def _reads(options: Options) -> list[str]:
-    """Name of the dataset with the exact period of the spring, if the options give the duration in periods."""
+    """Name of the dataset with the spring's exact period, in a list; empty if the options do not give ``periods``."""
     return [f"reference/{options['problem']}"] if "periods" in options else []
 
 

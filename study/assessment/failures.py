@@ -17,7 +17,7 @@ EXCITATIONS = (0.25, 0.5, 1.0, 2.0, 4.0)
 #: Step sizes of the map, divided by the coarsest step of a search.
 STEPS = 2.0 ** -np.arange(-1, 6.25, 0.25)
 
-#: Largest number of steps of a run of the map.
+#: Largest number of steps of a run at those step sizes of the map that are finer than the coarsest step of a search.
 MOST_STEPS = 30_000
 
 #: Outcomes of reliable runs: the energy stays bounded and neighbouring runs stay together.
@@ -54,7 +54,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
     -------
     xarray.Dataset
         ``outcome``, ``lyapunov_exponent``, ``max_newton_iterations`` over ``excitation`` and ``map_dt``;
-        ``largest_safe_dt`` and ``failure``, a sentence on the cause of this limit.
+        ``largest_safe_dt``, NaN if no step is safe; and ``failure``, which states the cause of this limit.
     """
     drawn = coarsest * STEPS[STEPS >= min(1.0, duration / (coarsest * MOST_STEPS))]
     dt = np.unique(np.append(recommended[recommended > drawn[-1]], drawn))[::-1]
@@ -102,7 +102,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
 
 
 def failed_runs(assessed: xr.Dataset) -> list[tuple[str, str, str]]:
-    """Scheme, step and reason of each failed run of a program; empty for a problem."""
+    """Scheme, step and reason of each failed run; empty if the dataset has no variable ``reason``."""
     if "reason" not in assessed:
         return []
     every = assessed.reason.stack(run=["scheme", "dt"])

@@ -16,8 +16,8 @@ PERIODS = 10
 #: in such periods.
 ESTIMATE = 100, 40
 
-#: Number of points of the motion at which the highest frequency is computed: this number divided by the number of
-#: unknowns, and at least two.
+#: Product of the number of unknowns and the number of points of the motion at which the highest frequency is computed.
+#: There are at least two points.
 STIFFEST = 100
 
 
@@ -68,7 +68,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
 
 
 def highest_frequency_along(problem: Problem, motion: DenseSolution) -> float:
-    """Highest circular frequency of small motions about points of the motion, one with the largest displacement."""
+    """Highest circular frequency of small motions about points of the motion, including its largest displacement."""
     last, unknowns = len(motion.t) - 1, np.size(problem.u0)
     places = np.linspace(0, last, max(2, STIFFEST // unknowns)).astype(int)
     farthest = np.abs(motion.u).reshape(last + 1, -1).max(axis=1).argmax()

@@ -5,12 +5,13 @@ import time
 
 from tqdm import tqdm
 
-#: Seconds between two lines of progress without a terminal.
+#: Least time in s between two lines of progress without a terminal. Work that is expected to take longer gets a line at
+#: once.
 PAUSE = 5.0
 
 
 class Progress:
-    """Progress of an assessment: a bar on a terminal, otherwise lines at intervals of at least ``PAUSE`` seconds."""
+    """Progress of an assessment: a bar on a terminal, otherwise lines."""
 
     def __init__(self, schemes: int):
         self.bar = tqdm(total=schemes, disable=None, leave=False, unit="scheme")
@@ -20,7 +21,7 @@ class Progress:
         """Show the present work: at once on a terminal, otherwise as a line if ``PAUSE`` seconds have passed.
 
         A line is also printed if ``ahead``, the expected time of this work in s, exceeds ``PAUSE``. After Ctrl-C this
-        method raises ``KeyboardInterrupt``, which ends the thread of the caller.
+        method raises ``KeyboardInterrupt``, which ends the work of the calling thread.
         """
         if self.stopped:
             raise KeyboardInterrupt

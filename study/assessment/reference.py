@@ -29,8 +29,8 @@ POINTS_BETWEEN_KINKS = 10
 #: Largest number of successively refined grids.
 GRIDS = 6
 
-#: Phase in radians of the highest mode over the duration above which a problem is stiff: explicit solvers would need
-#: too many steps.
+#: Largest product of the highest circular frequency and the duration for which a problem is not stiff. Above it,
+#: explicit solvers would need too many steps.
 STIFF = 2e6
 
 #: Largest number of steps of a solver.
@@ -74,7 +74,7 @@ def _switches(load, times):
 
 
 def _switches_of_load(load: Callable | None, duration: float) -> Times:
-    """Times at which a comparison in the function of a load changes; empty if the load declares its kinks.
+    """Times at which a comparison in the function of a load changes; empty without a load, or if it declares its kinks.
 
     Without these times, both solvers would step over a short pulse.
     """
@@ -215,10 +215,11 @@ class Reference:
         return DenseSolution(t, u, v, np.asarray(_accelerations(self.problem, *map(jnp.asarray, (t, u, v)))))
 
     def solutions(self, grid: Times, rtol: float, goal: float) -> tuple[DenseSolution, DenseSolution, Times]:
-        """Solutions of both routes, and a grid on which the interpolant of the first solution reaches the goal.
+        """Solutions of both routes, and their grid, refined until the interpolant of the first reaches the goal.
 
         The second solution also has points between the points of the first, so that the difference of the two
-        solutions shows the error of the interpolant. At most ``GRIDS`` grids are tried.
+        solutions shows the error of the interpolant. At most ``GRIDS`` grids are tried. If the last one misses the
+        goal, its refinement is returned as the grid. A grid with too many points is not refined.
 
         Parameters
         ----------

@@ -48,7 +48,7 @@ def _time(seconds: float) -> str:
 
 
 def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
-    """A table of HTML; ``text`` has the indices, from zero, of the columns that hold sentences."""
+    """A table of HTML; ``text`` has the indices, from zero, of the columns of text."""
 
     def row_of(tag: str, row: list[object]) -> str:
         kinds = (' class="text"' if i in text else "" for i in itertools.count())
@@ -61,7 +61,7 @@ def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[
 
 
 def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
-    """The recommendation for one quantity and error: the fastest implicit and the fastest explicit scheme."""
+    """Sentences on the fastest scheme of each kind that keeps an error of a quantity; if none does, on the reasons."""
     table = recommend(assessed, error=error, quantity=quantity)
     found = table[table["step_size"].notna()]
     if found.empty:
@@ -95,7 +95,7 @@ def svg_of(figure) -> str:
 
 
 def times_of_runs(assessed: xr.Dataset) -> xr.DataArray:
-    """Times of all runs: measured for a program, otherwise the number of steps times the time of a step."""
+    """Times of all runs: ``run_time`` if the dataset has it, otherwise the number of steps times the time of a step."""
     return assessed.run_time if "run_time" in assessed else assessed.time_per_step * assessed.steps
 
 

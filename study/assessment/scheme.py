@@ -75,7 +75,7 @@ def assess_scheme(
     problems: Sequence[str] | Mapping[str, float | None] = ON,  # type: ignore[assignment]
     errors: Sequence[float] = (0.1, 0.01),
 ) -> SchemeAssessment:
-    """Compare a scheme with schemes of the study, in linear theory, on the springs and on stiff systems.
+    """Compare a scheme with schemes of the study, in linear theory and on problems of the study.
 
     Parameters
     ----------
@@ -84,7 +84,8 @@ def assess_scheme(
     compare_with
         Names of schemes to compare with.
     problems
-        Names of problems, or a mapping from names to durations in s; the duration None means ten periods.
+        Names of problems, or a mapping from names to durations in s; the duration None means ten periods. The default
+        is three springs and two stiff systems.
     errors
         Allowed errors.
 

@@ -26,7 +26,7 @@ COARSEST = 4
 
 #: Limits of the finest step of a search. ``FINEST`` is a number of steps in a period of the slowest small motion, and
 #: ``FINEST_OF_RUN`` a number of steps × unknowns of a run; the limit that allows more steps holds. ``MOST_STEPS`` is
-#: the largest number of steps of any run.
+#: the largest number of steps of a run with the finest step.
 FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 
 #: ``FINEST_OF_HIGHEST`` is the finest Δt·ω of a search, with the highest frequency ω of the motion, since stiff modes
@@ -69,7 +69,7 @@ ENERGY = "energy"
 
 
 class Recommendation(NamedTuple):
-    """Outcome of a search, the largest step that keeps the error, the round step up to it, and the confirming runs.
+    """Outcome of a search, the largest step that keeps the error, this step rounded down, and the confirming runs.
 
     ``how`` is the outcome. ``tried`` is the number of steps tried from a twentieth of the recommended step up to it.
     ``worst`` is their largest error as a fraction of the allowed error.
@@ -158,12 +158,12 @@ class Search:
     of_energy
         Whether the balance of energies is one of the quantities.
     end
-        Value of ``time.monotonic()`` after which no runs begin.
+        Value of ``time.monotonic()`` after which the search ends. The first runs are made in any case.
 
     Attributes
     ----------
     late
-        Whether the search ended because ``end`` had passed.
+        Whether ``end`` had passed when the last runs ended.
     runs
         A row for each run: ``start``, ``dt``, ``steps``, ``status``, ``imbalance``, ``iterations``, and the error of
         each quantity.
@@ -204,7 +204,7 @@ class Search:
         return pd.DataFrame({name: np.broadcast_to(values, len(ends)) for name, values in rows.items()})
 
     def run(self, dt: np.ndarray, start: float = 1.0) -> None:
-        """Make runs with the steps ``dt``, with start and load multiplied by ``start``."""
+        """Make runs with the step sizes ``dt``, with start and load multiplied by ``start``."""
         dt = np.sort(dt)  # sorted, so that the lanes of a tile end together
         alone = (self.duration / dt > self._long) & (self._size == 1)
         at_once, together = TILE * cores() if self._size == 1 else FEW, dt[~alone]
@@ -212,7 +212,10 @@ class Search:
         self.runs = pd.concat([self.runs, *(self._run(start, part) for part in parts)], ignore_index=True)
 
     def _stretch(self, bottom: float, top: float) -> None:
-        """Make runs at random steps from ``bottom`` to ``top``, as many as ``WORK`` allows."""
+        """Make runs at random steps from ``bottom`` to ``top``.
+
+        The number of runs follows from ``WORK``, within the minimum and the maximum for an octave.
+        """
         steps, alone = self.duration / bottom, self._size > 1 or self.duration / bottom > self._long
         least = LEAST_RUNS if alone else LEAST_IN_TILES
         count = int(np.clip(WORK[self._size == 1] / steps / self._size, least, MOST_RUNS)) // least * least
@@ -250,8 +253,9 @@ class Search:
     def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
         """Make runs down to a twentieth of the smallest step that a limit needs, then runs that confirm the steps.
 
-        The largest step that keeps the error of a limit is rounded. The rounded step is run with every multiple of
-        start and load. Random steps in the octave below it are run too.
+        A limit is a quantity with an allowed error. It needs the largest step that keeps this error, which is rounded
+        down. The rounded step is run with every multiple of start and load. Random steps in the octave below it are run
+        too.
         """
         top = self.coarsest
         while not self.late:

@@ -7,9 +7,9 @@ from jaxtyping import Float
 
 from study.algebra.elementwise import quintic, value
 
-#: Places 0 < s < 1 in an interval at which the interpolant is compared with another solution. Its error in u is about
-#: proportional to s³(1 − s)³, and its error in u̇ to the derivative of this function. The derivative is zero at s = 1/2,
-#: so a single place could miss an error.
+#: Places 0 < s < 1 in an interval at which the interpolant is compared with another solution. The error of the
+#: interpolant in u is about proportional to s³(1 − s)³, and its error in u̇ to the derivative of this function. The
+#: derivative is zero at s = 1/2, so a single place could miss an error.
 BETWEEN = (0.25, 0.6)
 
 #: Largest number of parts into which an interval is divided at once.
@@ -42,7 +42,7 @@ class DenseSolution(NamedTuple):
     a: History
 
     def at(self, times: Times) -> tuple[History, History]:
-        """Displacement and velocity at any times of the run."""
+        """Displacement and velocity at the given times."""
         i = np.clip(np.searchsorted(self.t, times, side="right") - 1, 0, len(self.t) - 2)
         h = self.t[i + 1] - self.t[i]
         s = np.clip((times - self.t[i]) / h, 0.0, 1.0)
@@ -58,7 +58,8 @@ class DenseSolution(NamedTuple):
     def refined(self, other: "DenseSolution", goal: float) -> Times:
         """The grid, refined where the error of the interpolant exceeds a goal, relative to the largest value.
 
-        The grid is returned unchanged if the refined one would have more than ``MOST_POINTS`` intervals.
+        The grid is returned unchanged if the refined one would have more than ``MOST_POINTS`` intervals, or if the two
+        solutions are not finite.
 
         Parameters
         ----------

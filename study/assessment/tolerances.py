@@ -34,7 +34,7 @@ from study.scheme.wrapper.with_history import WithHistory
 #: Largest and smallest tolerance of a search.
 LOOSEST, TIGHTEST = 0.1, 1e-12
 
-#: Smallest tolerance tried, as a fraction of the tolerance that keeps an error.
+#: Tolerance down to which runs are made, as a fraction of the tolerance that keeps an error.
 HUNDREDTH = 0.01
 
 #: Number of runs made at once, and largest number of steps of a run.
@@ -61,8 +61,8 @@ class Tolerance(NamedTuple):
     worst: float = np.nan
 
 
-#: Outcomes of a search. The last one stands for no search: multi-step schemes, and errors of period, phase and
-#: amplitude, need equal steps.
+#: Outcomes of a search. The last one stands for no search: the scheme needs equal steps, or the quantity is period,
+#: phase or amplitude, whose errors need equal steps.
 ENDS = (*VERDICTS, "needs_equal_steps")
 EQUAL_ONLY = ENDS.index("needs_equal_steps")
 
@@ -99,9 +99,9 @@ class ToleranceSearch:
     of_energy
         Whether the balance of energies is one of the quantities.
     end
-        Value of ``time.monotonic()`` after which no runs begin.
+        Value of ``time.monotonic()`` after which the search ends. The first runs are made in any case.
     late
-        Whether the search ended because ``end`` had passed.
+        Whether ``end`` had passed when the last runs ended.
     runs
         A row for each run: ``start``, ``tolerance``, ``steps``, ``forces``, and the error of each quantity.
     """

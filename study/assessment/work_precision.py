@@ -45,7 +45,7 @@ def work_precision(
     Raises
     ------
     KeyError
-        If there is no such problem or scheme, or no such quantity for the diagram.
+        If there is no such problem, scheme or controller, or no such quantity for the diagram.
     TypeError, ValueError
         As :func:`study.assess`.
 

@@ -22,7 +22,7 @@ class Observer(eqx.Module):
     needs_ground: ClassVar[bool] = False
     #: Whether all steps must have one size.
     needs_equal_steps: ClassVar[bool] = False
-    #: Whether the run must carry a perturbed motion, as by :class:`study.scheme.wrapper.linearised.Linearised`.
+    #: Whether the run must carry a perturbed motion, as :class:`study.scheme.wrapper.linearised.Linearised` does.
     needs_neighbour: ClassVar[bool] = False
 
     def marched(self) -> "Observer":
@@ -55,7 +55,7 @@ class Reduction(Observer):
 
     @abc.abstractmethod
     def update(self, carried: Any, problem: Problem, state: Any, t: Any, effort: Effort) -> Any:
-        """State of the reduction after a step to ``state`` at the time ``t``, which took the given effort."""
+        """State of the reduction after a step of the given effort, which ends with ``state`` at the time ``t``."""
 
     @abc.abstractmethod
     def result(self, carried: Any, problem: Problem, state: Any) -> dict[str, Any]:

@@ -86,7 +86,7 @@ class MomentumErrors(Reduction):
     """Largest change of the total linear momentum and of the total angular momentum, both relative.
 
     Each change is divided by the sum of the sizes of the momenta of all points, at the time when this sum is largest.
-    It is NaN if no point has momentum.
+    The quotient is NaN if no point has momentum at any time.
     """
 
     variables = {

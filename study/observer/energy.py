@@ -79,7 +79,7 @@ class EnergyDrift(Reduction):
 
 
 class EnergyBalance(Reduction):
-    r"""Largest error of the balance E + D − W = E₀ of energy E, dissipation D and work of the load W.
+    r"""Largest error of the balance E + D − W = E₀ of energy E, dissipation D and work W of the load.
 
     The error is the largest :math:`|E + D - W - E_0|` relative to :math:`|E_0| + \max|W|`, and zero if the balance
     holds exactly. Dissipation and work over a step follow from the mean of the forces at both ends,

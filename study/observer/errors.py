@@ -1,6 +1,7 @@
 """Errors of a run against the exact solution, observed without storing the trajectory of the run.
 
-These observers need a reference dataset. :func:`study.analysis.comparison.against` makes them; they have no names.
+These observers need values of the exact solution, so they have no names. :func:`study.analysis.comparison.against`
+makes them from a reference dataset.
 """
 
 from functools import partial
@@ -58,7 +59,7 @@ class TrajectoryError(Reduction):
     Attributes
     ----------
     u, v
-        Exact displacement and velocity at the ``steps`` phases of one period, padded at the end to any length.
+        Exact displacement and velocity at ``steps`` equally spaced times of a period, padded at the end to any length.
     steps
         Steps per exact period.
     lag
@@ -102,7 +103,8 @@ class PeriodError(Reduction):
     Within a step, the displacement is interpolated by the quintic with displacement, velocity and acceleration at both
     ends, which is exact enough for schemes up to fifth order. The elongation is T̄/T − 1, with T̄ the mean time between
     crossings and T the exact period. The phase error is the delay of the last crossing in exact periods. Both are NaN
-    if the motion has stopped crossing the level. The elongation is also NaN with fewer than two crossings.
+    if the motion never crosses the level or has stopped crossing it. The elongation is also NaN with fewer than two
+    crossings.
 
     Attributes
     ----------

@@ -116,7 +116,7 @@ class Quantity(Record):
     TypeError
         If ``function`` is not a function.
     ValueError
-        If the function has other arguments, or there is no such reduction.
+        If the function has other arguments or none, or there is no such reduction.
     """
 
     function: Callable

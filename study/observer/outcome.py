@@ -91,7 +91,7 @@ class OutcomeObserver(Reduction):
     def of(cls, problem: str | Problem) -> "OutcomeObserver":
         """The observer of a problem, with the rest position in the minimum of the potential downhill of u₀.
 
-        The barrier is the potential at u = 0, if it lies above the minimum by more than 1 % of the height of u₀.
+        The barrier is the potential at u = 0, if its height above the minimum exceeds 1 % of the height at u₀.
 
         Raises
         ------

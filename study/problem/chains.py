@@ -55,12 +55,12 @@ def fpu_chain(separate: bool = False) -> Problem:
 
 
 def oscillatory_energy(spring: int, u: Vector, v: Vector) -> Scalar:
-    """Energy Iᵢ of the stiff spring i = 0, 1, 2 of :func:`fpu_chain`."""
+    """Energy I₁, I₂ or I₃ of a stiff spring of :func:`fpu_chain`, for ``spring`` = 0, 1 or 2."""
     return (v[3 + spring] ** 2 + FPU_FREQUENCY**2 * u[3 + spring] ** 2) / 2
 
 
 def toda_soliton(n: int, t: float, kappa: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    r"""Displacement and velocity (n,) of a soliton in an endless Toda chain; it passes mass n/4 at t = 0.
+    r"""Displacement and velocity (n,) of a soliton in an endless Toda chain; it is near mass n/4 at t = 0.
 
     .. math::
 

@@ -15,7 +15,7 @@ from study.problem.naming import Known, named
 PERIOD = 1.0
 #: Stiffness of this spring.
 _STIFFNESS = (2 * np.pi / PERIOD) ** 2
-#: Displacement at yield. Initial speed, four times the speed at which the undamped mass just reaches yield.
+#: Displacement at yield, and initial speed: four times the speed with which the undamped mass just reaches yield.
 _YIELD, _SPEED = 0.1, 4 * 0.1 * 2 * np.pi / PERIOD
 #: Damping coefficient c, two percent of the critical damping.
 _DAMPING = 0.02 * 2 * 2 * np.pi / PERIOD

@@ -8,7 +8,7 @@ from study.problem.naming import Known, named
 
 YOUNG, POISSON, DENSITY, LENGTH = 200e9, 0.3, 8000.0, 10.0
 
-#: Numbers of half waves of the modes that a uniform load excites.
+#: Numbers of half waves, up to seven, of the modes that a uniform load excites.
 ODD = np.arange(1.0, 8.0, 2.0)
 
 #: Value at x = L/2 of each mode sin(nπx/L) with n in ODD, and coefficient of this mode in a uniform load of size 1.

@@ -19,7 +19,7 @@ problems: Registry[Problem] = Registry("problem", {}, made_by=_ENTRIES)
 #: The functions that make the problems; their docstrings have equations, parameters and sources.
 makers = {name: getattr(entry.make, "func", entry.make) for name, entry in _ENTRIES.items()}
 
-#: Time scale of each problem that has one, in which its step sizes are measured.
+#: Time scale by which the step sizes of a problem are measured, for each problem that has one.
 time_scales = {name: entry.time_scale for name, entry in _ENTRIES.items() if entry.time_scale is not None}
 
 #: Approximate period of each spring.
@@ -28,5 +28,5 @@ approximate_periods = {name: entry.period for name, entry in _ENTRIES.items() if
 #: Periods that Xie (1996) prints (sections 3.1, 3.2 and 4).
 printed_periods = {name: period for name, period in approximate_periods.items() if _ENTRIES[name].printed}
 
-#: Displacement of each problem for which one is known: printed by a source, or exact.
+#: Known displacement, printed by a source or exact, for each problem that has one.
 known = {name: entry.known for name, entry in _ENTRIES.items() if entry.known is not None}

@@ -25,7 +25,7 @@ def arenstorf() -> Problem:
     u = (x, y), μ = 0.012277471. The unit of length is the distance from earth to moon, and a month is 2π. The Coriolis
     force is a skew damping matrix, which does no work: u̇ᵀu̇/2 + V is Jacobi's constant. From (0.994, 0) with the
     velocity (0, −2.00158510637908252240537862224) the orbit closes after 17.0652165601579625588917206249. It passes the
-    moon at a distance of 0.006, where the acceleration is hundreds of times that on most of the orbit.
+    moon at a distance of 0.006, where the acceleration is hundreds of times as large as on most of the orbit.
 
     References
     ----------
@@ -46,7 +46,7 @@ def arenstorf() -> Problem:
     )
 
 
-#: Unit vector of the straight motion of :func:`henon_heiles`, and the distances r at which this motion turns.
+#: Unit vector of the straight motion of :func:`henon_heiles`, and the coordinates r at which this motion turns.
 _LINE, _ENDS = -np.array([np.sqrt(3), 1.0]) / 2, (0.5, (1 - np.sqrt(3)) / 2)
 #: Period of the straight motion.
 STRAIGHT_PERIOD = 4 * np.sqrt(1.5) / 3**0.25 * ellipk(0.5)
@@ -63,10 +63,10 @@ def henon_heiles() -> Problem:
 
         V = \tfrac12 (x^2 + y^2) + x^2 y - \tfrac13 y^3
 
-    u = (x, y). Below the energy 1/6 the motion stays in a triangle. The distance r along the line through the origin at
-    an angle of 210° obeys r̈ = −r + r². From r = 1/2 at rest, with the energy 1/12, r moves between 1/2 and (1 − √3)/2
-    with the period :math:`4\sqrt{3/2}\,3^{-1/4} K = 6.9016`, where K is the complete elliptic integral of the first
-    kind of the parameter 1/2.
+    u = (x, y). Below the energy 1/6 the motion stays in a triangle. The coordinate r along the line through the origin
+    at an angle of 210° obeys r̈ = −r + r². From r = 1/2 at rest, with the energy 1/12, r moves between 1/2 and
+    (1 − √3)/2 with the period :math:`4\sqrt{3/2}\,3^{-1/4} K = 6.9016`, where K is the complete elliptic integral of
+    the first kind of the parameter 1/2.
 
     References
     ----------

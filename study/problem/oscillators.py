@@ -14,7 +14,7 @@ from study.problem.naming import Known, named
 def pendulum() -> Problem:
     """The plane pendulum ü + sin u = 0 that almost reaches its upper equilibrium: u₀ = 0, u̇₀ = 1.999999238456499.
 
-    Its period 4K(u̇₀/2) = 33.7210 is five times the period of small oscillations.
+    Its period 4K(u̇₀/2) = 33.7210 is 5.4 times the period of small oscillations.
 
     References
     ----------
@@ -102,8 +102,9 @@ ARCH_LOAD = 0.3
 def _arch_turn() -> tuple[float, float]:
     """Time from rest to the farthest deflection of the shallow arch, and that deflection.
 
-    From u³/4 − u² + u − P = (u − b)|u − c|²/4 follows u̇² = u (b − u) |u − c|²/2. With u = b sin²φ the time is the
-    integral of 2√2/|u − c| over φ. The integrand is periodic, so that the trapezoidal rule converges geometrically.
+    From u³/4 − u² + u − P = (u − b)|u − c|²/4, with the real root b and a complex root c, follows
+    u̇² = u (b − u) |u − c|²/2. With u = b sin²φ the time is the integral of 2√2/|u − c| over φ. The integrand is
+    periodic, so that the trapezoidal rule converges geometrically.
     """
     roots = np.roots([1 / 4, -1.0, 1.0, -ARCH_LOAD])
     farthest, pair = roots[np.abs(roots.imag).argmin()].real, roots[np.abs(roots.imag).argmax()]
