@@ -1,8 +1,8 @@
 """OpenSees, a finite element code: ``python -m conformance conformance.tools.opensees:step``.
 
 A stiffness or damping matrix is modelled by springs or dashpots between nodes on a line. OpenSees does not compute the
-acceleration at the start; ``step`` sets it, but ``from_zero`` does not. ``others`` and ``more`` run other integrators, or
-other forms of an integrator, that OpenSees has for the same schemes.
+acceleration at the start; ``step`` sets it, but ``from_zero`` does not. ``others`` and ``more`` run other integrators
+of OpenSees, or other forms of an integrator, for the same schemes.
 """
 
 import math
