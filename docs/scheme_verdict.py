@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 LINEAR = "undamped linear oscillator (phase and amplitude)"
 #: Allowed error of the displacement at which schemes are compared.
 COMPARED = 0.01
-#: Relative change of amplitude per period at the rule of thumb above which a scheme is not for long motions.
+#: Relative change of amplitude per period at the rule of thumb above which a scheme is unsuitable for long motions.
 DAMPS = 0.01
 #: Spectral radius, at infinite frequency or close to the stability limit, below which modes count as damped.
 RADIUS = 0.9
