@@ -82,7 +82,7 @@ def _operator(scheme: Mapping[str, str]) -> str | None:
 
 
 def _amplitude(one: Chain, i: int) -> str:
-    """Amplitude table of the force on an unknown: the load less K u₀, because U in Abaqus is u − u₀."""
+    """Lines ``*AMPLITUDE`` for the force on an unknown: the load less K u₀, because U in Abaqus is u − u₀."""
     name, pull = f"*AMPLITUDE, NAME=FORCE{i + 1}", one.pull[i]
     if one.ground:
         return "\n".join([name, *(f"{t!r}, {-one.mass[i] * a - pull!r}" for t, a in one.ground)])

@@ -38,7 +38,9 @@ def cases(skip: list[str] | tuple[str, ...] = (), only: list[str] | tuple[str, .
 
 
 def conform(arguments: argparse.Namespace) -> None:
-    """Run a code over the cases, print the verdicts and write a report; with ``inputs``, only write input files.
+    """Run a code over the cases, print the verdicts and, with ``output``, write a report.
+
+    With ``inputs``, only write input files.
 
     Raises
     ------

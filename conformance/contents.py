@@ -55,7 +55,8 @@ class Entry(NamedTuple):
     name, title, why
         Short name, whose first letter is the level; title of a few words; purpose in one sentence.
     problem, dt, steps, at
-        Problem, step size and number of steps of the cases; numbers of the steps after which values are compared.
+        Problem, step size and number of steps of the cases; numbers of the steps after which values are compared,
+        with 0 for the start.
     schemes
         Codes of the schemes, which are keys of ``SCHEMES``; None for all schemes.
     kind

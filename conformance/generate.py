@@ -1,7 +1,7 @@
 """Make all cases: ``python -m conformance.generate`` computes them with 50 digits and writes ``cases/*.json``.
 
-A case is a problem and a scheme of the tables in ``contents.py``. It holds the values of the scheme. It also
-holds the values of alternatives and mistakes in ``variants.py``, if these values differ from the values of the scheme.
+A case is a problem and a scheme of the tables in ``contents.py``. It holds the values of the scheme. It also holds the
+values of alternatives and mistakes, which ``variants.py`` defines, if they differ from the values of the scheme.
 The derivatives of the values with respect to the parameters of the scheme identify a slightly wrong parameter.
 """
 

@@ -25,7 +25,8 @@ UNEXPLAINED = 0.01
 #: Relative difference below which single precision or an iteration that ends early is the likely cause.
 EARLY = 1e-5
 
-#: Displacement ``u``, velocity ``v`` and acceleration ``a`` at 0, Δt, 2Δt, ..., each (steps + 1, n) or None.
+#: Displacement ``u``, velocity ``v`` and acceleration ``a`` at the start and after every step, each (steps + 1, n).
+#: Velocity and acceleration may be None.
 Motion = Mapping[str, np.ndarray | None]
 
 
@@ -42,10 +43,11 @@ class Verdict(NamedTuple):
         ``pass``, ``differs`` (the values agree with an alternative, or only the acceleration differs), ``fail`` or
         ``skip``.
     digits
-        Number of correct digits of the worst value, relative to the largest value of its quantity; None if no values
-        are compared.
+        Number of correct digits of the worst value, relative to the largest value of its quantity. In a case of the
+        kind ``order``, number of correct digits of the last displacement with the smallest steps. None if no values are
+        compared.
     cause
-        Name of the alternative, likely cause of a failure, or reason of a skipped case.
+        What differs, the likely cause of a failure, or the reason of a skipped case; empty for a pass.
     """
 
     name: str
@@ -226,7 +228,7 @@ def _wrong(expected: Mapping[str, Any], motion: Motion, step: int) -> bool:
 
 
 def _late(case: Mapping[str, Any], motion: Motion) -> str:
-    """A sentence if displacements are right but one step late or early; empty otherwise."""
+    """A sentence if the displacement of the first unknown is right but one step late or early; empty otherwise."""
     first = case["expect"][0]
     found, wanted = _finite(motion["u"])[:, first["unknown"]], _numbers(first["values"])
     for shift, word in ((1, "late"), (-1, "early")):

@@ -159,7 +159,7 @@ def of_folder(folder: Path) -> Runner:
 
 
 def divided(case: Mapping[str, Any], part: int) -> dict[str, Any]:
-    """A case without expected values, its step size divided and its number of steps multiplied by ``part``."""
+    """A case without expected values, with its step size divided and its number of steps multiplied by ``part``."""
     run = case["run"]
     if part > 1:
         run = {**run, "dt": repr(float(run["dt"]) / part), "steps": run["steps"] * part}

@@ -1,7 +1,7 @@
 """Formulas of the schemes, in double precision or with mpmath, which give the values of the cases.
 
-The implicit schemes solve for the displacement, as textbooks on finite elements do. All schemes are separate from every
-code that is judged. Words such as ``no load`` change a scheme into a legitimate alternative or into a scheme with a
+The implicit schemes solve for the displacement, as textbooks on finite elements do. The formulas share no code with the
+schemes of the study. Words such as ``no load`` change a scheme into a legitimate alternative or into a scheme with a
 mistake.
 """
 
@@ -17,7 +17,7 @@ ITERATIONS = 60
 
 
 class March:
-    """State of a run, which is t, u, v and the carried acceleration a, with one method for each scheme's step."""
+    """State of a run: t, u, v and the carried acceleration a. The method with the name of a family makes a step."""
 
     def __init__(self, problem: Problem, scheme: Mapping[str, Any], dt: Any, words: Collection[str]):
         self.problem, self.dt, self.words = problem, dt, words
@@ -298,7 +298,7 @@ class March:
 def run(
     problem: Problem, scheme: Mapping[str, Any], dt: Any, steps: int, words: Collection[str] = ()
 ) -> dict[str, np.ndarray]:
-    """Displacement u, velocity v and carried acceleration a at t = 0, Δt, ..., each (steps + 1, n).
+    """Displacement u, velocity v and carried acceleration a at t = 0 and after each step, each (steps + 1, n).
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ class Variant(NamedTuple):
     words
         Words with which ``schemes.run`` makes the change.
     change
-        Function that returns new parameters from the parameters of the scheme.
+        Function of the parameters of the scheme that returns the changed parameters.
     """
 
     verdict: str

@@ -35,7 +35,7 @@ def _short_cell(cell: str) -> str:
 
 
 def _input_lines(cells: Iterable[str], codes: tuple[str, ...] = ("",)) -> list[NameInCode]:
-    """Names of the schemes in the cells, in other codes whose names begin with an entry of ``codes``."""
+    """Names that codes give to the schemes in the cells. The name of each code begins with an entry of ``codes``."""
     titles = set(_TITLE.findall("\n".join(cells)))
     named = [one for one in names_in_codes() if one.code.startswith(codes)]
     return [one for one in named if study.schemes[one.scheme].title in titles]

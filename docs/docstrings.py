@@ -14,7 +14,7 @@ _SUBSCRIPT = re.compile(r"([α-ωΩ])_(?:(\w+)|\{([^}]+)\})")
 
 
 def references_of(lines: Iterable[str]) -> list[str]:
-    """The works in a section of references, one text for each work. No empty lines separate them in the section."""
+    """The works in a section of references, one text for each work. Empty lines are skipped."""
     found: list[list[str]] = [[]]
     for line in filter(None, (line.strip() for line in lines)):
         found[-1].append(line)

@@ -75,6 +75,6 @@ def _before_page(app: Any, docname: str, source: list[str]) -> None:
 
 
 def setup(app: Any) -> None:
-    """Register the role ``eval``, and run the Python of each page before Sphinx reads its text."""
+    """Register the role ``eval``, and run the Python of the executed pages before Sphinx reads their text."""
     app.add_role("eval", Eval())
     app.connect("source-read", _before_page)

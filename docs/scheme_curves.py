@@ -15,7 +15,7 @@ COMPARED = {"average_acceleration": "--", "central_difference": ":"}
 
 
 def linear_theory(subject: "Subject", library: "Library") -> str:
-    """Curves of spectral radius, period elongation and numerical damping over the step size, as part of a page."""
+    """Curves over the step size for a page: spectral radius, period elongation and, if any, numerical damping."""
     drawn = [
         ("radius", "spectral radius", (1e-2, 1e2), (0.0, 1.5), "x"),
         ("elongation", "relative elongation of the period", (0.0, 0.4), (-0.4, 0.6), ""),

@@ -101,7 +101,10 @@ def high_frequencies(theory: Theory) -> str:
 
 
 def overshoot(theory: Theory) -> str:
-    """Exponents of growth in the first step, and the largest overshoot within 64 steps, in a phrase."""
+    """Exponents of growth in the first step, and the largest overshoot within 64 steps, in a phrase.
+
+    For a scheme with a stability limit, the phrase states that the limit bounds the overshoot.
+    """
     if not math.isinf(theory.limit):
         return "bounded by the stability limit"
     (u_from_u, v_from_u), (u_from_v, v_from_v) = np.round(theory.growth).astype(int)
@@ -115,7 +118,7 @@ def overshoot(theory: Theory) -> str:
 
 
 def forces(scheme: study.Scheme) -> str:
-    """Number of forces that a step evaluates, in a phrase."""
+    """Numbers of forces that a step and a Newton iteration evaluate, in a phrase."""
     counted = [f"{scheme.forces_per_step} per step"] if scheme.forces_per_step else []
     counted += [] if scheme.explicit else [f"{scheme.forces_per_iteration} per Newton iteration"]
     return " and ".join(counted)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 LINEAR = "undamped linear oscillator (phase and amplitude)"
 #: Allowed error of the displacement at which schemes are compared.
 COMPARED = 0.01
-#: Loss of amplitude per period at the rule of thumb above which a scheme counts as dissipative.
+#: Relative change of amplitude per period at the rule of thumb above which a scheme is unsuitable for long motions.
 DAMPS = 0.01
 #: Spectral radius, at infinite frequency or close to the stability limit, below which modes count as damped.
 RADIUS = 0.9
@@ -63,7 +63,8 @@ def _in_theory(library: "Library", error: float) -> pd.DataFrame:
 def needs(library: "Library") -> dict[str, dict[float, pd.DataFrame]]:
     """Tables of steps and forces per period, by title of the problem and by error of the displacement.
 
-    Each row is a scheme that keeps the error, with its ``kind``. The rule is the same as in the table of decisions.
+    Each row is a scheme that keeps the error, with its ``kind``. Steps from runs follow the rule of the table of
+    decisions.
     """
     data = library.data
     found = {LINEAR: {error: _in_theory(library, error) for error in ERRORS}}
@@ -96,7 +97,7 @@ def tried(library: "Library") -> dict[str, set[str]]:
 
 
 def _lost(structures: Any) -> Any:
-    """Whether, at any step size, the run fails or its energies are out of balance, over (problem, scheme)."""
+    """Whether the run fails or its energies are out of balance at one or more step sizes, over (problem, scheme)."""
     if not structures.scheme.size:
         return xr.DataArray(np.empty((0, 0), bool), dims=("problem", "scheme"))
     return ((structures.status != 0) | ~(structures.max_energy_imbalance <= LEVEL)).any("steps_per_period")
@@ -234,12 +235,15 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
 
 
 def _error(subject: "Subject") -> float:
-    """Error of a motion after one period of the rule of thumb, relative to its amplitude, in linear theory."""
+    """Error of a motion after one period of ``STEPS`` steps, relative to its amplitude, in linear theory."""
     return math.hypot(2 * math.pi * subject.theory.elongation_of_rule, subject.theory.decay_of_rule)
 
 
 def _dominates(other: "Subject", one: "Subject") -> bool:
-    """Whether ``other`` has a smaller error than ``one``, no worse order, stability and damping, and no higher cost."""
+    """Whether ``other`` is a scheme of the same kind as ``one`` and better.
+
+    A better scheme has a smaller error, no worse order, stability and damping, and no higher cost.
+    """
     a, b, s, t = other.theory, one.theory, other.scheme, one.scheme
     return bool(
         s.explicit == t.explicit
@@ -255,7 +259,11 @@ def _dominates(other: "Subject", one: "Subject") -> bool:
 
 
 def _alternative(subject: "Subject", library: "Library") -> str:
-    """A phrase on the better scheme whose ρ∞ is nearest to the scheme's ρ∞, or on the lack of a better scheme."""
+    """A phrase on a better scheme, or on the lack of a better scheme.
+
+    Of several better schemes it names the one with the nearest ρ∞. If the scheme has a stability limit, it names the
+    one with the smallest error.
+    """
     theory, structures, found = subject.theory, library.data["structures"], []
     lost = {one.scheme.item(): {*one.problem.values[one.values]} for one in _lost(structures).transpose("scheme", ...)}
     for name in library.schemes:
@@ -284,7 +292,7 @@ def _items(reasons: Iterator[str], none: str) -> str:
 
 
 def _not_run(subject: "Subject") -> str:
-    """A sentence on missing runs of a scheme."""
+    """Sentences on the missing runs of a scheme."""
     missing = "The study behind this page has no runs for steps of this scheme. Sections without data are omitted"
     if subject.name in study.schemes:
         return f"{missing}. The full study runs all named schemes."

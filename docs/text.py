@@ -51,6 +51,6 @@ def described(description: str, body: str, hide_toc: bool = False) -> str:
 
 
 def found_by(names: Iterable[str]) -> str:
-    """Entries of names in the index; for these names the search of the site lists the page first."""
+    """Entries of the index with the names of a page; a search for a name then lists the page first."""
     entries = ", ".join(f"! {name.replace('_', ' ')}" for name in names)
     return f"```{{index}} {entries}\n```"

@@ -39,7 +39,8 @@ class Theory(NamedTuple):
     least_radius
         Smallest spectral radius below a stability limit; NaN for a scheme without a limit or without stable steps.
     growth
-        Exponents of ωΔt with which the first step grows, from :meth:`study.LinearTheory.growth`.
+        Exponents of ωΔt with which displacement and velocity grow in a long first step, from
+        :meth:`study.LinearTheory.growth`.
     overshoot
         Overshoot of displacement and velocity in 64 steps from u = 1 and u̇ = 0, the largest of all stable step sizes.
     error

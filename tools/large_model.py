@@ -3,8 +3,9 @@
 python tools/large_model.py COLUMNS ROWS [SECONDS]
 
 The model is a membrane of COLUMNS by ROWS unknowns on a unit square with twenty cubic stops, Rayleigh damping and a
-harmonic load. Two implicit schemes are assessed for errors of 10 and 1 % over five seconds of motion. The
-time of one run is measured at a recommended step size.
+harmonic load. Two implicit schemes are assessed for errors of 10 and 1 % over five seconds of motion. If
+SECONDS is given, the assessment begins no run after this time. The time of one run is measured at a recommended step
+size.
 """
 
 import math

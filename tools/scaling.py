@@ -3,8 +3,8 @@
 ``python tools/scaling.py OUTPUT``, in the folder of a finished study, reads the plan of the pipeline and
 ``results/benchmarks``. It assigns ready jobs to free cores, first the job with the longest path to the end. It writes a
 table OUTPUT.csv and a figure OUTPUT.png of time against cores. The time of a job is its elapsed time or, if shorter,
-its processor time, as on one idle core. Figures and pages are drawn one after another. Waiting in a queue and the
-exclusive node of timed jobs are not counted.
+its processor time plus one interval between measurements, as on one idle core. Figures and pages are drawn one after
+another. Waiting in a queue and the exclusive node of timed jobs are not counted.
 
 The study must have been made with ``snakemake --no-hooks``, without the worker that runs the jobs of a local run,
 because Snakemake measures processor time and memory only of processes that it starts itself.
@@ -45,7 +45,7 @@ class Job(NamedTuple):
 
 
 def measured() -> dict[str, Job]:
-    """The jobs of the last run's plan, with their measured times.
+    """The jobs of the last run's plan except the site, with their measured times.
 
     Raises
     ------

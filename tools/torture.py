@@ -1,8 +1,8 @@
 """Kill the pipeline at random moments, and compare the products of the next calls with those of an undisturbed run.
 
 ``python tools/torture.py KILLS OUTPUT`` works in copies of the project. Before every kill some products are removed, so
-that the pipeline has work. After every kill a plain call must succeed. OUTPUT is a table of kills, restarts and
-differences.
+that the pipeline has work. After every kill a plain call must succeed. OUTPUT is a table of kills, compared
+products, differences and unfinished files.
 """
 
 import hashlib

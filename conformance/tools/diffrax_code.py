@@ -1,8 +1,8 @@
 """diffrax, a library of solvers in JAX: ``python -m conformance conformance.tools.diffrax_code:step``.
 
-The state is (u, v). Symplectic Euler is a solver of diffrax. Every other scheme is an explicit or diagonally implicit
-Runge-Kutta solver of diffrax with the tableau of the scheme: average acceleration is the trapezoidal rule, and Bathe's
-method has three stages. The equations are taken from the study, because JAX must differentiate them.
+The state is (u, v). Symplectic Euler is a solver of diffrax. Every other supported scheme is an explicit or diagonally
+implicit Runge-Kutta solver of diffrax with the tableau of the scheme: average acceleration is the trapezoidal rule, and
+Bathe's method has three stages. The equations are taken from the study, because JAX must differentiate them.
 """
 
 import json
@@ -16,7 +16,7 @@ import optimistix
 from conformance.tools.time_integration_study import problem_of
 from study.mechanics.balance import acceleration
 
-#: Relative correction of the state at which Newton's iteration ends; the remaining error is about its square.
+#: Relative and absolute tolerance of the last correction of Newton's iteration; the remaining error is much smaller.
 _TOLERANCE = 1e-10
 
 
@@ -47,7 +47,7 @@ def _solver(rows, weights) -> Any:
 
 
 def _tableau(scheme):
-    """Rows and weights of the tableau of a scheme; None for a scheme without one."""
+    """Rows and weights of the tableau of a scheme; None for any other scheme."""
     family = scheme["family"]
     if family == "rk4":
         return [[0.0], [0.5, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 1.0, 0.0]], [1 / 6, 1 / 3, 1 / 3, 1 / 6]

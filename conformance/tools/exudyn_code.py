@@ -39,7 +39,7 @@ def _settings(scheme, dt, steps):
 
 
 def step(problem, scheme, dt, steps):
-    """Displacement, velocity and acceleration at 0, dt, 2 dt, ..., each (steps + 1, n)."""
+    """Displacement, velocity and, except for Runge-Kutta, acceleration at 0, dt, 2 dt, ..., each (steps + 1, n)."""
     if np.ndim(dt):
         raise NotImplementedError("its steps are equal")
     settings, solver = _settings(scheme, dt, steps)

@@ -1,8 +1,8 @@
 """OpenSees, a finite element code: ``python -m conformance conformance.tools.opensees:step``.
 
 A stiffness or damping matrix is modelled by springs or dashpots between nodes on a line. OpenSees does not compute the
-acceleration at the start; ``step`` sets it, but ``from_zero`` does not. ``others`` and ``more`` run the integrators
-that OpenSees has for the same schemes under other names.
+acceleration at the start; ``step`` sets it, but ``from_zero`` does not. ``others`` and ``more`` run other integrators
+of OpenSees, or other forms of an integrator, for the same schemes.
 """
 
 import math
@@ -32,7 +32,7 @@ INTEGRATORS: dict[str, Callable[..., tuple]] = {
 }
 
 
-#: Integrators of OpenSees with other names, for the same families.
+#: Other integrators of OpenSees, or another form of the integrator, for the same families.
 OTHERS: dict[str, Callable[..., tuple]] = {
     "newmark": lambda beta, gamma: ("Newmark", gamma, beta, "-form", "A"),
     "generalized_alpha": lambda alpha_m, alpha_f, beta, gamma: (
@@ -46,7 +46,7 @@ OTHERS: dict[str, Callable[..., tuple]] = {
     "kr_alpha": lambda rho_inf: ("KRAlphaExplicit_TP", rho_inf),
 }
 
-#: Integrators of OpenSees with a third name, for the same families.
+#: Further integrators of OpenSees for the same families.
 MORE: dict[str, Callable[..., tuple]] = {
     "central_difference": lambda: ("CentralDifference",),
     "hht": lambda alpha, beta, gamma: ("HHT_TP", 1 + alpha, beta, gamma),

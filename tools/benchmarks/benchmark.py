@@ -1,4 +1,4 @@
-"""Speed of the study: ratios of its times to times of a baseline, measured in turns, on one core by default.
+"""Speed of the study: ratios of its times to times of a baseline, measured in turns, mostly on one core.
 
 ``make benchmark`` measures the ratios, prints them as a table and writes them to ``results/benchmark.nc``.
 """

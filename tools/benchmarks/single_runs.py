@@ -14,7 +14,7 @@ from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.problem.named import printed_periods
 from study.program import opensees_run
 
-#: Number of stages for which one Newton iteration of a scheme solves together; one for other schemes.
+#: Number of stages that a Newton iteration of the scheme solves together; one for other schemes.
 STAGES = {"gauss4": 2}
 #: Largest acceptable ratio to C, by spring and scheme; the ratio of average acceleration holds for other schemes.
 TO_C = {

@@ -21,7 +21,7 @@ PRODUCTS = ["energy_drift.nc", "houbolt_start.nc", "figures/energy_drift.pdf", "
 UNTIMED = PRODUCTS[:-1]
 #: Options of Snakemake for a Slurm without accounting: the state of a job is read from the queue.
 OPTIONS = "--workflow-profile profiles/slurm --slurm-status-command squeue --slurm-no-account".split()
-#: Option with the seconds between two checks of the queue: fewer than in the profile, because the jobs are short.
+#: Option for the seconds before a check of the queue. The number is smaller than in the profile, as jobs are short.
 SOON = "--slurm-init-seconds-before-status-checks", "2"
 
 pytestmark = pytest.mark.slow
@@ -29,7 +29,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module", autouse=True)
 def slurm():
-    """Start Slurm; tests are skipped with a reason where it is not installed."""
+    """Start Slurm; without Slurm, its plugin or the rights of root, tests are skipped with a reason."""
     if shutil.which("slurmctld") is None or find_spec("snakemake_executor_plugin_slurm") is None or os.getuid():
         pytest.skip("a Slurm needs root, Debian's slurm-wlm and munge, and the extra 'slurm' of this package")
     subprocess.run([Path(__file__).with_name("start")], check=True)
