@@ -41,7 +41,7 @@ def linear_theory(subject: "Subject", library: "Library") -> str:
         panels.append(svg(figure, f"{label} of {subject.scheme.title} over the step size"))
     caption = (
         "Linear theory, from the derivative of a step of the code. A run grows without bound where the spectral radius "
-        "exceeds one. Curves end where the roots become real and nothing oscillates."
+        f"exceeds one. {'Elongation ends' if undamped else 'Elongation and damping end'} where nothing oscillates."
         + (" The scheme has no numerical damping." if undamped else "")
     )
     lines = {COMPARED[name]: name for name in COMPARED if name != subject.name and name in library.schemes}

@@ -91,7 +91,7 @@ def period(problem: Problem, u0: float | None = None, digits: int = DIGITS) -> m
     with mpmath.workdps(digits):
         at = mpmath.mpf(float(problem.u0 if u0 is None else u0))
         if isinstance(spring, TanhSpring):
-            return _tanh_period(spring, at)
+            return _tanh_period(spring, abs(at))
         _, kappa, m, _, function = _cubic(spring, at)
         return (4 if function == "cn" else 2) * mpmath.ellipk(m) / kappa
 

@@ -17,7 +17,7 @@ def _draw(axes: Axes, orders: xr.Dataset) -> None:
     """Draw the orders of one quantity; a darker cell marks a larger loss of order."""
     loss = (orders.order - orders.observed_order).transpose("scheme", "circumstance").values
     status = np.array(orders.status.flag_meanings.split())[orders.status.transpose("scheme", "circumstance").values]
-    shade = np.where(status == "failed", DARKEST, np.where(np.isnan(loss), 0.0, loss))
+    shade = np.where(status == "failed", DARKEST, np.clip(np.nan_to_num(loss), 0.0, DARKEST))
     axes.imshow(shade, cmap="Greys", vmin=0, vmax=1.3 * DARKEST, aspect="auto")
     for (row, column), how in np.ndenumerate(status):
         order = orders.observed_order.transpose("scheme", "circumstance").values[row, column]

@@ -42,6 +42,8 @@ class Controller(eqx.Module):
     doi: ClassVar[str]
     #: Whether a run needs a tolerance.
     needs_tolerance: ClassVar[bool] = True
+    #: Whether the sizes are given. A step is then shortened only to end at a stated time.
+    sizes_are_given: ClassVar[bool] = False
 
     def start(self, problem: Problem, state: Any, tolerance: ScalarLike) -> Any:
         """State of the controller at t = 0."""
@@ -143,9 +145,10 @@ class Filtered(Controller):
 class DeadBand(Controller):
     r"""The controller of Zienkiewicz and Xie: the step size stays the same while r stays within bounds.
 
-    A step with r > ``high`` is repeated with :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`. After ``patience``
-    consecutive steps with r < ``low``, the step size is multiplied by the same factor :math:`0.9\,r^{-1/k}`, at most
-    five. The number 0.9 is our addition: without it, a step just above the bound is repeated without end.
+    A step with r > ``high`` is repeated with :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`, and at most 0.9 Δt. After
+    ``patience`` consecutive steps with r < ``low``, the step size is multiplied by the same factor
+    :math:`0.9\,r^{-1/k}`, at most five. The number 0.9 is our addition: without it, a step just above the bound is
+    repeated without end.
 
     Parameters
     ----------
@@ -184,6 +187,7 @@ class DeadBand(Controller):
         small = jnp.where(r < self.low, carried + 1, 0)
         changes = ~accepted | (small >= self.patience)
         factor = jnp.where(changes, _limited(SAFETY * jnp.maximum(r, TINY) ** (-1 / k)), 1.0)
+        factor = jnp.where(accepted, factor, jnp.minimum(factor, SAFETY))
         return Decision(accepted, dt * factor, jnp.where(changes, 0, small))
 
 
@@ -234,7 +238,7 @@ class Reversible(Controller):
 class Prescribed(Controller):
     """Steps of given sizes in turn, whatever the error; after the last size the first one follows again.
 
-    The last two steps before a time at which a step must end can have other sizes, and so can the step after them.
+    A step is shortened only to end at a time at which a step must end.
 
     Parameters
     ----------
@@ -249,6 +253,7 @@ class Prescribed(Controller):
     source = ""
     doi = ""
     needs_tolerance = False
+    sizes_are_given = True
 
     def __check_init__(self):
         if self.sizes.ndim != 1 or not self.sizes.size or not np.all((self.sizes > 0) & np.isfinite(self.sizes)):

@@ -131,10 +131,11 @@ class AdaptiveMarch(eqx.Module):
         """Progress of the run after one trial step, and the sample of that step."""
         march, scheme = self.march, self.march.scheme
         t, end = trial.t, self.times[-1]
-        # the last two steps before a stated time halve the interval that remains, so that neither is tiny
         way = self.times[trial.target] - t
         lands = trial.dt >= way * (1 - ROUND_OFF)
-        dt = jnp.where(lands, way, jnp.where(trial.dt > way / 2, way / 2, trial.dt))
+        # the last two steps before a stated time halve the interval that remains, so that neither is tiny
+        halves = (trial.dt > way / 2) & (not self.controller.sizes_are_given)
+        dt = jnp.where(lands, way, jnp.where(halves, way / 2, trial.dt))
 
         problem = march.problem.at(trial.state)
         state, effort, estimates, estimator = self.estimator.step(scheme, problem, trial.estimator, trial.state, t, dt)
@@ -147,12 +148,14 @@ class AdaptiveMarch(eqx.Module):
         decision = self.controller.decide(trial.controller, estimate / tolerance, k, dt, here, state, now, tolerance)
         accepted = solved & decision.accepted
         # a step that was shortened because of a stated time does not reduce the size of the next step
-        next_dt = jnp.where(accepted & (dt < trial.dt), jnp.maximum(decision.dt, trial.dt), decision.dt)
+        shortened = accepted & (dt < trial.dt) & (not self.controller.sizes_are_given)
+        next_dt = jnp.where(shortened, jnp.maximum(decision.dt, trial.dt), decision.dt)
         next_dt = jnp.where(solved, jnp.minimum(next_dt, end), AFTER_FAILURE * dt)
 
-        one = accepted.astype(int)
-        taken = trial.taken + one
         bounded = jnp.all(jnp.abs(state.u) <= march.bound)
+        kept = accepted & bounded
+        one = kept.astype(int)
+        taken = trial.taken + one
         status = jnp.where(accepted & (now >= end), 0, RUNNING)
         status = jnp.where((status == RUNNING) & (taken >= self.most), TOO_MANY_STEPS, status)
         too_small = (status == RUNNING) & (next_dt < SMALLEST_STEP * end)
@@ -166,12 +169,12 @@ class AdaptiveMarch(eqx.Module):
         )
         old = trial.state, trial.reduced, trial.estimator, trial.controller, trial.scales, t
         new = state, reduced, estimator, decision.carried, scales, now
-        state_, reduced, estimator, controller, scales, t = jax.tree.map(partial(jnp.where, accepted), new, old)
+        state_, reduced, estimator, controller, scales, t = jax.tree.map(partial(jnp.where, kept), new, old)
         return Trial(
             status,
             t,
             next_dt,
-            trial.target + (accepted & lands).astype(int),
+            trial.target + (kept & lands).astype(int),
             taken,
             trial.place + one,
             trial.estimated + (solved & ~accepted).astype(int),

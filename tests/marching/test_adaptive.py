@@ -56,6 +56,12 @@ def test_equal_steps_are_those_of_a_run_with_equal_steps():
         np.testing.assert_allclose(given.u, equal.u, atol=1e-11)
 
 
+def test_given_sizes_are_kept_up_to_a_stated_time():
+    sizes = [0.1, 0.02, 0.3, 0.05]
+    ds = study.run(DRIVEN, "average_acceleration", controller=study.Prescribed(sizes), duration=0.8, times=[0.44])
+    np.testing.assert_allclose(ds.step_size[1:], [0.1, 0.02, 0.3, 0.02, 0.1, 0.02, 0.24], rtol=1e-12)
+
+
 def test_the_error_falls_with_the_tolerance(end):
     for name in ("average_acceleration", "rk4", "bathe"):
         runs = [study.run(DRIVEN, name, tolerance=tolerance, duration=4.0) for tolerance in (1e-3, 1e-5)]
@@ -124,7 +130,8 @@ def test_a_motion_that_leaves_all_bounds_keeps_what_was_computed():
     away = study.Problem(lambda u: -(u**3), u0=1.0)
     with pytest.warns(study.RunFailedWarning, match="the displacement left its bound"):
         ds = study.run(away, "central_difference", tolerance=1e-4, duration=10.0)
-    assert ds.status == 3 and 1.8 < ds.failed_at_time < 1.9 and np.isfinite(ds.u[:-1]).all() and ds.t.size > 100
+    assert ds.status == 3 and 1.8 < ds.failed_at_time < 1.9 and np.isfinite(ds.u).all() and ds.t.size > 100
+    assert ds.failed_at_step == ds.t.size == ds.steps + 1
 
 
 def test_a_step_that_shrinks_to_nothing_is_a_status():
