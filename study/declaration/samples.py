@@ -30,7 +30,7 @@ class Known(NamedTuple):
     uncertainty: float
 
     def error(self, u: np.ndarray) -> float:
-        """Largest norm of the difference between ``u`` and a sample, relative to the largest norm of a sample."""
+        """Largest norm of the error of ``u`` at any sample, relative to the largest norm of the exact displacements."""
         off = np.linalg.norm(u.reshape(self.u.shape) - self.u, axis=1)
         return float(off.max() / np.linalg.norm(self.u, axis=1).max())
 
