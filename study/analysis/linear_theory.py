@@ -237,7 +237,7 @@ class LinearTheory:
                 return 0.0
             stable = float(omega[first - 1])
             if self._radius(np.array([stable / 4 / np.pi]))[0] > 1 + WEAK_GROWTH:
-                return 0.0  # a weak instability, whose excess grows with a power of Ω
+                return 0.0  # a weak instability: ρ − 1 grows with a power of Ω
             omega = np.linspace(omega[first - 1], omega[first], PARTS)
         return stable
 
@@ -260,7 +260,7 @@ class LinearTheory:
         return np.where(stable, largest - 1, np.nan)
 
     def growth(self) -> Growth:
-        r"""Exponents of Ω with which the first step grows for Ω → ∞, of shape (2, 2).
+        r"""Exponents of Ω with which the motion after one step grows for Ω → ∞, of shape (2, 2).
 
         The columns hold the exponents of :math:`|u_1|` and :math:`|\dot u_1|/\omega`. The first row is for a start from
         u = 1 and u̇ = 0, the second for a start from u = 0 and u̇ = ω. Zero means bounded. For a scheme with a stability

@@ -17,9 +17,10 @@ def recommend(
     """List the schemes of an assessment, the fastest first, with the step size at which each keeps an allowed error.
 
     No number is interpolated: step sizes, errors and numbers of force evaluations are taken from runs. A recommended
-    step size has two digits; under a record it is an integer fraction or multiple of the time between samples. All
-    smaller step sizes that :func:`study.assess` tried keep the error too. Except for a program or more than 1,000
-    unknowns, the recommended step size also keeps it if initial values and load are one percent smaller or larger.
+    step size has two digits; with a record of ground motion it is an integer fraction or multiple of the time between
+    samples. All smaller step sizes that :func:`study.assess` tried keep the error too. Except for a program or more
+    than 1,000 unknowns, the recommended step size also keeps the error if initial values and load are one percent
+    smaller or larger.
 
     Parameters
     ----------
@@ -45,8 +46,8 @@ def recommend(
         ``step_size``
             The recommended step size, in s.
         ``largest_step``
-            The largest step size tried that keeps the error together with all smaller ones, in s. ``step_size`` is
-            this value, rounded down.
+            The largest step size tried that keeps the error with a margin for scatter, in s. All smaller step sizes
+            tried keep the error. ``step_size`` is this value, rounded down.
         ``omega_step``
             Δt·ω, with the highest circular frequency ω of small motions about points of the reference's motion.
         ``number_of_steps``

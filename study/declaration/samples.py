@@ -1,4 +1,4 @@
-"""Samples of the exact motions of problems with kinks and of structures, with which runs and solvers are compared."""
+"""Samples of the exact motions of problems with kinks and of structures, for comparison with runs and solvers."""
 
 from collections.abc import Mapping
 from typing import NamedTuple, get_args

@@ -1,4 +1,4 @@
-"""The forms in which a problem stores its matrices: the tangent, and the matrices that are added to it."""
+"""The forms in which a problem stores the tangent and the matrices that are added to it."""
 
 from collections.abc import Callable
 from typing import Any
@@ -109,7 +109,7 @@ def stored(matrix: Matrix, form: FormOfTangent) -> Matrix:
 
 
 def _declared_coupling(declared: Any, n: int, title: str) -> ScipySparse:
-    """A matrix (n, n) with an entry at each position of the declared form: a sparse matrix or a half bandwidth."""
+    """A matrix (n, n) with an entry at each position of the declared form, a sparse matrix or a half bandwidth."""
     if is_sparse(declared):
         if declared.shape != (n, n):
             raise ValueError(f"tangent of '{title}' must be a matrix of shape {(n, n)}, not {declared.shape}.")
