@@ -42,7 +42,7 @@ def recommend(
         One row for each ``scheme``, the fastest first; schemes without a recommended step size are last.
 
         ``kind``
-            ``implicit`` or ``explicit``.
+            ``implicit`` or ``explicit``; ``unknown`` for a program's own scheme.
         ``step_size``
             The recommended step size, in s.
         ``largest_step``
