@@ -14,7 +14,8 @@ from study.algebra.sparse import Sparse
 #: Number of rows of a tridiagonal system that one pass of the loop eliminates.
 UNROLL = 4
 
-#: Relative residual at which the iterative solution of a matrix-free system ends, and largest number of iterations.
+#: Tolerance of the iterative solution of a matrix-free system, relative to the largest entry of the right side. The
+#: second number is the largest number of iterations of conjugate gradients, and of restarts of GMRES.
 ITERATIVE_TOLERANCE, ITERATIVE_STEPS = 1e-10, 10_000
 
 

@@ -1,9 +1,10 @@
 """Factorisations of sparse matrices by LAPACK, CHOLMOD and SuperLU, kept while the matrix stays the same.
 
 In the reverse Cuthill-McKee order of the unknowns, the matrix of a beam, a frame or a slender mesh has a narrow band,
-for which LAPACK's banded Cholesky factorisation is the fastest. CHOLMOD factorises the matrix of a wide mesh; it orders
-the unknowns once, for little fill-in. SuperLU factorises a matrix that is not symmetric, or not positive definite, as
-at a snap-through. SuperLU also replaces CHOLMOD if CHOLMOD is not installed.
+for which LAPACK's banded Cholesky factorisation is the fastest. CHOLMOD factorises the matrix of a wide mesh. It orders
+the unknowns for little fill-in, and a factor that is overwritten keeps its order. SuperLU factorises a matrix that is
+not symmetric, or not positive definite, as at a snap-through. SuperLU also replaces CHOLMOD if CHOLMOD is not
+installed.
 
 References
 ----------
@@ -51,7 +52,7 @@ class Method(abc.ABC):
 
     @abc.abstractmethod
     def factor(self, values: np.ndarray, spare: Any) -> Any:
-        """Factor of the matrix with these values (entries,). It may overwrite ``spare``, an old factor or None."""
+        """Factor of the matrix with these values (entries,). ``spare``, an old factor or None, may be overwritten."""
 
     @abc.abstractmethod
     def solution(self, factor: Any, rhs: np.ndarray) -> np.ndarray:

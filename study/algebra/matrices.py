@@ -131,7 +131,7 @@ def diagonal(matrix: Matrix) -> jax.Array | float:
 
 
 def banded(matrix: np.ndarray, half_bandwidth: int) -> Banded | np.ndarray:
-    """A matrix (n, n) as a band of at least the given half bandwidth; unchanged if it needs more than n/4."""
+    """A matrix (n, n) as a band of at least the given half bandwidth; unchanged if this would exceed n/4."""
     n = len(matrix)
     width = max(half_bandwidth, int(np.abs(np.subtract(*np.nonzero(matrix))).max(initial=0)))
     if 4 * width > n:
@@ -141,7 +141,7 @@ def banded(matrix: np.ndarray, half_bandwidth: int) -> Banded | np.ndarray:
 
 
 def banded_sparse(matrix: ScipySparse, half_bandwidth: int) -> Banded:
-    """A matrix of :mod:`scipy.sparse` as a band; it must have no entries outside the band."""
+    """A matrix of :mod:`scipy.sparse` as a band of this half bandwidth, outside which it must have no entries."""
     n, offsets = matrix.shape[0], range(-half_bandwidth, half_bandwidth + 1)
     return Banded(np.stack([np.pad(matrix.diagonal(d), (max(-d, 0), max(d, 0))) for d in offsets]).reshape(-1, n))
 
@@ -185,7 +185,7 @@ def _sum_of_sparse(terms):
 
 
 def add(*terms: Matrix, n: int) -> Matrix:
-    """Sum of matrices in any form, for n unknowns."""
+    """Sum of matrices in any form, for n unknowns; a band must not be added to a sparse matrix."""
     form = max(map(form_of, terms))
     if form == Form.SPARSE:
         return _sum_of_sparse(terms)

@@ -6,7 +6,7 @@ import numpy as np
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value is a single number; a boolean is not."""
+    """Whether a value is a single real number; a boolean is not."""
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 

@@ -109,7 +109,7 @@ class Sparse(eqx.Module):
         return Sparse(jnp.asarray(self.values).at[entries].add(values), self.pattern)
 
     def within(self, pattern: Pattern) -> "Sparse":
-        """The same matrix in a wider pattern. If that is symmetric, only the lower triangle of the matrix is taken."""
+        """The same matrix in a wider pattern; in a symmetric pattern, only the lower triangle of the matrix is kept."""
         rows, columns, values = self.pattern.rows, self.pattern.columns, jnp.asarray(self.values)
         if pattern.symmetric:
             lower = np.flatnonzero(rows >= columns)

@@ -41,7 +41,7 @@ def _at_phases(reference: xr.Dataset, steps: int) -> xr.Dataset:
 def against(
     reference: xr.Dataset, steps: int, longest: int
 ) -> tuple[float, tuple[TrajectoryError, PeriodError, AmplitudeDecay]]:
-    """Step size of a run with ``steps`` steps per exact period, and the observers that compare it with the reference.
+    """Step size of a run with ``steps`` steps per exact period, and observers that compare the run with the reference.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
     - elongation of the period: relative uncertainty of the period;
     - phase: uncertainty of the sum of all periods plus the uncertainty of the time of a crossing, in periods;
     - decay of the amplitude: uncertainty of the displacement, relative to the amplitude, per period;
-    - both errors of the energy: variation of the energy of the reference after it is rounded to doubles.
+    - both errors of the energy: variation of the energy along the reference, whose values are rounded to doubles.
     """
     displacement = (reference.u_uncertainty / abs(reference.u).max()).item()
     period = (reference.period_uncertainty / reference.period).item()
@@ -130,7 +130,7 @@ def first_crossing(reference: xr.Dataset, level: float) -> float:
     u, v, phase = reference.u.values, reference.v.values, reference.phase.values
     crossed = np.flatnonzero(crosses_upwards(u[:-1], u[1:], level))
     if not crossed.size:
-        raise ValueError(f"the exact motion of '{reference.problem}' does not cross {level:g}.")
+        raise ValueError(f"the exact motion of '{reference.problem}' does not cross {level:g} upwards.")
     ends = slice(crossed[0], crossed[0] + 2)
     between = CubicHermiteSpline(phase[ends], u[ends] - level, v[ends] * reference.period.item())
     return float(between.roots(extrapolate=False)[0])

@@ -119,9 +119,9 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
 def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndarray:
     """Classify the outcomes of runs by their balance of energies; the problem may have damping and a load.
 
-    A run keeps its energy if the imbalance is at most 1 % of the energy put in. A run is growing if the imbalance is
-    more than a hundred times the energy put in. A run is chaotic if a perturbation grows from round-off to the size of
-    the motion. The values ``DAMPED_TO_REST`` and ``IN_THE_WRONG_WELL`` do not occur.
+    A run that completes is growing if the imbalance is more than a hundred times the energy put in. Otherwise it is
+    chaotic if a perturbation grows from round-off to the size of the motion. Otherwise it keeps its energy if the
+    imbalance is at most 1 % of the energy put in. The values ``DAMPED_TO_REST`` and ``IN_THE_WRONG_WELL`` do not occur.
 
     Parameters
     ----------

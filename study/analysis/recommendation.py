@@ -16,10 +16,11 @@ def recommend(
 ) -> pd.DataFrame:
     """List the schemes of an assessment, the fastest first, with the step size at which each keeps an allowed error.
 
-    No number is interpolated: step sizes, errors and numbers of forces are taken from runs. A recommended step size has
-    two digits; under a record it is an integer fraction or multiple of the time between samples. All smaller step sizes
-    that :func:`study.assess` tried keep the error too. So does the recommended step size if initial values and load are
-    one percent smaller or larger.
+    No number is interpolated: step sizes, errors and numbers of force evaluations are taken from runs. A recommended
+    step size has two digits; with a record of ground motion it is an integer fraction or multiple of the time between
+    samples. All smaller step sizes that :func:`study.assess` tried keep the error too. Except for a program or more
+    than 1,000 unknowns, the recommended step size also keeps the error if initial values and load are one percent
+    smaller or larger.
 
     Parameters
     ----------
@@ -41,14 +42,14 @@ def recommend(
         One row for each ``scheme``, the fastest first; schemes without a recommended step size are last.
 
         ``kind``
-            ``implicit`` or ``explicit``.
+            ``implicit`` or ``explicit``; ``unknown`` for a program's own scheme.
         ``step_size``
             The recommended step size, in s.
         ``largest_step``
-            The largest step size tried that keeps the error together with all smaller ones, in s. ``step_size`` is
-            this value, rounded down.
+            The largest step size tried that keeps the error with a margin for scatter, in s. All smaller step sizes
+            tried keep the error. ``step_size`` is this value, rounded down.
         ``omega_step``
-            Δt·ω, with the highest circular frequency ω of small motions about any point of the reference's motion.
+            Δt·ω, with the highest circular frequency ω of small motions about points of the reference's motion.
         ``number_of_steps``
             Number of steps of the run with this step size.
         ``error``
@@ -60,11 +61,11 @@ def recommend(
             Computing time of all steps of this run, and its interquartile range, in s. A call of
             :func:`study.run` adds less than a millisecond.
         ``ties_with_fastest``
-            Whether the interquartile ranges of this time and of the shortest time overlap.
+            Whether this time exceeds the shortest time by at most the mean of both interquartile ranges.
         ``force_evaluations``
             Number of internal forces evaluated in this run.
         ``forces_per_time``
-            Number of internal forces per second of simulated time, in 1/s.
+            Number of internal forces evaluated per second of simulated time, in 1/s.
         ``steps_tried``, ``worst_error``
             Number of step sizes tried between a twentieth of ``step_size`` and ``step_size``, which all keep the error.
             ``worst_error`` is the largest error among these runs, as a fraction of the allowed error.
@@ -72,8 +73,8 @@ def recommend(
             How the search for the step size ended.
         ``tolerance``, ``controlled_force_evaluations``, ``control_over_equal``
             Only if the assessment had a controller: the tolerance that keeps the error, the number of internal forces
-            in the run with this tolerance, and the ratio of this number to ``force_evaluations``. If the ratio is below
-            one, controlled steps are cheaper.
+            evaluated in the run with this tolerance, and the ratio of this number to ``force_evaluations``. If the
+            ratio is below one, controlled steps are cheaper.
 
     Raises
     ------

@@ -44,8 +44,8 @@ class Experiment:
         Function of the options that returns the options of each job, by the job's name. Job ``x`` makes the dataset
         ``NAME/x`` for each ``NAME`` in ``makes``, or in ``parts`` if they are given. By default there is one job.
     along
-        Dimensions, separated by commas, along which the datasets of all jobs are joined to the datasets ``makes``. If
-        it is empty, the datasets of the jobs remain separate.
+        Dimensions, separated by commas, along which the datasets of all jobs are joined into the datasets ``makes``. If
+        ``along`` is empty, the datasets of the jobs remain separate.
     parts
         Folders in which the datasets of the jobs are kept after they are joined, so that an interrupted experiment can
         continue.
@@ -100,7 +100,10 @@ class Experiment:
         return self.function.__name__ if room == "study" else f"{room}_{last}"
 
     def options_of(self, configuration: Mapping) -> Options:
-        """The options in a complete configuration; without ``model``, omitted options have the function's defaults."""
+        """The options in a complete configuration.
+
+        Without ``options`` and ``model``, omitted options have the function's defaults.
+        """
         if self.options is not None:
             return self.options(configuration)
         for key in self.section.split("."):
@@ -181,8 +184,8 @@ def references(options: Options) -> list[str]:
 def over_periods(*lists: str, runs: int = 1) -> Callable[[Options, Mapping], float]:
     """Function for the attribute ``steps`` of an experiment whose runs last whole numbers of periods.
 
-    The experiment makes ``runs`` runs for each step size, each number of periods, and each combination of items of the
-    options ``lists``.
+    For each step size, each number of periods, and each combination of items of the options ``lists``, the experiment
+    makes as many runs as ``runs`` states.
     """
 
     def steps(options: Options, configuration: Mapping) -> float:

@@ -15,7 +15,7 @@ from typing_extensions import TypedDict, is_typeddict
 
 
 def section(kind: type) -> type:
-    """Mark a TypedDict as a section of the configuration, which accepts only its keys with values of their types."""
+    """Mark a TypedDict as a section of the configuration: only its keys are accepted, with values of their types."""
     kind.__pydantic_config__ = {"extra": "forbid", "strict": True}  # type: ignore[attr-defined]
     return kind
 
@@ -117,11 +117,11 @@ Tolerance = Annotated[float, Ge(1e-15), Lt(1)]
 Counts = Annotated[list[Count], _FEW, _DISTINCT]
 #: Number of records of ground motion.
 Records = Annotated[int, Ge(1), Le(1000)]
-#: Periods in s of oscillators under records.
+#: Periods in s of oscillators under records of ground motion.
 RecordPeriods = Annotated[list[Annotated[float, Ge(0.05), Le(10)]], _FEW, _DISTINCT]
 #: Ratios of the largest elastic force to the strength of an oscillator.
 Reductions = Annotated[list[Annotated[float, Ge(1), Le(100)]], _FEW, _DISTINCT]
-#: Duration of a record in s.
+#: Duration of a record of ground motion in s.
 RecordDuration = Annotated[float, Ge(1), Le(100)]
 RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(_rising)]
 Sizes = Annotated[list[Size], _FEW, _DISTINCT]
@@ -146,7 +146,7 @@ Structure = Annotated[str, _listed("structure"), Names("problem")]
 KnownProblem = Annotated[str, _listed("problem with a known displacement"), Names("problem")]
 #: Name of a scheme.
 SchemeName = Annotated[str, _listed("scheme"), Names("scheme")]
-#: Name of a one-step scheme, which adds increments to displacement and velocity; these sums can be compensated.
+#: Name of a one-step scheme. Such a scheme adds increments to displacement and velocity; the sums can be compensated.
 OneStepName = Annotated[SchemeName, _listed("one-step scheme")]
 Springs = Annotated[list[Spring], _FEW, _DISTINCT]
 Problems = Annotated[list[ProblemName], _FEW, _DISTINCT]

@@ -1,4 +1,4 @@
-"""Samples of the exact motions of problems with kinks and of structures, with which runs and solvers are compared."""
+"""Samples of the exact motions of problems with kinks and of structures, for comparison with runs and solvers."""
 
 from collections.abc import Mapping
 from typing import NamedTuple, get_args
@@ -30,7 +30,7 @@ class Known(NamedTuple):
     uncertainty: float
 
     def error(self, u: np.ndarray) -> float:
-        """Largest norm of the difference between ``u`` and a sample, relative to the largest norm of a sample."""
+        """Largest norm of the error of ``u`` at any sample, relative to the largest norm of the exact displacements."""
         off = np.linalg.norm(u.reshape(self.u.shape) - self.u, axis=1)
         return float(off.max() / np.linalg.norm(self.u, axis=1).max())
 

@@ -11,16 +11,16 @@ The schemes differ in ũ, ṽ, c_u and c_v, in the weight w of the internal forc
 the velocity ṽ + c_v a too, and a history, which the iteration does not change. A problem may have a constant
 stiffness K, so that its internal force is K u + p; then only p is differentiated.
 
-Newton corrections are not shortened if the force is smooth. If the slope of the force may jump, the iteration could
-oscillate between two branches without end. With one unknown the iterate is then kept in a bracket, between two
-accelerations with residuals of opposite signs. The bracket is bisected if Newton's correction leaves it or is longer
-than half of the last change. With several unknowns a correction that is too long is shortened to a point where the
-component of the residual along the correction is nearly zero.
+If the force is smooth, Newton corrections are not shortened, except by the safeguard below. If the slope of the force
+may jump, the iteration could oscillate between two branches without end. With one unknown the iterate is then kept in a
+bracket, between two accelerations with residuals of opposite signs. The bracket is bisected if Newton's correction
+leaves it or is longer than half of the last change. With several unknowns a correction that is too long is shortened to
+a point where the component of the residual along the correction is nearly zero.
 
 If the problem is ``safeguarded``, an iteration that fails is started again with a safeguard. With one unknown this is a
 bracket, which finds a root of every continuous residual that changes its sign. With several unknowns a correction is
-halved until the next correction with the same tangent is shorter (Deuflhard, 2004, section 3.3). A test for a smaller
-residual would stall where stiff members rotate.
+halved until the next correction with the same tangent is sufficiently shorter (Deuflhard, 2004, section 3.3). A test
+for a smaller residual would stall where stiff members rotate.
 
 References
 ----------
@@ -117,7 +117,7 @@ def load(problem: Problem, t: ScalarLike) -> Vector | float:
 
 
 def acceleration(problem: Problem, t: ScalarLike, u: Vector, v: Vector, c_v: ScalarLike = 0.0) -> Vector:
-    """Acceleration a with M a + C (v + c_v a) + p(u, v) = f(t), by one evaluation of the force and one linear solve."""
+    """Acceleration a with M a + C (v + c_v a) + K u + p(u, v) = f(t), by one evaluation of p and one linear solve."""
     rhs = _less_damping(problem, load(problem, t) - problem.internal_force(u, v), v)
     return solve(_inertia(problem, c_v, u.size), rhs)
 
@@ -125,7 +125,7 @@ def acceleration(problem: Problem, t: ScalarLike, u: Vector, v: Vector, c_v: Sca
 def acceleration_within(
     problem: Problem, t: ScalarLike, u: Vector, v: Vector, c_v: ScalarLike, guess: Vector
 ) -> tuple[Vector, Effort]:
-    """Acceleration a with M a + C (v + c_v a) + p(u, v + c_v a) = f(t), and the effort to find it.
+    """Acceleration a with M a + C (v + c_v a) + K u + p(u, v + c_v a) = f(t), and the effort to find it.
 
     If the internal force does not depend on the velocity, this is :func:`acceleration`, without iteration.
     """
@@ -192,14 +192,14 @@ def balance(
         Whether the tangent is symmetric if M and C are.
     tolerance
         Tolerance of the last correction, relative to the displacement, or to the velocity if the force depends on it.
-        The default is ``displacement`` in ``TOLERANCES``, which also holds the tolerances of further criteria.
+        The default is ``displacement`` of ``tolerances_of``, which also returns the tolerances of further criteria.
 
     Returns
     -------
     tuple
         The acceleration and the :class:`Effort`. Its flag ``converged`` is false if the iteration has not ended within
         ``MAX_ITERATIONS``; a safeguard adds up to ``MAX_SAFEGUARDED`` iterations. A value that is not finite ends the
-        iteration at once and remains in the acceleration.
+        iteration at once, and remains in the acceleration unless a safeguard finds a finite one.
     """
     force, whole = (problem.varying_force, problem.internal_force) if force is None else (force, force)
     n, tolerances = u.size, tolerances_of(u.dtype)

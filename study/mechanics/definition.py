@@ -1,4 +1,4 @@
-"""Equation (1): M ü + C u̇ + K u + p = f(t), with u(0) and u̇(0); p depends on u, and may depend on u̇ and a history."""
+"""Problems M ü + C u̇ + K u + p = f(t) with u(0) and u̇(0); p depends on u, and may depend on u̇ and a history."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -19,7 +19,7 @@ from study.mechanics.ground import GroundLoad, GroundMotion
 from study.mechanics.internal_force import as_history, depends_on_last, may_have_kinks, number_of_arguments
 from study.mechanics.terms import Rayleigh, gradient, rayleigh_matrix
 
-#: Arguments of a problem that are numbers or arrays of numbers.
+#: Arguments of a problem that are numbers, arrays of numbers or matrices.
 NUMBERS = ("u0", "v0", *checks.MATRICES, "positions", "influence")
 
 
@@ -51,13 +51,13 @@ class Problem(eqx.Module):
     stiffness
         Constant stiffness K, with which the internal force is K u + p: a number, a diagonal (n,), or a symmetric
         matrix (n, n), dense, of :mod:`scipy.sparse`, or a ``BCOO`` of :mod:`jax.experimental.sparse`. The entries of a
-        ``BCOO`` may depend on parameters that JAX differentiates, or differ between the problems of an ensemble. Only p
-        is differentiated. A problem with a stiffness and no force is linear, and takes one linear solve per step. With
-        sparse matrices p should act on few unknowns or couple neighbours. The factorisation of a sparse matrix is
-        suited to its pattern, and is reused while the matrix stays the same.
+        ``BCOO`` may depend on parameters that JAX differentiates, or differ between the problems of an ensemble. For
+        the tangent, only p is differentiated. With a stiffness and no force the problem is linear: every balance of
+        forces takes one linear solve. With sparse matrices p should act on few unknowns or couple neighbours. The
+        factorisation of a sparse matrix is suited to its pattern, and is reused while the matrix stays the same.
     potential
-        V(u) with p = ∂V/∂u, a scalar, or a :class:`study.StrainEnergy`; V(u, history) for a force with a history. For a
-        force that dissipates it is the stored energy. Only energies and conserving schemes need it.
+        V(u), a scalar with p = ∂V/∂u, or a :class:`study.StrainEnergy`; V(u, history) for a force with a history. For a
+        force that dissipates, V is the stored energy. Only energies and conserving schemes need a potential.
     mass
         M: a number, a diagonal (n,) or a symmetric matrix (n, n), dense or sparse; the identity by default. An unknown
         without mass makes M singular. Implicit schemes that are stable at infinite frequency can step such a problem.
@@ -68,7 +68,7 @@ class Problem(eqx.Module):
         :class:`study.Rayleigh`; zero by default.
     load
         f(t), of the shape of ``u``. If its slope jumps, an attribute ``kinks`` may hold the times of the jumps. The
-        steps of references and of runs with a tolerance then end at these times.
+        steps of references and, by default, of runs with a tolerance then end at these times.
     ground, influence
         Motion of the ground, and the displacement ι (of the shape of ``u``) of the unknowns for a unit displacement of
         the ground, by default one for each unknown. The unknowns are then relative to the ground, whose acceleration a
@@ -76,11 +76,11 @@ class Problem(eqx.Module):
     tangent
         Form of ∂p/∂u with several unknowns: ``diagonal``, ``tridiagonal``, ``dense``, ``matrix_free`` (for symmetric
         tangents), the half bandwidth as a number, or a sparse matrix with an entry wherever ∂p/∂u has one. By default
-        it is dense for at most four unknowns, sparse for more than a thousand, and otherwise a band or dense, as the
-        tangent near u₀ and at zero requires. Declare the form if the force couples other unknowns later, as in contact.
-        Bands are eliminated without pivoting between rows that are far apart; declare ``dense`` for a saddle point,
-        which needs such pivoting. Number the joints of a mesh along its short side: a narrow band is much faster. For
-        sparse matrices the order of the unknowns does not matter.
+        it is dense for at most four unknowns, and a band or dense for up to a thousand, as the tangent near u₀ and at
+        zero requires. With more unknowns or sparse matrices it is diagonal, tridiagonal or sparse. Declare the form if
+        the force couples other unknowns later, as in contact. Bands are eliminated without pivoting between distant
+        rows; declare ``dense`` for a saddle point, which needs such pivoting. Number the joints of a mesh along its
+        short side: a narrow band is much faster. For sparse matrices the order of the unknowns does not matter.
     positions
         Positions of the masses at u = 0, of shape (points, directions). u holds the displacements of the points, one
         point after the other. Only observers of momentum need positions.
@@ -121,7 +121,7 @@ class Problem(eqx.Module):
     #: Whether a Newton iteration that fails starts again with a safeguard; see :mod:`study.mechanics.balance`.
     safeguarded: bool = eqx.field(default=False, init=False, static=True)
 
-    @jax.enable_x64(True)  # the checks compare with round-off of double precision; a run may use single precision
+    @jax.enable_x64(True)  # the checks compare with round-off of double precision, even if runs use single precision
     def __post_init__(self):
         for name in NUMBERS:
             setattr(self, name, checks.numbers_or_matrix(name, getattr(self, name)))

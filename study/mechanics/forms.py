@@ -1,4 +1,4 @@
-"""The forms in which a problem stores its matrices: the tangent, and the matrices that are added to it."""
+"""The forms in which a problem stores the tangent and the matrices that are added to it."""
 
 from collections.abc import Callable
 from typing import Any
@@ -33,13 +33,13 @@ def form_of_tangent(
     massless
         Whether the mass is singular.
     others
-        Stiffness, mass and damping if they are sparse.
+        The sparse matrices among stiffness, mass and damping.
 
     Raises
     ------
     ValueError
         If the declared form does not exist, does not fit the tangent, or is declared for one unknown; if the derivative
-        is not finite near u₀; or if no form is declared for a force with numbers that JAX traces.
+        is not finite near u₀; or if the form must be found while JAX traces numbers of the force.
     """
     if np.ndim(u0) == 0:
         if declared is not None:
@@ -78,10 +78,10 @@ def form_of_tangent(
 
 
 def entries_of(matrix: Matrix, name: str) -> ScipySparse | None:
-    """A sparse matrix with the pattern and symmetry of ``matrix``; None if ``matrix`` is not sparse.
+    """A sparse matrix with the pattern of ``matrix``; None if ``matrix`` is not sparse.
 
-    If JAX traces the values, the positions of the entries are still known, and the values are replaced. The replacement
-    is symmetric for a stiffness or a mass, and unsymmetric for a damping.
+    If JAX traces the values, the positions of the entries are still known, and the values are replaced. The new values
+    are symmetric for a stiffness or a mass, and unsymmetric for a damping, which need not be symmetric.
     """
     if is_sparse(matrix):
         return matrix
@@ -109,7 +109,7 @@ def stored(matrix: Matrix, form: FormOfTangent) -> Matrix:
 
 
 def _declared_coupling(declared: Any, n: int, title: str) -> ScipySparse:
-    """A matrix (n, n) with an entry at each position of the declared form: a sparse matrix or a half bandwidth."""
+    """A matrix (n, n) with an entry at each position of the declared form, a sparse matrix or a half bandwidth."""
     if is_sparse(declared):
         if declared.shape != (n, n):
             raise ValueError(f"tangent of '{title}' must be a matrix of shape {(n, n)}, not {declared.shape}.")
@@ -128,7 +128,7 @@ def _declared_coupling(declared: Any, n: int, title: str) -> ScipySparse:
 def _next_to_sparse(
     force: Callable | None, u0: np.ndarray, coupling: ScipySparse | None, others: list[ScipySparse], title: str
 ) -> SparseTangent | int:
-    """The form of a tangent that is added to sparse matrices: a half bandwidth of 0 or 1 if possible, or sparse."""
+    """Form of a tangent with sparse matrices or many unknowns: a half bandwidth of 0 or 1 if possible, or sparse."""
     n = len(u0)
     states = [] if force is None else tangent.probed_states(force, u0, title)
     declared = coupling is not None
@@ -146,7 +146,7 @@ def _next_to_sparse(
 
 
 def _is_symmetric(force: Callable, states: list[np.ndarray], form: SparseTangent, declared: str) -> bool:
-    """Whether the tangent is symmetric, after a check that it has no entries outside the declared form."""
+    """Whether the tangent is symmetric, after a check that it has no entries outside a declared form."""
     one, other = np.random.default_rng(1).normal(size=(2, form.pattern.size))
 
     @jax.jit

@@ -47,12 +47,12 @@ class AsArrays(eqx.Module):
 
     @property
     def kinks(self):
-        """Times at which the slope of a load jumps, if the load states them."""
+        """Times at which the slope of a load jumps; empty if the load does not state them."""
         return getattr(self.function, "kinks", ())
 
 
 def index_beyond(function: Callable, *arguments) -> str | None:
-    """Message on an index beyond the end of an array in the function; None if there is no such index.
+    """Message on an index beyond the end of an array in the function; None if no such index is found.
 
     JAX would silently read the last entry instead, or drop a value that is added to an entry that does not exist. With
     arrays of NumPy, reading such an entry raises an error. Only a function that cannot take arrays of NumPy, such as
@@ -134,8 +134,8 @@ def check_arguments(force: Callable, load: Callable | None, title: str) -> None:
 def check_functions(problem) -> None:
     """Refuse functions that JAX cannot trace, or whose values have the wrong shape or type.
 
-    Each function is called as a run calls it, with an array that JAX traces. If a force without a history, or a load,
-    returns a number or a list, the problem gets a function that returns an array instead.
+    Each function is called as a run calls it, with arrays that JAX traces. If the problem has no history, and its force
+    or load returns a number or a list, the problem gets a function that returns an array instead.
     """
     for name, (given, arguments, expected) in _calls(problem).items():
         function = getattr(problem, name)
@@ -207,7 +207,7 @@ def _kind(array) -> str:
 
 
 def check_history(force: Callable, u0, v0, history, title: str) -> None:
-    """Refuse a force that returns another force or another history when it is called again with its new history."""
+    """Refuse a force function that returns another force or history when it is called again with its new history."""
     u, _, _ = _near(u0)
 
     @jax.jit
@@ -260,7 +260,7 @@ def check_stored_energy(force: Callable, potential: Callable, u0, history, title
 
 
 def _near(u0):
-    """A displacement near u₀, the direction of a small motion, and its small distance h."""
+    """A displacement near u₀, the direction of a small motion, and the small distance h of this motion."""
     scale = max(np.abs(u0).max(), 1.0)
     direction, offset = np.random.default_rng(0).uniform(0.5, 1.5, (2, *np.shape(u0)))
     return u0 + 0.05 * scale * offset, direction, 1e-5 * scale

@@ -17,7 +17,7 @@ from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
 #: Size of each unit of acceleration in metres per second squared.
 UNITS = {"g": 9.80665, "m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "in/s2": 0.0254, "ft/s2": 0.3048}
 
-#: Smallest and largest plausible peak of a record in g, else the unit is wrong. The largest known peak is near 4 g.
+#: Smallest and largest plausible peak of a record in g; beyond them the unit is wrong. The largest known is near 4 g.
 PEAKS = (1e-6, 20.0)
 
 #: Relative tolerance of the spacing of samples, since a file holds few digits of their times.
@@ -90,8 +90,8 @@ class GroundMotion(eqx.Module):
         """Acceleration at the time t."""
         last = len(self.acceleration) - 1
         place = jnp.asarray(t) / self.dt
-        # One index selects a whole line. XLA may compute the index twice, and next to a sample the two may round to
-        # different intervals. Their lines meet there; an interpolation would mix samples of both intervals.
+        # One index selects a whole line. XLA may compute the index twice, and next to a sample the results may be those
+        # of two neighbouring intervals. Their lines meet there; an interpolation would mix samples of both intervals.
         at_zero, slope = jnp.asarray(self._lines)[jnp.clip(place, 0, last - 1).astype(jnp.int32)]
         return jnp.where(place < last, at_zero + slope * place, 0.0)
 
@@ -195,7 +195,7 @@ class GroundMotion(eqx.Module):
             {(\omega_g^2 - \omega^2)^2 + (2 \zeta_g \omega_g \omega)^2}
 
         for :math:`-\infty < \omega < \infty`. The envelope is :math:`(t/t_1)^2` up to t₁, one up to t₂ and
-        :math:`e^{-c (t - t_2)}` from there on. The defaults are firm soil and a peak near 0.3 g.
+        :math:`e^{-c (t - t_2)}` from there on. The defaults describe firm soil and give a peak near 0.3 g.
 
         Parameters
         ----------

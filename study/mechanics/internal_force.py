@@ -13,10 +13,10 @@ import numpy as np
 from jax.extend import core  # this interface of JAX may change; there is no other to read a traced program
 from jaxtyping import Array, Float
 
-#: Operations whose slope jumps at some values of their argument.
+#: Operations whose value or slope may jump at some values of their arguments.
 KINKS = {"abs", "sign", "max", "min", "clamp", "floor", "ceil", "round", "rem", "while"}
 KINKS |= {"reduce_max", "reduce_min", "cummax", "cummin", "sort", "top_k"}
-#: Operations that turn the result of a comparison into a number, as in ``u * (u > 0)``.
+#: Operation that turns the result of a comparison into a number, as in ``u * (u > 0)``.
 CONVERSION = "convert_element_type"
 #: Operations that select one of several values or branches by their first argument.
 BRANCHES = {"select_n", "cond"}
@@ -92,7 +92,7 @@ def may_have_kinks(force: Callable, *arguments: Any) -> bool:
     return _kinked(program, [True] * len(program.invars))[0]
 
 
-#: For each operation with a kink: a function of its operands, whose results change their sign at the kink.
+#: For comparisons and some operations with a kink: a function of the operands, whose results change sign at the kink.
 _SWITCHES: dict[str, Callable] = dict.fromkeys(("lt", "le", "gt", "ge", "max", "min"), lambda a, b: [a - b])
 _SWITCHES |= dict.fromkeys(("abs", "sign"), lambda a: [a])
 _SWITCHES["clamp"] = lambda low, a, high: [a - low, a - high]
@@ -101,7 +101,7 @@ _CALLS = {"jit": "jaxpr", "custom_jvp_call": "call_jaxpr"}
 
 
 def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array) -> list[Array]:
-    """As :func:`switches`, for a traced program and the arguments of it that ``depends`` marks."""
+    """As :func:`switches`, for a traced program, and only for the arguments that ``depends`` marks."""
     jaxpr = program.jaxpr
     marked = {variable for variable, does in zip(jaxpr.invars, depends, strict=True) if does}
     wanted = []

@@ -25,9 +25,9 @@ class Tolerances(NamedTuple):
         less than this fraction. Convergence is quadratic, so the remaining error is of the order of the square of this
         fraction, which is below round-off.
     near, predicted
-        With one unknown the iteration also ends after the second correction, if this correction is smaller than
-        ``near`` and the third would be smaller than ``predicted``, both as fractions of the displacement. After
-        corrections of the sizes d₁ and d₂ the third is about :math:`d_2^3/d_1^2` (Deuflhard, 2004, section 2.1).
+        With one unknown and a smooth force the iteration also ends after the second correction, if this correction is
+        smaller than ``near`` and the third would be smaller than ``predicted``, both as fractions of the displacement.
+        After corrections of the sizes d₁ and d₂ the third is about :math:`d_2^3/d_1^2` (Deuflhard, 2004, section 2.1).
     force, round_off
         With several unknowns the residual before the last correction must also be smaller than the fraction ``force``
         of the forces in balance. This is not required if the correction was smaller than the fraction ``round_off`` of
@@ -51,7 +51,7 @@ _LOOSE: ContextVar[float | None] = ContextVar("loose", default=None)
 
 @contextmanager
 def ending_at(tolerance: float) -> Iterator[None]:
-    """Within this context, traced iterations have one tolerance for displacement and force, as in other codes."""
+    """Within this context, iterations are traced with one tolerance for displacement and force, as in other codes."""
     token = _LOOSE.set(tolerance)
     try:
         yield
@@ -62,7 +62,7 @@ def ending_at(tolerance: float) -> Iterator[None]:
 def tolerances_of(dtype: np.dtype) -> Tolerances:
     """Tolerances of a floating-point precision.
 
-    Within :func:`ending_at`, all criteria have the tolerance of this context, and the prediction is disabled.
+    Within :func:`ending_at`, the prediction is disabled, and all other criteria have the tolerance of this context.
     """
     loose = _LOOSE.get()
     return TOLERANCES[dtype] if loose is None else Tolerances(loose, 0.0, 0.0, loose, loose)
@@ -71,8 +71,8 @@ def tolerances_of(dtype: np.dtype) -> Tolerances:
 #: Largest number of Newton iterations, and of further iterations with a safeguard.
 MAX_ITERATIONS, MAX_SAFEGUARDED = 50, 1000
 
-#: Fraction of the residual before a correction. The correction is shortened if the component of the residual along it
-#: changes its sign and exceeds this fraction.
+#: Fraction of the component of the residual along a correction. The correction is shortened if it changes the sign of
+#: the component and leaves more than this fraction of its size.
 OVERSHOOT = 0.1
 
 #: Largest number of halvings of a correction.
@@ -161,7 +161,9 @@ def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
 def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Callable) -> Vector:
     """A Newton correction of several unknowns, halved until the next correction with the same tangent is shorter.
 
-    This natural monotonicity test depends neither on units nor on how stiff a member is.
+    After a part λ of the correction, the next correction must be at most 1 − λ/4 times as long as the whole one. There
+    are at most ``HALVINGS`` halvings. This natural monotonicity test depends neither on units nor on how stiff a member
+    is.
 
     References
     ----------
@@ -181,9 +183,10 @@ def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Calla
 def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:
     """A Newton correction of several unknowns, shortened until the component of the residual along it nearly vanishes.
 
-    If the tangent is symmetric and positive definite, the correction ends where the energy along it is least, and every
-    correction reduces the distance to the solution. Its length is found by secants and bisections in turn. The secants
-    use the Illinois method: the value at an end that stays is halved.
+    A correction that is short enough (``OVERSHOOT``) is returned unchanged. If the tangent is symmetric and positive
+    definite, a shortened correction ends where the energy along it is least, and every correction reduces the distance
+    to the solution. The length is found by secants and bisections in turn. The secants use the Illinois method: the
+    value at an end that stays is halved.
     """
 
     def along(part):

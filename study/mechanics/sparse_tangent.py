@@ -25,7 +25,7 @@ ROOM = 2**22
 
 
 class SparseTangent:
-    """Form of ∂p/∂u as a :class:`Sparse`. Forms with the same positions of entries are equal.
+    """Form of ∂p/∂u as :class:`SparseEntries`. Forms are equal if pattern, entries and colours are equal.
 
     Parameters
     ----------

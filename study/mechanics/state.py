@@ -13,7 +13,8 @@ class Effort(NamedTuple):
     Attributes
     ----------
     iterations, converged
-        Number of Newton iterations, each with one tangent and one linear solve, and whether they converged.
+        Number of Newton iterations, and whether they converged. An iteration takes one tangent and one linear solve;
+        with a safeguard it may take several solves.
     committed
         History of the force from which the last sub-step started, if the step commits it between sub-steps; see
         :class:`study.scheme.wrapper.with_history.WithHistory`.

@@ -15,7 +15,8 @@ from study.mechanics.sparse_tangent import SparseTangent
 #: Declarable forms of a tangent. A whole number is a half bandwidth.
 FORMS: dict[str, int | str] = {"diagonal": 0, "tridiagonal": 1, "dense": "dense", "matrix_free": "matrix_free"}
 
-#: Largest number of unknowns for which the form is found from the full tangent; a larger tangent is sparse.
+#: Largest number of unknowns for which the form is found from the full tangent. The form of a larger tangent, if it is
+#: not declared, is diagonal, tridiagonal or sparse.
 FINDABLE = 1000
 
 #: Number of vectors that estimate the diagonal of a matrix-free tangent.

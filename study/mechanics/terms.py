@@ -14,7 +14,7 @@ from study.algebra.matrices import add, product
 class StrainEnergy(eqx.Module):
     """A potential V(u) = Σ w(ε(u)) of strains ε.
 
-    A conserving scheme needs the strains, which a rigid motion leaves unchanged.
+    The strains should not change in a rigid motion. The energy-momentum method then conserves momentum too.
 
     Parameters
     ----------
@@ -39,9 +39,10 @@ def gradient(potential: Callable, u: Vector) -> Vector:
 
 
 class Rayleigh(NamedTuple):
-    r"""Damping C = a M + b K with the stiffness K = ∂p/∂u of the undeformed structure.
+    r"""Damping C = a M + b K with the stiffness K of the undeformed structure.
 
-    A mode of circular frequency ω has the damping ratio :math:`\xi = (a/\omega + b\omega)/2`.
+    K is the tangent of the whole internal force at u = 0. A mode of circular frequency ω has the damping ratio
+    :math:`\xi = (a/\omega + b\omega)/2`.
     """
 
     a: float
