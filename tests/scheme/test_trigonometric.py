@@ -52,7 +52,7 @@ def test_the_chain_is_the_same_with_its_stiff_springs_apart(at_one):
 
 @pytest.mark.parametrize("member, symplectic", [("deuflhard", True), ("garcia_archilla", True), ("gautschi", False)])
 def test_two_members_are_symplectic(member, symplectic):
-    """For two coupled unknowns, the derivative D of a step with respect to (u, u̇) keeps the form J: DᵀJD = J."""
+    """If a method is symplectic, the derivative D of its step with respect to (u, u̇) keeps the form J: DᵀJD = J."""
     problem = study.Problem(
         potential=lambda u: (u[0] - u[1]) ** 4 / 4, u0=[0.9, -0.3], v0=[0.0, 2.0], stiffness=np.array([25.0, 4.0])
     )
