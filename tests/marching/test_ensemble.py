@@ -37,7 +37,7 @@ def test_lanes_end_after_their_own_steps(state_kind):
 
 @pytest.mark.parametrize("group, workers", [(1, "1"), (3, "2")])
 def test_neighbours_and_cores_change_no_bit(monkeypatch, group, workers):
-    """The order of lanes, the size of the ensemble and the number of cores change no bit, even if some lanes fail."""
+    """The order of lanes, the size of the ensemble and the number of cores change no bit of a lane's results."""
     dt, u0 = np.linspace(0.001, 0.2, 700), np.linspace(0.1, 3.0, 700)
 
     def result(scheme, lanes):
