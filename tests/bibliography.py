@@ -42,7 +42,7 @@ def label(work: Work) -> str:
 
 
 def reference(work: Work) -> str:
-    """The citation of the work in a docstring, without a section and the full stop."""
+    """The citation of the work in a docstring, without the place in the work and without the full stop."""
     year, volume, pages = work["year"], work.get("volume", ""), work.get("pages", "")
     if work["kind"] == "article":
         number = f"({work['number']})" if "number" in work else ""

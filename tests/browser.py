@@ -53,7 +53,7 @@ def set_width(browser: Any, width: int, height: int = 1000) -> None:
 
 
 def check_page(browser: Any) -> None:
-    """Check that a page is no wider than the screen, has no error, and loaded nothing from elsewhere."""
+    """Check that a page is no wider than the screen, logs no error or warning, and loaded nothing from elsewhere."""
     width, screen = browser.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
     assert width <= screen
     logged = [entry for entry in browser.get_log("browser") if entry["level"] != "INFO"]

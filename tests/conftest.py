@@ -58,13 +58,13 @@ def _state_of(name: str) -> str:
     return f"{jax.tree.structure(state)} {jax.tree.leaves(state)}"
 
 
-#: Name of one scheme for every kind of state; it is an implicit scheme if any implicit scheme has this state.
+#: Name of one scheme for every kind of state of the schemes in ``KINDS``: an implicit one, if there is one.
 STATES = {_state_of(name): name for name in sorted(KINDS.values(), key=lambda name: not study.schemes[name].explicit)}
 
 
 @pytest.fixture(params=STATES.values())
 def state_kind(request) -> str:
-    """The name of one scheme for every kind of state in turn, for tests in which formulas do not matter."""
+    """The names in ``STATES`` in turn, for tests in which formulas do not matter."""
     return request.param
 
 

@@ -5,7 +5,7 @@ import xarray as xr
 
 
 def cosine(steps: int) -> xr.Dataset:
-    """Reference of cos(2πt) as the pipeline writes it, at 64 times as many phases as ``steps``."""
+    """Reference of cos(2πt) as the pipeline writes it, one period in 64 × ``steps`` equal parts."""
     phase = np.linspace(0, 1, 64 * steps + 1)
     return xr.Dataset(
         {

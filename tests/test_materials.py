@@ -1,4 +1,4 @@
-"""Materials, compared with closed forms and independent integration, and laws of every force with a history."""
+"""Materials, compared with closed forms and independent integration, and the rules for forces with a history."""
 
 from typing import Any
 

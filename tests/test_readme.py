@@ -36,8 +36,7 @@ def test_the_commands_of_the_readme_run(words, tmp_path):
     run_command(words, tmp_path)
 
 
-#: Program that runs the files of CONTRIBUTING and makes their products. It prints the text of the claim, and the
-#: number.
+#: Program that runs the files of CONTRIBUTING, and makes and prints their products.
 _EXAMPLES = """
 import json, sys, types
 from pathlib import Path

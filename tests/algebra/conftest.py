@@ -1,4 +1,4 @@
-"""Test matrices of every form, each together with the same matrix as a dense NumPy array."""
+"""Test matrices of every form except sparse, each together with the same matrix as a dense NumPy array."""
 
 from types import SimpleNamespace
 

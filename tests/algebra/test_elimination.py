@@ -1,4 +1,4 @@
-"""Solutions of linear systems with matrices of every form, compared with NumPy's solutions."""
+"""Solutions of linear systems with matrices of every form except sparse, compared with NumPy's solutions."""
 
 import equinox as eqx
 import jax
@@ -37,7 +37,7 @@ def test_solve_undoes_times(make, form, seed, n):
 
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 6, 7, 8, 13])
 def test_tridiagonal_elimination_of_any_length(make, n):
-    """The loop eliminates four rows per iteration; at most of these lengths, some rows remain after the loop."""
+    """The loop eliminates four rows per iteration; lengths below four, multiples of four and others are tested."""
     rng = np.random.default_rng(n)
     whole, rhs = make.dominant(rng, n, 1), rng.normal(size=n)
     for bands in (make.band_of(whole, 1), tuple(make.band_of(whole, 1))):

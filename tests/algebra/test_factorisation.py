@@ -76,7 +76,7 @@ def test_factors_are_kept_while_matrices_come_again(width):
         for factor in 1.0, 2.0, 4.0:
             np.testing.assert_allclose(factor * (matrix @ solver.solved(factor * values, rhs)), rhs, atol=1e-9)
     assert solver.count == 3
-    # three factorisations are kept; a new one replaces the oldest
+    # three factorisations are kept; a new one replaces the least recently used one
     for factor in 8.0, 1.0, 8.0:
         np.testing.assert_allclose(factor * (matrix @ solver.solved(factor * values, rhs)), rhs, atol=1e-9)
     assert solver.count == 5

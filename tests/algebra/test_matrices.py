@@ -1,4 +1,4 @@
-"""Sums and products of matrices of every form, compared with dense NumPy arrays."""
+"""Sums and products of matrices of every form except sparse, compared with dense NumPy arrays."""
 
 import equinox as eqx
 import jax

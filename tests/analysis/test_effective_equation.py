@@ -24,7 +24,7 @@ def test_roots_of_a_cubic_effective_equation(S1, S2, c, predictor):
     exact = np.roots([c * S1 * S2, 0, 1 + c * S1, -predictor])
     real = exact[np.abs(exact.imag) < 1e-9].real
     apart = np.diff(np.sort(real))
-    # equations are left out if a root lies outside the range of the search or two roots are closer than its resolution
+    # the search may miss roots beyond 3.9, or two roots closer than 0.01; such equations are left out
     if len(real) and np.abs(real).max() < 3.9 and (not len(apart) or apart.min() > 0.01):
         found = number_of_roots(study.Problem(spring.force, 1.0, 0.0), np.array([c]), np.array([predictor, 1.0, -1.0]))
         assert found[0, 0] == len(real)

@@ -47,7 +47,7 @@ def test_an_accurate_run_keeps_the_period_too():
 
 
 def test_a_motion_that_is_damped_out_of_chaos_was_not_chaotic():
-    # neighbouring runs diverge at first, and then all come to rest
+    # at first neighbouring runs diverge; later most of the runs come to rest
     definition = study.problems["softening"]
     observe = [OutcomeObserver.of(definition), "lyapunov_exponent"]
     runs = study.run(

@@ -19,7 +19,7 @@ SCHEMES = ["average_acceleration", "central_difference"]
 
 @pytest.fixture
 def of_programs(monkeypatch, tmp_path):
-    """Treat every problem as large, keep runs in a folder of the test, and confirm steps by the fewest runs."""
+    """Treat several unknowns as many, keep runs in a temporary folder, and confirm steps by the fewest runs."""
     monkeypatch.setattr(large, "MOST", 1)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)

@@ -50,7 +50,7 @@ class _Balanced(HTMLParser):
 
 @pytest.fixture(scope="module")
 def assessed(model, tmp_path_factory):
-    """Common path without suffix of the dataset and the page that ``study assess`` wrote, and its printed output."""
+    """Common path without suffix of the dataset and the page that ``study assess`` wrote, and what it printed."""
     swing = tmp_path_factory.mktemp("assessed") / "swing"
     words = ["assess", f"{model}:swing", "--duration", "12", "--error", "0.05", "--schemes", "rk4", "newmark"]
     with contextlib.redirect_stdout(io.StringIO()) as printed:

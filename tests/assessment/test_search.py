@@ -68,7 +68,7 @@ def test_a_lucky_step_is_passed_over():
 
 
 def test_an_unlucky_stretch_of_steps_is_found():
-    """The steps from 0.050 to 0.051 are a hundredth of the steps up to 0.1; the search finds that they fail."""
+    """The step sizes from 0.050 to 0.051 are a hundredth of the range up to 0.1; the search finds that they fail."""
     _, verdict = searched(lambda dt, start: 0.02 if 0.050 < dt < 0.051 else dt**2)
     assert verdict.recommended <= 0.05
 
@@ -151,8 +151,9 @@ def test_a_step_of_a_large_structure_is_confirmed_by_several_others():
 def test_stiff_modes_take_a_search_to_finer_steps_as_far_as_their_work_allows():
     # a run of 3 s with 150 unknowns, whose periods range from 3 s to 0.03 s
     assert finest_step(3.0, 3.0, 200.0, 150) == pytest.approx(0.03 / 200)
-    # caps on steps × unknowns decide: for one unknown, and for 1000 unknowns whose modes are too stiff for these steps
+    # for one unknown the limit of 250,000 steps × unknowns decides
     assert finest_step(3.0, 3.0, 2.0, 1) == finest_step(3.0, 3.0, 1e6, 1) == 3.0 / 250_000
+    # for 1000 unknowns with a stiff mode the cap of 4,000,000 steps × unknowns decides
     assert finest_step(3.0, 3.0, 1e6, 1000) == 3.0 / 4000
 
 

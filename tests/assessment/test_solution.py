@@ -72,7 +72,7 @@ def test_both_routes_solve_a_kinked_load(shaken):
 
 @pytest.mark.parametrize("stiffness", [1e2, 1e6])
 def test_contacts_are_stepped_on_and_interpolated_between(stiffness):
-    """Both routes meet the exact motion, which is harmonic in free flight and in contact with the stop."""
+    """Both routes meet the exact motion, which is harmonic during contact with the stop and without contact."""
     omega, opening, duration = 2 * np.pi, 0.5, 3.0
     stop = study.materials.gap(stiffness, opening=opening)
     problem = study.Problem(lambda u: omega**2 * u + stop(u), 0.0, 5.0, title="stop")
@@ -84,7 +84,7 @@ def test_contacts_are_stepped_on_and_interpolated_between(stiffness):
     reach = np.hypot(opening - centre, speed / contact)
     touch = np.arcsin(opening * omega / 5) / omega
     lasts = 2 * np.arccos((opening - centre) / reach) / contact
-    period = 2 * touch + np.pi / omega + lasts  # π/ω is the half-wave on the side without a stop
+    period = 2 * touch + np.pi / omega + lasts  # the half-wave on the side without a stop takes π/ω
     times = touch + period * np.arange(5)
     exact = np.sort(np.concatenate([times, times + lasts]))
     exact = exact[exact < duration]

@@ -10,7 +10,7 @@ from tests.references import cosine
 
 @pytest.fixture(name="cosine")
 def _cosine() -> xr.Dataset:
-    """Reference of cos(2πt) at 8 steps per period."""
+    """Reference of cos(2πt), one period in 512 equal parts."""
     return cosine(8)
 
 

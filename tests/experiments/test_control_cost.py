@@ -25,7 +25,7 @@ def test_control_reaches_the_exact_motion_of_a_bouncing_mass(reference, monkeypa
     ds = control_cost(["bouncing"], schemes, "pi", [1e-2, 1e-4, 1e-6], [8, 16, 32]).squeeze("problem")
     controlled, multistep = (ds.sel(scheme=one) for one in schemes)
     assert (controlled.status == 0).all() and controlled.error[-1] < 1e-4 < controlled.error[0]
-    # an accepted or rejected step takes five forces: the first of its six stages is the last stage of the previous step
+    # each step, accepted or rejected, takes five force evaluations for six stages, because the first stage is known
     np.testing.assert_array_equal(controlled.forces, 5 * (controlled.steps + controlled.rejected))
     np.testing.assert_array_equal(controlled.equal_forces, 5 * 16 * ds.steps_per_sample)
     assert (controlled.equal_error.diff("steps_per_sample") < 0).all()

@@ -37,7 +37,7 @@ def test_lanes_end_after_their_own_steps(state_kind):
 
 @pytest.mark.parametrize("group, workers", [(1, "1"), (3, "2")])
 def test_neighbours_and_cores_change_no_bit(monkeypatch, group, workers):
-    """The order of lanes, the size of the ensemble and the number of cores change no bit, even if some lanes fail."""
+    """The order of lanes, the size of the ensemble and the number of cores change no bit of a lane's results."""
     dt, u0 = np.linspace(0.001, 0.2, 700), np.linspace(0.1, 3.0, 700)
 
     def result(scheme, lanes):
@@ -84,7 +84,7 @@ def test_a_failed_lane_is_frozen_whole_with_its_neighbour():
     dt = jnp.asarray([0.1, 3.5])
     progress, initial, stored = definition.start(jnp.full(2, 0.5), jnp.zeros(2), dt, 1)
     progress, _ = definition.proceed(progress, stored, initial, dt, 1000, 1, 0, each_step=False)
-    # a multiple of 3 means that no balance was found; below 3000 it was before the last of the 1000 steps
+    # a multiple of 3 means that no balance was found; a value below 3000, that the lane failed before the last step
     assert progress.failure[0] == 0 and progress.failure[1] % 3 == 0 < progress.failure[1] < 3000
     # the state of the failed lane is NaN, which ends Newton's iteration at once
     assert all(np.isnan(part[1]) and np.isfinite(part[0]) for part in jax.tree.leaves(progress.state.inner))

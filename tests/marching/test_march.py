@@ -95,7 +95,7 @@ def test_a_long_run_can_be_interrupted(tmp_path, u0):
             process.send_signal(signal.SIGINT)
             _, error = process.communicate(timeout=60)
         finally:
-            process.kill()  # otherwise the run would go on for weeks after the test
+            process.kill()  # otherwise the run would go on for hours after the test
     assert process.returncode != 0 and b"KeyboardInterrupt" in error
     assert xr.load_dataset(tmp_path / "kept.nc").status == 0
 

@@ -1,4 +1,4 @@
-"""A run as a pure function: its derivatives, compared with multiprecision differences, its memory, and its refusals."""
+"""A run as a pure function: its memory, its refusals, and its derivatives, compared with multiprecision differences."""
 
 import jax
 import jax.numpy as jnp

@@ -55,7 +55,7 @@ def _single_round_off(scheme, dt, steps):
 
 
 def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
-    """The energy drifts with Newmark's form of central difference, which uses Δt², but not with kicks and drifts."""
+    """If Δt² is rounded, the energy drifts in Newmark's form of central difference, but not in kicks and drifts."""
     short = np.ldexp(np.arange(3936, 4064), -19)
     long = short + np.ldexp(1365, -31)
     newmark, verlet = study.schemes["central_difference"], study.Composition((1.0,), of_order=2)

@@ -150,7 +150,7 @@ def test_unfit_grounds_get_a_sentence():
 
 
 def test_a_place_that_rounds_to_either_side_of_a_sample_is_looked_up_once():
-    """Lanes equal single runs at samples, although XLA computes t/Δt twice there, with different round-off."""
+    """Lanes equal single runs even at samples, where XLA may compute t/Δt twice, with different round-off."""
 
     def shaken(intensity):
         ground = study.GroundMotion.el_centro().scaled(intensity)

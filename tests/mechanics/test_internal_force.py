@@ -53,7 +53,7 @@ def test_switches_change_their_sign_at_kinks(force, arguments, expected):
 
 
 def test_smooth_problems_of_the_study_are_seen_as_smooth():
-    """Problems without kinks need no safeguard in Newton's iteration, which would take time to compile."""
+    """Newton's iteration needs no safeguard for problems without kinks; compiling one would take time."""
     kinked = [name for name in study.problems if study.problems[name].kinked]
     # the load on the beam ends smoothly, but its formula has a branch
     assert sorted(kinked) == ["belt", "bouncing", "elastic_beam", "hysteretic", "yielding"]

@@ -68,7 +68,7 @@ def test_a_safeguard_finds_the_root_where_newton_jumps_from_side_to_side(u, gues
 
 @pytest.mark.parametrize("scheme", ["average_acceleration", "wilson_theta", "houbolt", "bathe", "energy_momentum"])
 def test_every_step_of_a_rising_force_has_its_root(scheme):
-    """Restarts find the root of each step; plain Newton iteration fails on the softening spring at these step sizes."""
+    """Restarts find the root of each step; without restarts, Newton's iteration fails at the larger step sizes."""
     dt = 1.79 * np.logspace(-1, 0, 24)
     ds = study.run("softening_large", scheme, dt=dt, steps=200, observe=["max_energy_error"])
     assert not ds.status.any() and ds.newton_restarts.max() > 0

@@ -1,4 +1,4 @@
-"""Errors without meaning are left out, and chosen schemes keep their order."""
+"""Errors without meaning are left out, and schemes stand in the order in which they were chosen."""
 
 import numpy as np
 import xarray as xr

@@ -10,7 +10,7 @@ STEPS = [10, 20, 40]
 
 
 def _runs(problem, name, errors, schemes=("one", "two")):
-    """Runs with errors by scheme and step; the first scheme takes one force a step, the second two iterations."""
+    """Runs with errors by scheme and step; the first scheme takes one force evaluation a step, the second two."""
     data = filled(0.0, problem=[problem], scheme=list(schemes), steps_per_period=STEPS).to_dataset(name=name)
     data[name][0] = errors
     data["iterations_per_step"] = data[name] * 0 + [[0.0], [2.0]]

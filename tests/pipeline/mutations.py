@@ -13,7 +13,7 @@ from pipeline import configuration
 from study.declaration.experiment import discover
 from tests.pipeline.pipeline import PROJECT, SMALL
 
-#: Sections on which most other sections depend; after a change in them all datasets would be made again.
+#: Sections that stay unchanged; after a change in them, many or slow datasets would be made again.
 DEEP = {"references", "agreement", "accuracy", "work_precision", "assess", "structures"}
 #: Number of sections in which values are changed, and the factors by which a value may be multiplied.
 NUMBERS, FACTORS = 5, (0.3, 0.5, 0.7, 1.4, 2.0)

@@ -36,7 +36,7 @@ def check_latex(project: Path, folder: Path) -> None:
 
 #: Pattern of a word in the output of Poppler: its box, measured from the left and the top, and its letters.
 WORD = re.compile(r'<word xMin="(.+?)" yMin="(.+?)" xMax="(.+?)" yMax="(.+?)">(.*?)</word>')
-#: Width of the lower and of the right margin, and how far a word may reach into a margin, in points.
+#: Largest width of the lower and the right margin, and how far a word may reach into that margin, in points.
 MARGIN, INTO_MARGIN = 54, 6
 #: Largest number of pairs of overlapping words on a page; signs of an equation may overlap.
 OVERLAPS = 2

@@ -37,7 +37,7 @@ linear, hardening = partial(oscillator, 0.0), partial(oscillator, 0.5)
 
 
 def fails(how, scheme, dt):
-    """The linear oscillator, with a scheme ``wrong`` whose runs fail in the way ``how``."""
+    """The linear oscillator with a scheme ``wrong``, whose runs fail in the way ``how``, by a signal only if dt > 1."""
     right = linear("central_difference" if scheme == "wrong" else scheme, dt)
     if scheme != "wrong":
         return right

@@ -93,7 +93,7 @@ def test_an_oscillator_that_yields_agrees_step_by_step(theirs, scheme):
 @pytest.mark.parametrize("scheme", IMPLICIT)
 @pytest.mark.parametrize("exponent", [None, 1.0, 0.5])
 def test_a_yielding_frame_under_the_record_agrees_step_by_step(theirs, scheme, exponent):
-    """Three storeys as in the example, without or with dampers; stiffness in N/m, yield force in N, mass in kg."""
+    """The frame of examples/yielding_frame.py, without or with dampers; units are N, m, kg and s."""
     dt = 0.01
     ground = study.GroundMotion.el_centro()
     storey = study.materials.elastoplastic([4.0e7, 3.5e7, 3.0e7], [4.0e5, 3.0e5, 2.0e5], hardening=0.05)

@@ -1,6 +1,6 @@
 """The coefficients that the article prints for the schemes of 1996, compared with the schemes of the study.
 
-Every implicit step is u₁ = ũ + c_u a, u̇ = ṽ + c_v a with M a + C (ṽ + c_v a) + w p(ũ + c_u a) = r. The tests use the
+Every implicit step is u₁ = ũ + c_u a, u̇₁ = ṽ + c_v a with M a + C (ṽ + c_v a) + w p(ũ + c_u a) = r. The tests use the
 formulas of the article's table, on a damped and loaded cubic spring.
 """
 

@@ -24,7 +24,7 @@ SIXTH = study.Extrapolation((1, 2, 3))
 
 @pytest.fixture
 def scheme(scheme):
-    """Every scheme in turn."""
+    """Every scheme in turn; ``SIXTH`` replaces the scheme of order 12."""
     return SIXTH if scheme.order == 12 else scheme
 
 

@@ -68,7 +68,7 @@ def test_limits(one, other, problem):
 
 
 def test_velocity_verlet_is_registered_once():
-    """Its name is an alias of central difference; with damping and a load the two schemes are equal too."""
+    """``velocity_verlet`` is an alias of central difference; the composition equals it with damping and a load too."""
     assert study.schemes["velocity_verlet"] is study.schemes["central_difference"]
     assert "velocity_verlet" not in list(study.schemes)
     problem = study.Problem(

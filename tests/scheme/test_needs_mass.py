@@ -108,7 +108,7 @@ def test_bathes_method_with_two_weights(beta1, beta2, gamma):
     ],
 )
 def test_methods_of_given_radius_need_none(make, least, most):
-    """At ρ∞ = 1 the methods are on the bound of the condition; round-off of their parameters must not violate it."""
+    """At ρ∞ = 1 the α-methods are on the bound of the condition; round-off of their parameters must not violate it."""
     assert not any(make(rho_inf).needs_mass for rho_inf in np.linspace(least, most, 101).tolist())
 
 

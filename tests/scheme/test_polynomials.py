@@ -74,7 +74,7 @@ def test_gauss_is_the_pade_approximation():
 
 @pytest.mark.parametrize("s, rho_inf, gamma", [(3, 0.0, 0.4358665215), (3, 1.0, 1 / 3), (4, 0.0, 0.5728160625)])
 def test_esdirk_is_the_restricted_pade_approximation(s, rho_inf, gamma):
-    """λ = Σ zᵏ Σ C(s, j) (−γ)ʲ/(k − j)! / (1 − γz)ˢ, z = iΩ, with γ as printed for L-stable methods."""
+    """λ = Σ zᵏ Σ C(s, j) (−γ)ʲ/(k − j)! / (1 − γz)ˢ, z = iΩ; for ρ∞ = 0, γ is that printed for L-stable methods."""
     z = 1j * STEPS
     numerator = sum(
         z**k * sum(math.comb(s, j) * (-gamma) ** j / math.factorial(k - j) for j in range(k + 1)) for k in range(s + 1)

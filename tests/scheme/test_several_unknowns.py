@@ -89,7 +89,7 @@ def test_no_direction_is_special(scheme):
     np.testing.assert_allclose(turned, straight @ turn.T, rtol=0, atol=1e-9)
 
 
-#: Name of the first scheme of every class that takes massless unknowns, by class.
+#: By class, the name of its first scheme that takes massless unknowns.
 WITHOUT_MASS = {type(scheme): name for name, scheme in reversed(list(study.schemes.items())) if not scheme.needs_mass}
 
 

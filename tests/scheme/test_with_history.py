@@ -11,9 +11,10 @@ from study import materials
 
 SPRING = materials.elastoplastic(stiffness=40.0, yield_force=10.0, hardening=0.1)
 YIELDING = study.Problem(SPRING, u0=0.2, v0=3.0, damping=0.3, potential=SPRING.potential, title="yielding")
-#: Names of schemes whose order is one on any motion, or falls to one if the force is not smooth.
+#: Names of schemes whose order is one with damping, or falls to one if the force is not smooth.
 FIRST = {name for name, one in study.schemes.items() if one.order_with_damping == 1} | {"yoshida4", "yoshida6"}
-#: Names of schemes with backward sub-steps, in which a force with history unloads; their order is between one and two.
+#: Names of schemes with backward sub-steps, in which a force with history unloads, and of extrapolation. Their
+#: observed order may lie between one and two.
 BACKWARDS = {"yoshida4", "yoshida6", "kahan_li8", "mclachlan4", "extrapolation12"}
 #: Name of one scheme of every class.
 ONE_OF_EACH = {type(one): name for name, one in study.schemes.items()}.values()
@@ -115,7 +116,7 @@ def test_lanes_compensated_sums_and_neighbours_remember():
     compensated = study.Compensated(study.schemes["average_acceleration"])
     ds = study.run(YIELDING, compensated, dt=0.01, steps=100, observe=["lyapunov_exponent", "internal_force"])
     np.testing.assert_allclose(ds.internal_force, lanes.internal_force[0], atol=1e-10)
-    # after yielding, the spring rests with its plastic displacement, so neighbouring runs neither diverge nor converge
+    # a yielded spring keeps its plastic displacement, so neighbouring runs neither diverge nor meet
     assert abs(float(ds.lyapunov_exponent)) < 2.0
 
 

@@ -75,8 +75,8 @@ def _kinks(gain=10.0, order=2.0, imbalance=1e-15, equal=1.0):
     [
         (1.0, 2.0, 1.0, "reproduced"),
         (1.0, 4.0, 1.0, "not reproduced"),
-        # at equal steps Runge-Kutta errs less than average acceleration; at equal numbers of forces it errs as much as
-        # central difference
+        # at equal step sizes Runge-Kutta errs less than average acceleration; at equal numbers of force evaluations it
+        # errs as much as central difference
         (10.0, 2.0, 0.1, "reproduced with a qualification"),
         (10.0, 2.0, 1.0, "not reproduced"),
     ],

@@ -14,7 +14,7 @@ PARTS = [0.01, 0.04, 0.05]
 def _large_steps(**worst):
     """A dataset like large_steps.nc, with errors of 99 %.
 
-    Faithful schemes have 1 % below T/20, except central difference at 0.04 T; ``worst`` gives its error by problem.
+    Faithful schemes have 1 % below T/20, except central difference at 0.04 T; ``worst`` gives this error by problem.
     """
     schemes = ["average_acceleration", "central_difference", "houbolt"]
     dims = ["problem", "scheme", "dt_over_period"]

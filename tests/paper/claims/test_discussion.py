@@ -40,7 +40,7 @@ def test_a_smaller_step_is_unstable_next_to_a_larger_reasonable_one(small, large
 
 
 def _double_well(lost=900 / 7, gained=0.0, undamped=0.0):
-    """Signed energy errors of all schemes, given in percent; by default the damped schemes end at rest."""
+    """Signed energy errors of all schemes; arguments are in percent. By default the damped schemes end at rest."""
     error = filled(0.0, scheme=SCHEMES, t=[0.0, 2.5, 5.0])
     error.loc[{"scheme": DAMPED, "t": 5.0}] = -lost
     error.loc[{"scheme": "hht_alpha_1996", "t": 2.5}] = gained

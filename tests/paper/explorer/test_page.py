@@ -36,7 +36,7 @@ def datasets():
     cell = ("scheme", "problem", "amplitude", "dt_over_period")
     shape = [SIZES[name] for name in cell]
     random = np.random.default_rng(1)
-    # errors from about 0.03 to 300 %, which grow with the step
+    # random errors from 0.03 to 300 %, which on average grow with the step size
     errors = {
         name: STEPS * largest * random.uniform(0.01, 1, shape)
         for name, largest in (("max_energy_error", 300), ("period_error", 3))
@@ -121,7 +121,7 @@ def _click(browser, along, up, kind="mouse"):
 
 
 def _address(browser):
-    """The choices in the address of the page, which the page updates with a delay."""
+    """The choices in the address, which the page updates with a delay."""
     browser.execute_async_script("setTimeout(arguments[0], 400)")
     return {key: value for key, (value,) in parse_qs(urlsplit(browser.current_url).fragment).items()}
 

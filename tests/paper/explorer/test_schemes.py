@@ -41,7 +41,7 @@ def runs():
 
 @pytest.mark.parametrize("problem", STEPS)
 def test_a_scheme_marches_as_in_the_study(runs, problem):
-    # all schemes run on the softening spring, and two schemes on the other springs
+    # all schemes are compared on the softening spring, and two schemes on the other springs
     schemes = runs[problem] if problem == "softening" else ("average_acceleration", "energy_momentum")
     rest = study.OutcomeObserver.of(problem)
     for name in schemes:

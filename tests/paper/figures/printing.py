@@ -17,7 +17,7 @@ from paper.products import discover, made, reader
 
 #: Smallest font size in points, and largest overlap of two texts in points.
 SMALLEST, SHARED = 7.0, 1.0
-#: Largest height of a figure in cm, which is the height of the text area of a page.
+#: Largest height of a figure in cm, which leaves room for its caption on a page.
 TALLEST = 19.5
 
 

@@ -1,4 +1,4 @@
-"""Facts and values on schemes since 1996 that the text takes from the ledger, and on other programs."""
+"""Facts and values for the text: on schemes since 1996, from the ledger, and on other programs."""
 
 import pandas as pd
 import pytest

@@ -9,7 +9,10 @@ STEPS = [0.01, 0.02, 0.05, 0.1]
 
 
 def _rule(largest):
-    """Runs on two springs. ``largest`` is the largest safe Δt ωmax of each scheme on the first, half of the other's."""
+    """Runs on two springs.
+
+    ``largest`` is the largest safe Δt ωmax of each scheme on the first spring; on the second it is twice as large.
+    """
     upto = np.multiply.outer(list(largest.values()), [1.0, 2.0])[..., None, None]
     errors = np.where(np.array(STEPS) <= upto, 0.005, 0.02)
     dims = ("scheme", "problem", "amplitude", "omega_step")

@@ -170,7 +170,7 @@ def test_a_cell_of_a_spring_names_the_fewest_forces_whatever_the_time(rows):
     assert _steps(first) == ["Cheap: ≤ 8", "Cheap: 16", "Dear: 64"]
     assert implicit["Scheme"] == "implicit" and {implicit[column] for column in ("10 %", "1 %", "0.1 %")} == {"–"}
     assert [row["Right in"] for row in (first, velocity, *others[1 : ROWS - 3 : 2])] == list(QUANTITIES)
-    # 17.6 and 16 forces tie, so the scheme with the smaller error is named; 18.4 and 16 forces do not tie
+    # 17.6 and 16 force evaluations tie, so the scheme with the smaller error is named; 18.4 and 16 do not tie
     assert rows(forces=2.2)[0]["10 %"] == "Dear: 16 (16 forces, ωΔt 0.12); …"
     assert _steps(rows(forces=2.3)[0])[0] == "Dear: 16"
 
@@ -194,7 +194,7 @@ def test_the_steps_at_other_amplitudes_are_stated(rows):
 def test_elsewhere_the_fewest_forces_decide(rows):
     explicit, structure, _, energy, _, kinked, record, implicit = rows()[ROWS:]
     assert explicit["Problem"] == "Swinging thing" and explicit["10 %"] == "–"
-    # 20 steps of five forces, compared with 80 steps of two forces
+    # 20 steps of five force evaluations, compared with 80 steps of two
     assert structure["Scheme"] == "implicit" and structure["10 %"] == "Dear: ≤ 20 (100 forces, ωΔt 0.5)"
     assert structure["1 %"] == "Cheap: 80 † (160 forces, ωΔt 0.12 < 2)" and _steps(structure)[2] == "Dear: 80 †"
     assert structure["Beware of"] == "lost by Fails"
@@ -207,13 +207,13 @@ def test_elsewhere_the_fewest_forces_decide(rows):
     assert _steps(record) == ["Cheap: 20 ms", "Cheap: 10 ms", "–"]
     assert record["10 %"] == "Cheap: 20 ms (50 forces/s, ωΔt 0.063 < 2)"
     assert implicit["0.1 %"] == "Fails: 40 ms (75 forces/s, ωΔt 0.13)"
-    # all runs with steps of 15 ms exceed the error, and so do half of the runs with steps of the record's spacing
+    # all runs of the cheap scheme with steps of 15 ms exceed the error, but only half at the record's spacing
     assert (record["Beware of"], implicit["Beware of"]) == ("other steps", "")
 
 
 def test_of_schemes_that_tie_a_step_that_a_finer_one_confirms_comes_first():
     runs = _runs("error", "swinging thing").isel(problem=0)
-    # 20 steps of eight forces, and 80 steps of two forces with a smaller error
+    # 20 steps of eight force evaluations, and 80 steps of two with a smaller error
     runs["iterations_per_step"].loc["dear"] = 3.5
     picks = picks_of(runs, runs.error, 0.1, dict.fromkeys(runs.scheme.values, np.inf))
     assert [(pick.title, pick.step, pick.forces) for pick in picks] == [
