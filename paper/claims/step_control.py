@@ -198,7 +198,7 @@ def damping_prevents_gain(step_control):
 
 @claim(
     "adaptive",
-    "Controlled steps keep the energy better than the same number of equal steps.",
+    "Controlled steps keep the energy better than nearly as many equal steps.",
     "smallest ratio, over the cells of Tables 1 and 2, of the energy error with steps controlled by the estimator of "
     "1991 to that with equal steps, average acceleration",
     whose=PRACTICE,

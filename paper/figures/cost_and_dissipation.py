@@ -46,7 +46,7 @@ def draw(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> Fig
             ax.set_xlabel("ρ∞")
             ax.tick_params(labelbottom=True)
     for ax in axes[:, 0]:
-        ax.set_ylabel("forces per period")
+        ax.set_ylabel("evaluations per period")
     handles = [
         Line2D([], [], linestyle="", marker=look["marker"], color=look["color"], label=str(title))
         for look, title in zip(curve_styles(forces.scheme).values(), forces.scheme_title.values, strict=True)

@@ -1,4 +1,4 @@
-"""Tables 1 and 2 of 1996 with equal steps and with the same number of steps controlled by the estimator of 1991."""
+"""Tables 1 and 2 of 1996 with equal steps and with nearly as many steps controlled by the estimator of 1991."""
 
 import pandas as pd
 import xarray as xr

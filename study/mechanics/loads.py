@@ -46,10 +46,10 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
     problem = eqx.tree_at(lambda p: p.v0, problem, factor * problem.v0)
     if displaced:
         problem = eqx.tree_at(lambda p: p.u0, problem, factor * problem.u0)
-    if problem.load is None:
-        return problem
     if problem.ground is not None:
         problem = eqx.tree_at(lambda p: p.ground, problem, problem.ground.scaled(factor))
+    if problem.load is None:
+        return problem
     load, before = (
         (problem.load.load, problem.load.factor) if isinstance(problem.load, _Scaled) else (problem.load, 1.0)
     )

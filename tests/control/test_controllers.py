@@ -95,7 +95,9 @@ def test_central_difference_with_alternating_steps(h, H, stable):
 
 
 def test_a_dead_band_with_a_small_bound_repeats_a_step_with_a_smaller_size():
-    decision = DeadBand(low=0.1, high=0.5).decide(jnp.zeros((), int), 0.6, 3, 1.0, HARDENING, None, 0.0, 1.0)
+    decision = DeadBand(low=0.1, high=0.5).decide(
+        jnp.zeros((), int), jnp.asarray(0.6), 3, 1.0, HARDENING, None, 0.0, 1.0
+    )
     assert not decision.accepted and decision.dt == pytest.approx(0.9)
 
 

@@ -37,17 +37,21 @@ def test_lanes_end_after_their_own_steps(state_kind):
 
 @pytest.mark.parametrize("group, workers", [(1, "1"), (3, "2")])
 def test_neighbours_and_cores_change_no_bit(monkeypatch, group, workers):
-    """The order of lanes, the size of the ensemble and the number of cores change no bit of a lane's results."""
-    dt, u0 = np.linspace(0.001, 0.2, 700), np.linspace(0.1, 3.0, 700)
+    """The order of lanes, the size of the ensemble and the number of cores change no bit of a lane's results.
+
+    Lanes with large step sizes fail.
+    """
+    dt, u0 = np.linspace(0.001, 0.5, 700), np.linspace(0.1, 3.0, 700)
 
     def result(scheme, lanes):
         observe = ["max_energy_error", "newton_iterations"]
-        return study.run("softening", scheme, dt=dt[lanes], u0=u0[lanes], steps=200, observe=observe)
+        arguments = {"dt": dt[lanes], "u0": u0[lanes], "steps": 200, "observe": observe}
+        return study.run("softening", scheme, **arguments, bound=3.2, on_failure="ignore")
 
     before = {scheme: result(scheme, slice(None)) for scheme in ("average_acceleration", "houbolt", "rk4")}
     monkeypatch.setattr(ensemble, "GROUPS", (group,))
     monkeypatch.setenv("OMP_NUM_THREADS", workers)
-    assert cores() == int(workers)
+    assert cores() == int(workers) and 0 < (before["rk4"].status > 0).sum() < 100
     for scheme, ds in before.items():
         for lanes in (slice(None), np.random.default_rng(0).permutation(700), [699], slice(100, 107)):
             xr.testing.assert_identical(result(scheme, lanes), ds.isel(lane=lanes))

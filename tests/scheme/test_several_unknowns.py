@@ -28,8 +28,6 @@ def _phase(problem, scheme, dt=DT, steps=STEPS, **arguments):
 
 #: One scheme for each use of tangents and linear solutions.
 WAYS = ["average_acceleration", "hht_alpha_1996", "kr_alpha", "chung_lee", "energy_momentum", "gauss4"]
-#: Schemes of ``WAYS`` that form matrices from the tangent.
-MATRICES = ["average_acceleration", "kr_alpha", "gauss4"]
 
 
 @pytest.fixture(scope="module")
