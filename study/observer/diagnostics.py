@@ -34,7 +34,8 @@ class Restarts(Reduction):
         return jnp.zeros((), int)
 
     def update(self, carried, problem, state, t, effort):
-        return carried + effort.restarts
+        # the next steps of a failed lane are NaN, and their iterations fail too
+        return carried + jnp.where(jnp.isfinite(state.u).all(), effort.restarts, 0)
 
     def result(self, carried, problem, state):
         return {"newton_restarts": carried}
