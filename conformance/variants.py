@@ -48,7 +48,7 @@ def _mistake(text, families, *words, change=lambda scheme: {}):
 
 
 def _with(**numbers: str) -> Callable[[Mapping[str, str]], Mapping[str, str]]:
-    """Function that returns the given values of the parameters that a scheme has; other parameters are left out."""
+    """Function of a scheme's parameters that returns the values given here, without those that it does not have."""
     return lambda scheme: {name: value for name, value in numbers.items() if name in scheme}
 
 

@@ -206,7 +206,7 @@ def write(content: xr.Dataset | str | bytes, path: str | Path) -> None:
             os.fsync(file.fileno())
         unfinished.replace(path)
     except (OSError, RuntimeError) as error:
-        # netCDF raises other errors for a full disk, which do not mention the disk
+        # for a full disk netCDF may raise an error that does not mention the disk
         reason, free = getattr(error, "strerror", None) or error, shutil.disk_usage(path.parent).free
         raise NotWritten(f"'{path}' cannot be written: {reason}, {free:,} bytes are free.") from error
     finally:
@@ -304,6 +304,6 @@ def open_dataset(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
         question = f"did you mean {' or '.join(map(repr, near))}? If not, " if near else ""
         raise FileNotFoundError(
             f"there is no dataset '{path}'; {question}`snakemake {path}` makes it if the study has it. "
-            "The command runs in the folder of the sources; another folder of results is given as `folder`."
+            "Run this command in the folder of the sources. For results in another folder, give it as `folder`."
         )
     return read(path)

@@ -48,7 +48,8 @@ def eliminate(matrix: Full, rhs: RightSides) -> RightSides:
 def _solve_tridiagonal(bands, rhs):
     """Solve a tridiagonal system in place by Thomas' algorithm, ``UNROLL`` rows per pass of the loop.
 
-    The algorithm does not pivot, because the matrices M + c K of a step need no pivoting.
+    The algorithm does not pivot. The matrices M + c K of a step need no pivoting if they are positive definite. Another
+    matrix can give an inaccurate solution or NaN.
     """
     lower, middle, upper = bands
     n = len(rhs)

@@ -54,8 +54,8 @@ Outcomes = Int8[np.ndarray, "lanes"]
 #: A time for each lane, shape (lanes,).
 Times = Float[np.ndarray, "lanes"]
 
-#: Outcomes that an event decides, each with the variable that holds the time of the event. Later outcomes override
-#: earlier ones.
+#: Outcomes that an event decides, each with the variable that holds the time of the event. An outcome overrides those
+#: above it, whichever event came first.
 _EVENTS = {
     Outcome.BOUNDED: "inaccurate_from",
     Outcome.DAMPED_TO_REST: "at_rest_from",

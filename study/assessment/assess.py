@@ -55,16 +55,16 @@ def assess(
 ) -> xr.Dataset:
     """Find the scheme and the step that a problem needs for an allowed error, by runs against a certified reference.
 
-    Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, in octaves of the
-    step size, from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the
-    smallest error, or to a limit on the number of steps. An octave has up to 128 runs, the octave below a recommended
-    step up to 500; both have fewer if the runs have many steps. ``largest_dt`` is the largest step tried that keeps an
-    error, as all finer steps tried do, with a margin for the scatter of their errors. The recommended step is the
-    largest step with two digits up to ``largest_dt``. If the load is a record with equal spacing of the samples, the
-    step is an integer fraction or multiple of this spacing. The recommended step must keep the error with the given
-    initial values and load, and with values one percent smaller and larger. If none of n random finer steps exceeds the
-    error, at most 3/n of all finer steps do, with 95 % confidence. Every recommended step was run; neither the step nor
-    its error is interpolated.
+    Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, octave by octave,
+    from a quarter of the slowest period of small motions down to a twentieth of the largest step that keeps the
+    smallest allowed error, or to a limit on the number of steps. An octave has up to 128 runs, the octave below a
+    recommended step up to 500; both have fewer if the runs have many steps. All steps tried up to ``largest_dt`` keep
+    an error, and ``largest_dt`` itself keeps it with a margin for the scatter of the errors below it. The recommended
+    step is the largest step with two digits up to ``largest_dt``. If the load is a record with equal spacing of the
+    samples, the step is an integer fraction or multiple of this spacing. The recommended step must keep the error with
+    the given initial values and load, and with values one percent smaller and larger. If none of n random finer steps
+    exceeds the error, at most 3/n of all finer steps do, with 95 % confidence. Every recommended step was run; neither
+    the step nor its error is interpolated.
 
     A run ends with the last step that fits into the duration. Quantities along time are compared with the reference at
     every step.
@@ -89,9 +89,12 @@ def assess(
         are displacement and velocity along time; the acceleration, unless an unknown has no mass or the force has a
         history; the balance of energies, if the problem has a potential and its force cannot dissipate; and period,
         phase and amplitude of a free undamped oscillator of one unknown. A warning is given if the balance of energies
-        is left out because the energy at the start is too small to scale its errors.
+        is left out because the energy at the start is too small to scale its errors. For a problem of more than 1,000
+        unknowns the default is displacement and velocity, of at most 256 unknowns.
     errors
-        Allowed errors, as fractions of the largest value of each quantity.
+        Allowed errors, as fractions of the largest value of a quantity. The error of the balance of energies is a
+        fraction of the energy put in, those of period and phase are fractions of the period, and that of the amplitude
+        is the loss per oscillation.
     maps
         Whether to make a map of the failures of each scheme over step size and excitation, the multiple of initial
         values and load. A program, or a problem of more than 1,000 unknowns, has no map.

@@ -57,7 +57,7 @@ def _order(steps: np.ndarray, error: np.ndarray, uncertainty: float) -> float:
 def kinks(
     problems: Kinked, schemes: Schemes, steps_per_period: RisingCounts, periods: Count, samples_per_period: Count
 ) -> xr.Dataset:
-    """Measure error and order of schemes with yielding, memory and contact, and under a record.
+    """Measure error and order of schemes on oscillators with yielding, memory or contact, and under a ground motion.
 
     The error is max |u − u_ref| / max |u_ref| over the samples, (problem, scheme, steps_per_period). It is NaN where a
     run fails, or where a scheme refuses the problem, for instance a scheme that takes its force from a potential if the

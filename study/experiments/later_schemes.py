@@ -1,4 +1,4 @@
-"""Claims of the authors of later schemes that go beyond linear theory, tested on similar problems."""
+"""Tests of what authors claim of their later schemes, mostly beyond linear theory, on problems like theirs."""
 
 from collections.abc import Mapping
 

@@ -71,8 +71,8 @@ def _phase_error(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, 
     """Delay at the end of each run in periods, (run,); NaN for runs without an upward crossing of zero.
 
     The mean period T̄ is taken from the start to the last upward crossing; the delay is (T̄/T − 1) times the length of
-    the run in periods. The delay is computed in fractions: single precision cannot count the steps of long runs, and
-    double precision would leave few digits of their phase.
+    the run in periods. The delay is computed in fractions, because the round-off of T̄/T − 1 would be multiplied
+    by the length of the run.
 
     Parameters
     ----------

@@ -102,8 +102,8 @@ def check_symmetry(name: str, matrix) -> None:
 def is_singular(mass) -> bool:
     """Whether the mass is singular.
 
-    A mass that is zero everywhere, or has a negative value or eigenvalue, is refused. A sparse mass must be positive
-    definite among the unknowns that have mass.
+    A mass that is zero everywhere is refused. So is a number or a diagonal with a negative value, and a matrix with a
+    negative eigenvalue. A sparse mass must be positive definite among the unknowns that have mass.
     """
     if is_sparse(mass):
         return _is_singular(mass)
