@@ -20,7 +20,7 @@ def narrowed(
     head, rows
         Rows of the head and of the body of the table as HTML.
     what
-        Noun for the rows in the form, and label of the table for screen readers.
+        Noun of the rows, as in "Show schemes with", and label of the table for screen readers.
     placeholder
         Examples of words.
     choices

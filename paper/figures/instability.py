@@ -1,4 +1,4 @@
-"""The α-method growing without bound on a softening spring (Figure 3 of the paper), with the other schemes."""
+"""Motion of the α-method whose energy grows on a softening spring (Figure 3 of the paper), and energies of all schemes."""
 
 import xarray as xr
 from matplotlib.figure import Figure

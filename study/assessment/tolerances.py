@@ -1,4 +1,4 @@
-"""Runs of one scheme at many random tolerances, and the largest tolerance below which all keep an error."""
+"""Runs of one scheme at many random tolerances, and the largest tolerance below which all runs keep an error."""
 
 import math
 import time

@@ -107,7 +107,7 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     shape = (-(-tiles // share), share, tile)
     order = np.argsort(steps, kind="stable") if steps.ndim else np.arange(lanes)
     last = int(steps.max())
-    # lanes that pad a tile start from NaN: they fail before their first step and cost nothing
+    # lanes that pad a tile start from NaN: they fail before their first step and add no Newton iterations
     groups = (
         _in_tiles(u0[order], shape, size, np.nan),
         _in_tiles(v0[order], shape, size, 0.0),

@@ -68,8 +68,8 @@ def check_shapes(problem) -> None:
         or np.size(problem.positions) != np.size(problem.u0)
     ):
         raise ValueError(
-            f"positions must be of shape (points, directions), at most three directions, with as many numbers as u0, "
-            f"{np.size(problem.u0)}, not {np.shape(problem.positions)}."
+            f"positions must have the shape (points, directions), with at most three directions and as many numbers as "
+            f"u0, which has {np.size(problem.u0)}; their shape is {np.shape(problem.positions)}."
         )
 
 

@@ -105,7 +105,8 @@ def test_the_stored_end_of_a_case_of_order_is_exact():
 def test_the_study_passes():
     """Run all cases of levels A to D and G. Cases of E and F compile a program each; they run for four schemes only.
 
-    On unequal steps the study's α-methods move the carried acceleration, which the kit lists as an alternative.
+    On unequal steps the study's α-methods move the carried acceleration to the time that the new step size needs. The
+    kit lists this form as an alternative.
     """
     chosen = [case for case in ALL if case["name"][0] in "ABCDG" or case["name"][-3:] in ("AVG", "HHT", "BAT", "RK4")]
     moved = {case["name"] for case in ALL if case["name"][0] == "G" and case["name"][-3:] in ("GEN", "HHT")}

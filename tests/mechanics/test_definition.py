@@ -61,7 +61,7 @@ def _problem(force=chain, u0=ZERO, v0=None, **keywords):
         ({"mass": np.diag([1.0, 1.0, -0.5, 1.0, 1.0])}, "mass must not be negative; its smallest value is -0.5."),
         ({"mass": ZERO}, "mass must not be zero everywhere: the problem would have no dynamics."),
         ({"positions": np.zeros((2, 2))},
-         "at most three directions, with as many numbers as u0, 5, not (2, 2)."),
+         "at most three directions and as many numbers as u0, which has 5; their shape is (2, 2)."),
         ({"positions": np.zeros((1, 5))}, "at most three directions"),
         ({"positions": np.zeros(5)}, "positions must be of shape (points, directions)"),
         ({"positions": np.full((5, 1), np.nan)}, "positions must be finite"),

@@ -18,7 +18,7 @@ from tests.mechanics.forces import all_to_all, chain
         (lambda u: u * u * u, 0),
         (chain, 1),
         (all_to_all, "dense"),
-        # coupled unknowns are half of all unknowns apart, so that elimination of a band would gain nothing
+        # an unknown is coupled to the one four places away, so that elimination of a band would gain nothing
         (lambda u: u + jnp.roll(u, 4) + jnp.roll(u, -4), "dense"),
     ],
     ids=["uncoupled", "zero at the start", "chain", "all", "far"],

@@ -26,8 +26,8 @@ class UnequalSteps(Wrapper):
 
     An α-method carries an acceleration that belongs to the time t₁ + s Δt, with its ``acceleration_offset`` s. If the
     next step has another size Δt', the method assumes that the acceleration belongs to t₁ + s Δt'. The method drops to
-    first order unless the carried acceleration is moved to that time. With the accelerations ü₀ and ü₁ at the beginning
-    and at the end of the last step, the move is
+    first order unless the carried acceleration is moved to that time. Let ü₀ and ü₁ be the carried accelerations with
+    which the last step began and ended, and a₁ the acceleration at t₁ itself. The move is
 
     .. math::
 
