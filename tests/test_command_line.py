@@ -68,7 +68,7 @@ def test_a_recommendation_is_printed(capsys, tmp_path):
         (
             ["recommend", "hardening", "--error", "0.01", "--folder", "{folder}"],
             "there is no dataset '{folder}/assessment/hardening.nc'; "
-            "`snakemake {folder}/assessment/hardening.nc` makes it if the study has it. The command runs in the "
+            "`snakemake {folder}/assessment/hardening.nc` makes it if the study has it. Run this command in the "
             "folder of the sources. For results in another folder, give it as `folder`.",
         ),
     ],

@@ -1,4 +1,4 @@
-"""Motion of the α-method whose energy grows on a softening spring (Figure 3 of the paper), and energies of all schemes."""
+"""Motion of the α-method, whose energy grows on a softening spring (Figure 3 of the paper), and energies of all."""
 
 import xarray as xr
 from matplotlib.figure import Figure

@@ -63,7 +63,7 @@ def _problem(force=chain, u0=ZERO, v0=None, **keywords):
         ({"positions": np.zeros((2, 2))},
          "at most three directions and as many numbers as u0, which has 5; their shape is (2, 2)."),
         ({"positions": np.zeros((1, 5))}, "at most three directions"),
-        ({"positions": np.zeros(5)}, "positions must be of shape (points, directions)"),
+        ({"positions": np.zeros(5)}, "positions must have the shape (points, directions)"),
         ({"positions": np.full((5, 1), np.nan)}, "positions must be finite"),
         ({"tangent": [1]}, "tangent=[1] of 'tried': give one of diagonal"),
         ({"mass": True}, "mass must be a real number or an array of real numbers, not True."),
