@@ -109,7 +109,7 @@ def of_stability(
     in_chaos = roots.steps_together.sel(start="last_acceleration").where(beyond)
     observed = chaotic & ~failed & (bifurcation.steps_until_apart > 0)
     a_step_each = (bifurcation.lyapunov_exponent * bifurcation.dt).where(observed)
-    foretold = np.log(bifurcation.order_one / bifurcation.perturbation) / a_step_each / bifurcation.steps_until_apart
+    predicted = np.log(bifurcation.order_one / bifurcation.perturbation) / a_step_each / bifurcation.steps_until_apart
     lost_left = _lost_left_of_the_limit(atlas, spectral)
     longest = robustness.steps_needed.isel(periods=-1)
     of_average = longest.sel(scheme="average_acceleration", level=0.1)
@@ -148,8 +148,8 @@ def of_stability(
         "exponent_at_paper": f"{a_step:.2f}",
         "apart_from_exponent": f"{np.log(bifurcation.order_one / bifurcation.perturbation).item() / a_step:.0f}",
         **{f"unique_{name}": f"{roots.unique_up_to.sel(scheme=name).item():.2f}" for name in roots.scheme.values},
-        "foretold": f"{foretold.median().item():.1f}",
-        "foretold_span": span(foretold.quantile([0.05, 0.95]), ".1f"),
+        "predicted": f"{predicted.median().item():.1f}",
+        "predicted_span": span(predicted.quantile([0.05, 0.95]), ".1f"),
         **{f"lost_left_{name}": f"{100 * part:.0f}" for name, part in lost_left.items()},
         "softening_needs_more": bool(
             at_all_amplitudes.sel(problem="softening") > at_all_amplitudes.sel(problem="hardening")
