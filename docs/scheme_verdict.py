@@ -39,8 +39,9 @@ def _of_runs(runs: Any, error: Any, allowed: float) -> pd.DataFrame:
     forces, place = fewest_forces(runs, error, allowed)
     steps = [marked(runs.steps_per_period.values, k) for k in place]
     kinds = np.where(runs.explicit.values == 1, "explicit", "implicit")
-    frame = pd.DataFrame({"kind": kinds, "steps": steps, "forces": forces}, index=runs.scheme.values)
-    return frame.dropna()
+    made = error.transpose("scheme", "steps_per_period").values[np.arange(len(place)), place]
+    columns = {"kind": kinds, "steps": steps, "forces": forces, "error": made}
+    return pd.DataFrame(columns, index=runs.scheme.values).dropna()
 
 
 def _of_spring(spring: Any, error: float) -> pd.DataFrame:
@@ -48,7 +49,7 @@ def _of_spring(spring: Any, error: float) -> pd.DataFrame:
     steps = [
         f"{AT_MOST if verdict == COARSEST else ''}{n:,}" for n, verdict in zip(found.steps, found.verdict, strict=True)
     ]
-    return pd.DataFrame({"kind": found.kind, "steps": steps, "forces": found.forces})
+    return pd.DataFrame({"kind": found.kind, "steps": steps, "forces": found.forces, "error": found.made})
 
 
 def _in_theory(library: "Library", error: float) -> pd.DataFrame:
@@ -56,8 +57,8 @@ def _in_theory(library: "Library", error: float) -> pd.DataFrame:
     for one in map(library.subject, library.schemes):
         if kept := np.logical_and.accumulate(one.theory.error <= error).sum():
             steps = int(TRIED[kept - 1])
-            rows[one.name] = [_kind(one.scheme), f"{steps:,}", steps * one.theory.forces]
-    return pd.DataFrame.from_dict(rows, orient="index", columns=["kind", "steps", "forces"])
+            rows[one.name] = [_kind(one.scheme), f"{steps:,}", steps * one.theory.forces, one.theory.error[kept - 1]]
+    return pd.DataFrame.from_dict(rows, orient="index", columns=["kind", "steps", "forces", "error"])
 
 
 def needs(library: "Library") -> dict[str, dict[float, pd.DataFrame]]:
@@ -104,9 +105,10 @@ def _lost(structures: Any) -> Any:
 
 
 def _best(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
-    """Rows of the schemes of a kind that need at most ``TIED`` times the fewest forces, sorted by forces."""
-    rows = rows[rows.kind == kind].sort_values("forces", kind="stable")
-    return rows[rows.forces <= TIED * rows.forces.min()]
+    """Rows of the schemes of a kind that tie for the fewest forces, in the order of the table of decisions."""
+    rows = rows[rows.kind == kind]
+    ties = rows[rows.forces <= TIED * rows.forces.min()]
+    return ties.assign(finest=ties.steps.str.endswith("†")).sort_values(["finest", "error"], kind="stable")
 
 
 def _link(name: str, library: "Library") -> str:
@@ -143,8 +145,9 @@ def _steps(subject: "Subject", library: "Library") -> str:
         "Steps per period, and in brackets forces per period, for an error of the displacement:\n\n"
         + table(head, rows, numbers_from=len(head))
         + f"\n\nThe first row is linear theory after {PERIODS} periods. Steps finer than these keep the error too. The "
-        f"last column names the {_kind(subject.scheme)} scheme with the fewest forces. A dash means that no step tried "
-        f"keeps the error. {runs if len(rows) > 1 else _not_run(subject)} {{doc}}`/decisions` compares all schemes."
+        f"last column names the {_kind(subject.scheme)} scheme with the fewest forces; of schemes that need at most a "
+        "tenth more, the one with the smallest error. A dash means that no step tried keeps the error. "
+        f"{runs if len(rows) > 1 else _not_run(subject)} {{doc}}`/decisions` compares all schemes."
     )
 
 
@@ -186,7 +189,7 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
     scheme, theory, data = subject.scheme, subject.theory, library.data
     if theory.limit == 0:
         growth = number(-100 * theory.decay_of_rule, 2)
-        yield f"undamped motions, which grow at any step: at {STEPS} per period by {growth}\u00a0% per period"
+        yield f"long undamped motions, which grow at any step: at {STEPS} per period by {growth}\u00a0% per period"
     elif math.isfinite(theory.limit):
         yield f"structures with ωΔt above {number(theory.limit, 3)} in any mode, where it is unstable"
     elif theory.at_infinity > 1 - ROUND_OFF:
@@ -273,11 +276,14 @@ def _alternative(subject: "Subject", library: "Library") -> str:
             apart = abs(other.theory.at_infinity - theory.at_infinity) if math.isinf(theory.limit) else 0.0
             found.append((apart, _error(other), name))
     if not found:
-        return (
-            f"none in linear theory: every {_kind(subject.scheme)} scheme here that needs as few forces a step has as "
-            f"large an error at {STEPS} steps a period, is worse in order, stability or damping of high frequencies, "
-            "or loses the balance of energies on a structure where this one keeps it"
-        )
+        reasons = [
+            f"has as large an error at {STEPS} steps a period",
+            "is worse in order, stability or damping of high frequencies",
+        ]
+        if subject.name in lost:
+            reasons.append("loses the balance of energies on a structure where this one keeps it")
+        others = f"every {_kind(subject.scheme)} scheme here that needs as few forces a step"
+        return f"none in linear theory: {others} {', '.join(reasons[:-1])} or {reasons[-1]}"
     best = library.subject(min(found)[2])
     return (
         f"{_link(best.name, library)}: in linear theory, for as few forces, the error of a motion after a period of "
@@ -293,7 +299,7 @@ def _items(reasons: Iterator[str], none: str) -> str:
 
 def _not_run(subject: "Subject") -> str:
     """Sentences on the missing runs of a scheme."""
-    missing = "The study behind this page has no runs for steps of this scheme. Sections without data are omitted"
+    missing = "This study ran the scheme on none of the other problems, so sections without data are omitted"
     if subject.name in study.schemes:
         return f"{missing}. The full study runs all named schemes."
     return f"{missing}. The key `own_schemes` of the configuration adds the scheme to the datasets."

@@ -16,7 +16,7 @@ and holds only the differences. A list replaces a whole list. Other keys and val
 
 `NAME` stands for a name of your choice and `[]` for each item of a list. The word `all` in place of a list of schemes
 stands for all schemes. `own_schemes` lists schemes in your own files as `FILE.py:NAME`.
-`python -m pipeline.keys` writes this page from the declarations of the experiments."""
+`python -m pipeline.keys` prints this page from the declarations of the experiments."""
 
 
 def _value(kind: Mapping[str, Any]) -> str:
@@ -54,11 +54,8 @@ def page() -> str:
         makers = [one for one in declared if isinstance(one, Experiment) and one.section.split(".")[0] == section]
         said = dict.fromkeys(str(one.function.__doc__).splitlines()[0] for one in makers)
         rows = [f"| `{key}` | {value} | {left} |" for key, value, left in _rows(section, kind, True, schema)]
-        parts.append(
-            "\n".join(
-                [f"## {section}", "", *said, *([""] if said else []), "| key | value | |", "|---|---|---|", *rows]
-            )
-        )
+        head = ["| key | value | optional |", "|---|---|---|"]
+        parts.append("\n".join([f"## {section}", "", *said, *([""] if said else []), *head, *rows]))
     return "\n\n".join(parts) + "\n"
 
 

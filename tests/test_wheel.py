@@ -77,13 +77,13 @@ def _run(command: list, folder: Path) -> str:
 
 def test_the_wheel_holds_study_reference_and_conformance_and_no_paper(wheel):
     names = zipfile.ZipFile(wheel).namelist()
-    rooms = {"study", "reference", "conformance"}
-    assert {name.partition("/")[0] for name in names if ".dist-info/" not in name} == rooms
+    packages = {"study", "reference", "conformance"}
+    assert {name.partition("/")[0] for name in names if ".dist-info/" not in name} == packages
     data = {"study/py.typed", "study/assessment/references.bib", "conformance/cases/A-LIN-AVG.json"}
     assert data <= set(names)
-    for room in rooms:
-        sources = {path.relative_to(PROJECT).as_posix() for path in (PROJECT / room).rglob("*.py")}
-        assert sources == {name for name in names if name.startswith(f"{room}/") and name.endswith(".py")}
+    for package in packages:
+        sources = {path.relative_to(PROJECT).as_posix() for path in (PROJECT / package).rglob("*.py")}
+        assert sources == {name for name in names if name.startswith(f"{package}/") and name.endswith(".py")}
 
 
 def test_the_core_runs_a_scheme_away_from_the_checkout(python, tmp_path):

@@ -1,4 +1,4 @@
-// Classes of cells, which a colour and a hatching tell apart, so that neither colour vision nor a screen is needed.
+// Classes of cells, which a colour and a hatching distinguish, so that neither colour vision nor a screen is needed.
 const HATCHINGS = {
   none: () => {},
   dots: (pen) => pen.fillRect(2.5, 2.5, 1.5, 1.5),

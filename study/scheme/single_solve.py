@@ -22,8 +22,8 @@ class SingleSolve(OneStep):
         \dot u_1 &= \dot u_0 + \Delta t\,[(1 - V)\,\ddot u_0 + V \ddot u_c], \quad V = 1/(2C) \\
         \ddot u_1 &= \ddot u_0 + (\ddot u_c - \ddot u_0)/C
 
-    where C_d is the damping. The principal roots meet at −ρ_b, where the third root is −ρ_s. The coefficients follow
-    from these two parameters:
+    where :math:`C_d` is the damping. The principal roots meet at −ρ_b, where the third root is −ρ_s. The coefficients
+    follow from these two parameters:
 
     .. math::
 
