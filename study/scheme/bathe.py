@@ -164,7 +164,7 @@ class BetaBathe(Composite):
 
     @property
     def stability_limit(self) -> float | None:
-        # the condition |λ| ≤ 1 at every ωΔt without damping, from the coefficients of (ωΔt)² and (ωΔt)⁴
+        # |λ| ≤ 1 at every ωΔt without damping: in |λ|², no coefficient of (ωΔt)² or (ωΔt)⁴ is larger above than below
         _, q0, q1, q2 = self.weights
         return math.inf if self._excess > -ROUND_OFF and q2 >= abs(q1 - q0) - ROUND_OFF else None
 

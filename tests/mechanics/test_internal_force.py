@@ -53,7 +53,7 @@ def test_switches_change_their_sign_at_kinks(force, arguments, expected):
 
 
 def test_smooth_problems_of_the_study_are_seen_as_smooth():
-    """Newton's iteration needs no safeguard for problems without kinks; compiling one would take time."""
+    """A problem without kinks is not taken for one with kinks, whose iteration takes longer to compile."""
     kinked = [name for name in study.problems if study.problems[name].kinked]
     # the load on the beam ends smoothly, but its formula has a branch
     assert sorted(kinked) == ["belt", "bouncing", "elastic_beam", "hysteretic", "yielding"]
