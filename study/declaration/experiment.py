@@ -16,7 +16,7 @@ import pkgutil
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any, get_args, get_origin
 
 import numpy as np
 
@@ -213,13 +213,19 @@ def discover() -> list[Experiment | Merged]:
     return list(DECLARED.values())
 
 
+def _has_plain_strings(kind: Any) -> bool:
+    """Whether a type has values that are strings without a mark; the keys of a dict do not count."""
+    parts = get_args(kind)[1:] if get_origin(kind) is dict else get_args(kind)
+    return kind is str or (get_origin(kind) is not Annotated and any(map(_has_plain_strings, parts)))
+
+
 def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
     """Type and default of each argument of a function, as pydantic defines fields; ``...`` marks a missing default.
 
     Raises
     ------
     ValueError
-        If an argument has no type, or its type is a plain string or list of strings.
+        If an argument has no type, or its type has plain strings.
     """
     parameters = inspect.signature(function, eval_str=True).parameters
     for name, one in parameters.items():
@@ -228,7 +234,7 @@ def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
                 f"{function.__module__}: the argument '{name}' of '{function.__name__}' needs a type, which bounds its "
                 "option in the configuration."
             )
-        if one.annotation in (str, list[str], Sequence[str]):
+        if _has_plain_strings(one.annotation):
             raise ValueError(
                 f"{function.__module__}: the argument '{name}' of '{function.__name__}' needs a type of "
                 "study.declaration.options, such as ProblemName, SchemeName or Name, which determines the job's files."

@@ -138,7 +138,7 @@ Place = Annotated[str, Len(1, 1000)]
 ProblemPlace = Annotated[str, Len(1, 1000), Names("problem")]
 #: Name of any problem.
 ProblemName = Annotated[str, _listed("problem"), Names("problem")]
-#: Name of a free oscillator of Xie (1996).
+#: Name of a free oscillator of one unknown with known period.
 Spring = Annotated[str, _listed("spring"), Names("problem")]
 #: Name of a structure with a time scale.
 Structure = Annotated[str, _listed("structure"), Names("problem")]
@@ -211,14 +211,16 @@ StructureLengths = Annotated[list[StructureLength], Len(1, 1000), Checked(_each_
 
 def names_in(kind: Any, value: Any) -> Iterator[tuple[str, str]]:
     """Pairs of kind and name of the problems and schemes in an option's value, found by the marks in its type."""
-    if get_origin(kind) in (Union, UnionType):
-        kind = get_args(kind)[0] if value is not None else None
     if get_origin(kind) is Annotated:
         kind, *notes = get_args(kind)
-        yield from ((note.kind, value) for note in notes if isinstance(note, Names))
-    if get_origin(kind) is list:
+        yield from ((note.kind, value) for note in notes if isinstance(note, Names) and isinstance(value, str))
+    if get_origin(kind) in (Union, UnionType):
+        yield from dict.fromkeys(pair for one in get_args(kind) for pair in names_in(one, value))
+    elif isinstance(value, list):
         for one in value:
-            yield from names_in(get_args(kind)[0], one)
-    elif is_typeddict(kind):
-        for key, one in get_type_hints(kind, include_extras=True).items():
-            yield from names_in(one, value[key]) if key in value else ()
+            yield from names_in((get_args(kind) or (None,))[0], one)
+    elif isinstance(value, dict):
+        fields = get_type_hints(kind, include_extras=True) if is_typeddict(kind) else {}
+        of_all = get_args(kind)[1] if get_origin(kind) is dict else None
+        for key, one in value.items():
+            yield from names_in(fields.get(key, of_all), one)

@@ -11,6 +11,7 @@ from pipeline import command
 from pipeline.configuration import model_of
 from study import io
 from study.declaration.experiment import Experiment, experiment
+from study.declaration.options import Sampled, SchemeName, StructureLengths, names_in
 from tests.pipeline.pipeline import PROJECT
 
 MODULE = "study.experiments.energy_error"
@@ -63,9 +64,14 @@ def _unbounded(samples: np.ndarray):
     """An experiment whose option no configuration can hold."""
 
 
+def _unmarked(method: str | None):
+    """An experiment with a string of which its job cannot tell whether it names a scheme."""
+
+
 @pytest.mark.parametrize(
     "function, sentence",
     [
+        (_unmarked, "the argument 'method' of '_unmarked' needs a type of study.declaration.options, such as"),
         (_untyped, "the argument 'steps' of '_untyped' needs a type, which bounds its option in the configuration."),
         (_unbounded, "the type of an argument of '_unbounded' is not one that a configuration can hold: "),
     ],
@@ -75,6 +81,19 @@ def test_an_experiment_with_an_option_without_bounds_is_refused(function, senten
     with pytest.raises(ValueError) as caught:
         model_of((one,))
     assert str(caught.value).startswith(f"{__name__}: {sentence}") and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "kind, value, names",
+    [
+        (dict[str, SchemeName], {"a": "rk4"}, [("scheme", "rk4")]),
+        (SchemeName | None, None, []),
+        (Sampled, ["hardening", "stiff_soft"], [("problem", "hardening"), ("problem", "stiff_soft")]),
+        (StructureLengths, [{"problem": "fpu_chain", "periods": 1.0}], [("problem", "fpu_chain")]),
+    ],
+)
+def test_names_inside_options_are_found(kind, value, names):
+    assert list(names_in(kind, value)) == names
 
 
 def test_an_experiment_names_its_dataset():
