@@ -5,6 +5,7 @@ configuration. The planner turns these declarations into steps, and every step b
 everything but the site, which `snakemake site` makes.
 """
 
+import logging
 import os
 import sys
 
@@ -35,6 +36,8 @@ os.environ |= {
     "STUDY_SETTINGS": "precision,compiler,cache",
 }
 sys.path.insert(0, PROJECT)
+# on a full disk each line that Snakemake cannot write to its log would print a traceback
+logging.raiseExceptions = False
 
 from pipeline.start import Refused, begun, planned
 

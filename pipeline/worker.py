@@ -28,10 +28,19 @@ def _end_with(*ends: Any) -> None:
     os._exit(1)
 
 
+def _say(message: str, terminal: int) -> None:
+    """Print a message to the log of the job, or to the terminal if the disk of the log is full."""
+    try:
+        print(message, file=sys.stderr, flush=True)
+    except OSError:
+        os.write(terminal, f"{message}\n".encode())
+
+
 def _run(connection: socket.socket) -> None:
     """Run the module that a connection names, with the output streams that it sends; reply 0 on success, else 1."""
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     _, streams, _, _ = socket.recv_fds(connection, 1, 2)
+    terminal = os.dup(2)
     for stream, number in zip(streams, (1, 2), strict=True):
         os.dup2(stream, number)
     sys.argv = json.loads(connection.makefile().readline())
@@ -42,10 +51,10 @@ def _run(connection: socket.socket) -> None:
         status = b"0"
     except SystemExit as end:
         if isinstance(end.code, str):
-            print(end.code, file=sys.stderr)
+            _say(end.code, terminal)
         status = b"0" if end.code in (None, 0) else b"1"
     except BaseException:
-        traceback.print_exc()
+        _say(traceback.format_exc(), terminal)
     sys.stdout.flush()
     connection.sendall(status)
 

@@ -1,15 +1,18 @@
 """Interrupted, killed and concurrent calls of the pipeline, on datasets that take seconds."""
 
+import io
 import os
 import re
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
 import psutil
 import pytest
 
+from pipeline import worker
 from tests.pipeline.pipeline import SMALL, SNAKEMAKE, call_snakemake, copied, hashes_of, make
 
 TARGETS = ["energy_drift.nc", "houbolt_start.nc"]
@@ -111,3 +114,10 @@ def test_results_that_cannot_be_written_are_named(folder, tmp_path):
     done = call_snakemake(folder, PATHS[0], *options)
     assert done.returncode != 0
     assert "'results/logs' cannot be written: Not a directory." in done.stderr and "Traceback" not in done.stderr
+
+
+def test_a_message_goes_to_the_terminal_if_the_disk_of_the_log_is_full(monkeypatch, tmp_path):
+    with io.FileIO("/dev/full", "w") as full, open(tmp_path / "terminal", "wb", buffering=0) as terminal:
+        monkeypatch.setattr(sys, "stderr", io.TextIOWrapper(full, write_through=True))
+        worker._say("the disk is full", terminal.fileno())
+    assert (tmp_path / "terminal").read_text() == "the disk is full\n"
