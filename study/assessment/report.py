@@ -19,7 +19,7 @@ from study.assessment.style import STYLE
 from study.io import read, write
 from study.scheme.codes import names_in_codes
 from study.scheme.named import schemes
-from study.words import document, number, text_of
+from study.words import document, listed, number, text_of
 
 #: Colours of curves, which differ in greyscale and for the colour-blind.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
@@ -217,9 +217,11 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     """An assessment as parts of a page: answers, errors, energy, failures, reference."""
     titles = dict(zip(assessed.scheme.values, map(str, assessed.scheme_title.values), strict=True))
     quantities, limits = assessed.quantity.values.tolist(), assessed.allowed_error.values
-    parts = ['<div class="answer">']
-    parts += [f"<p>{text_of(answer(assessed, q, limit))}</p>" for q in quantities for limit in limits]
-    parts.append("</div>")
+    answers = ["".join(f"<p>{text_of(answer(assessed, q, limit))}</p>" for limit in limits) for q in quantities]
+    parts = [f'<div class="answer">{answers[0]}</div>']
+    if others := quantities[1:]:
+        parts += [f'<details class="answer"><summary>For {text_of(listed(others))}</summary>', *answers[1:]]
+        parts.append("</details>")
     if limits_of_reference(assessed):
         parts.append(f"<p>{text_of(limits_of_reference(assessed))}</p>")
     parts.append(f"<p>{text_of(confirmation(assessed))}</p>")
@@ -268,9 +270,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     if rows := failed_runs(assessed):
         parts += ["<h2>Runs that failed</h2>", table_of(("scheme", "Δt, s", "reason"), rows, text=(2,))]
     parts += _input_lines(assessed)
-    parts.append("<h2>The reference</h2>")
-    parts.append(f"<p>{text_of(reference_of(assessed))}</p>")
-    return parts
+    return [*parts, "<h2>The reference</h2>", f"<p>{text_of(reference_of(assessed))}</p>"]
 
 
 def made_by(attributes: dict) -> list[str]:

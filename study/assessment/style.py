@@ -6,6 +6,7 @@ body { font: 16px/1.5 system-ui, sans-serif; color: #111; background: #fff; max-
   padding: 1rem; }
 h1 { font-size: 1.6rem; line-height: 1.2; }
 h2 { font-size: 1.2rem; margin-top: 2rem; }
+details { margin-top: .5rem; }
 .answer { border-left: .4rem solid #0072b2; padding: .3rem 1rem; background: #f2f7fb; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
