@@ -34,7 +34,8 @@ NEEDED = {
 def _docstrings():
     """Yield every docstring with a section References, and its place in the sources."""
     for path in SOURCES:
-        for node in ast.walk(ast.parse(path.read_text())):
+        text = path.read_text()
+        for node in ast.walk(ast.parse(text)) if "References\n" in text else ():
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
                 docstring = ast.get_docstring(node) or ""
                 if "References\n-----" in docstring:
