@@ -66,11 +66,11 @@ def _options(configuration: Mapping) -> Options:
 def inelastic(problems: Kinked, periods: int, samples_per_period: int) -> xr.Dataset:
     """Compute the motion of oscillators with kinks and memory.
 
-    The motions with yielding and with bouncing are solved exactly from event to event, with two numbers of instants at
-    which events are sought. Smooth hysteresis and the motions under a record and a pulse are solved by diffrax and by
-    CVODE from one kink of force or load to the next. The uncertainty is the largest difference between the two
-    displacements, but at least the spacing of doubles at the largest displacement. A smooth spring, solved by the
-    Taylor method, is included for comparison. Its uncertainty follows from four integrations.
+    The motions with yielding and with bouncing are solved exactly from event to event, twice: the second solution seeks
+    events at more instants. Smooth hysteresis and the motions under a record and a pulse are solved once by diffrax and
+    once by CVODE, from one kink of force or load to the next. The uncertainty is the largest difference between the
+    displacements of the two solutions, but at least the spacing of doubles at the largest displacement. A smooth
+    spring, solved by the Taylor method, is included for comparison. Its uncertainty follows from four integrations.
     """
     u, uncertainty, route, scale = [], [], [], []
     for name in problems:
