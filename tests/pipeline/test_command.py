@@ -65,7 +65,7 @@ def _unbounded(samples: np.ndarray):
 
 
 def _unmarked(method: str | None):
-    """An experiment with a string of which its job cannot tell whether it names a scheme."""
+    """An experiment with a string that may or may not name a scheme."""
 
 
 @pytest.mark.parametrize(
