@@ -6,6 +6,8 @@ from typing import Any
 
 import jax
 
+from study.algebra.reads import reading, reads_of
+
 #: Options of XLA for CPUs. The first uses the full width of vector registers, which speeds up ensembles. The second
 #: selects the older generator of loops: the newer generator takes one and a half to two times as long to compile a
 #: march. The marches of both generators give the same numbers, and their speeds differ by less than a sixth.
@@ -40,4 +42,10 @@ def jit(function: Callable, compiler: Callable = jax.jit, **arguments: Any) -> C
     """
     # compiled at the first call and not at import, because the trial of the options compiles a function
     compiled = functools.cache(lambda: compiler(function, compiler_options=_known_options(), **arguments))
-    return functools.wraps(function)(lambda *args, **kwargs: compiled()(*args, **kwargs))
+
+    @functools.wraps(function)
+    def called(*args, **kwargs):
+        with reading(reads_of(function, *args, *kwargs.values())):
+            return compiled()(*args, **kwargs)
+
+    return called

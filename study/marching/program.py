@@ -12,6 +12,7 @@ import numpy as np
 from jax import lax
 
 from study.algebra.jit import jit
+from study.algebra.reads import reading, reads_of
 from study.marching.march import March
 from study.marching.result import COMPLETED, NO_SOLUTION, Result
 from study.marching.shapes import CountPerRun, Displacements, PerRun
@@ -141,7 +142,7 @@ class Program:
         leaves, structure = jax.tree.flatten(unlabelled(march))
         self.numbers = [leaf for leaf in leaves if eqx.is_array(leaf)]
         form = _Form(structure, tuple(None if eqx.is_array(leaf) else leaf for leaf in leaves))
-        self.form = _forms.setdefault(form, form)
+        self.form, self.reads = _forms.setdefault(form, form), reads_of(march)
         self._has_records, self._lanes = bool(march.records), march.lanes
         self._is_scalar = np.ndim(march.problem.u0) == 0
 
@@ -180,6 +181,10 @@ class Program:
         Result
             NumPy arrays; samples after a failure or after the end of a lane are meaningless.
         """
+        with reading(self.reads):
+            return self._run(u0, v0, dt, steps, every, samples, own, pause, on_pause)
+
+    def _run(self, u0, v0, dt, steps, every, samples, own, pause, on_pause) -> Result:
         room = self._room(u0, AT_ONCE)
         # a march without an inner loop is faster if steps are short, as with one unknown
         each_step = every == 1 and self._is_scalar

@@ -5,12 +5,14 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from study.algebra.arrays import ScalarLike, VectorLike
+from study.algebra.arrays import Scalar, ScalarLike, Vector, VectorLike
+from study.algebra.reads import reading, reads_of
 from study.marching.arguments import checked_observers, positive_integer, resolve
 from study.marching.march import March
 from study.mechanics.definition import Problem
@@ -97,7 +99,14 @@ def final_state(
             f"'{name}' is recorded along time, and final_state returns one value per run: observe a reduction, such as "
             f"{', '.join(fit[:3])}, or a Quantity with reduce=."
         )
-    progress = march.start(starts[0], starts[1], jnp.asarray(dt, float), 0)[0]
+    with reading(reads_of(march)):
+        return _end(march, *starts, jnp.asarray(dt, float), count)
+
+
+@eqx.filter_jit
+def _end(march: March, u0: Vector, v0: Vector, dt: Scalar, count: int) -> dict[str, jax.Array]:
+    """The final state and the variables of the observers."""
+    progress = march.start(u0, v0, dt, 0)[0]
     block = max(math.isqrt(count), 1)
 
     @jax.checkpoint
@@ -110,7 +119,7 @@ def final_state(
     return {"u": progress.state.u, "v": progress.state.v, "failed_at_step": failure // 3 - 1, **values}
 
 
-def _steps(march: March, progress: Any, dt: ScalarLike, count: int) -> Any:
+def _steps(march: March, progress: Any, dt: Scalar, count: int) -> Any:
     """The progress after ``count`` more steps."""
-    step = partial(march.stepped, dt=jnp.asarray(dt, float))
+    step = partial(march.stepped, dt=dt)
     return lax.scan(lambda progress, _: (step(progress), None), progress, length=count)[0]

@@ -1,0 +1,312 @@
+"""What functions read: the key under which JAX keeps their programs.
+
+JAX keeps a traced or compiled program by the identity of its function. The function may read globals, closures,
+attributes, dictionaries and arrays, which may have changed since it was traced: a force that reads a global stiffness
+would be marched with the old one. :func:`reading` adds everything that functions read to the key of all programs, also
+of the functions inside, such as the branches of ``lax.cond``.
+
+A function reads the globals that its code names, its closure, its defaults, and all that these values hold. Where this
+search cannot see what is read, as with a file or an iterator, the reads are not ``certain``. They then equal no other
+reads, and a program is compiled at each call.
+"""
+
+import builtins
+import dis
+import functools
+import hashlib
+import itertools
+import sys
+import sysconfig
+import types
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import jax
+import numpy as np
+from jax.tree_util import default_registry
+
+#: Packages whose functions and classes do not change, and read only their arguments and closures.
+CONSTANT = frozenset(
+    "abc builtins cmath collections dataclasses diffrax enum equinox functools itertools jax jaxlib jaxtyping lineax math "
+    "numpy operator optimistix reference scipy study types typing".split()
+)
+
+#: Names in these packages that read a file or a hidden state.
+CHANGING = frozenset(
+    "DataSource ctypeslib fromfile fromregex genfromtxt io load loadtxt memmap open_memmap random".split()
+)
+
+#: Built-in functions that read their arguments only, and no attribute by a computed name.
+PURE = frozenset(
+    "abs all any bool bytes callable complex dict divmod enumerate filter float frozenset int isinstance issubclass len "
+    "list map max min object pow print property range repr reversed round set slice sorted str sum super tuple type "
+    "zip NotImplemented Ellipsis".split()
+)
+
+#: Operations of Python that read or change values which the names in the code do not show.
+HIDDEN = frozenset(("DELETE_GLOBAL", "IMPORT_NAME", "LOAD_BUILD_CLASS", "STORE_GLOBAL", "YIELD_VALUE"))
+
+_LITERALS = frozenset((type(None), bool, int, float, complex, str, bytes, slice, range, type(Ellipsis)))
+_BUILT_IN = (types.BuiltinFunctionType, types.MethodDescriptorType, types.WrapperDescriptorType, np.ufunc)
+#: Descriptors of fields, whose values are those of the object.
+_FIELDS = (types.MemberDescriptorType, types.GetSetDescriptorType, type(dis.Positions.lineno))
+_numbers = itertools.count()
+_context = jax.make_user_context(None)
+
+
+class Reads:
+    """The values that functions read, as a digest; equal if the same values were read.
+
+    Attributes
+    ----------
+    certain
+        Whether all values were found; otherwise the reads equal no others.
+    constant
+        Whether no value can change.
+    """
+
+    def __init__(self, digest: bytes, certain: bool = True, constant: bool = False, held: Iterable[Any] = ()):
+        self._digest, self.certain, self.constant = digest, certain, constant
+        self._held = tuple(held)  # objects that the digest knows by their addresses, which no others may take
+
+    def __hash__(self) -> int:
+        return hash(self._digest)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Reads) and self._digest == other._digest
+
+    def __repr__(self) -> str:
+        return f"Reads({self._digest.hex()})"
+
+
+#: Kinds of objects that hold nothing which changes unless the search finds it.
+_UNCHANGING = (Reads, *_BUILT_IN, types.FunctionType, types.MethodType, tuple, type, np.dtype, jax.Array, property)
+
+
+@contextmanager
+def reading(reads: Reads) -> Iterator[None]:
+    """Within this context, JAX traces and compiles anew what it has not yet traced or compiled for these reads."""
+    if reads.constant:
+        yield
+        return
+    with _context(reads):
+        yield
+
+
+def reads_of(*parts: Any) -> Reads:
+    """What the functions in ``parts`` read now.
+
+    Parameters
+    ----------
+    parts
+        Arguments of a compiled function. The arrays in them, also in containers and modules, are arguments of the
+        program and are not read.
+    """
+    search = _Search()
+    for part in parts:
+        search.argument(part)
+    return search.found()
+
+
+@functools.cache
+def _globals(code: types.CodeType) -> tuple[frozenset[str], frozenset[str], bool]:
+    """Globals and all names in the code and in the functions that it defines, and whether they show all that is read."""
+    instructions = list(dis.get_instructions(code))
+    read = {one.argval for one in instructions if "GLOBAL" in one.opname or one.opname == "LOAD_NAME"}
+    names, shown = set(code.co_names), not any(one.opname in HIDDEN for one in instructions)
+    for inner in code.co_consts:
+        if isinstance(inner, types.CodeType):
+            of_inner = _globals(inner)
+            read, names, shown = read | of_inner[0], names | of_inner[1], shown and of_inner[2]
+    return frozenset(read), frozenset(names), shown
+
+
+@functools.cache
+def _is_constant(module: str | None) -> bool:
+    return (module or "").partition(".")[0] in CONSTANT
+
+
+@functools.cache
+def _is_installed(module: str | None) -> bool:
+    """Whether a module belongs to Python or to an installed package."""
+    root = (module or "").partition(".")[0]
+    file = getattr(sys.modules.get(root), "__file__", None) or ""
+    folders = sysconfig.get_path("purelib"), sysconfig.get_path("platlib")
+    return root in sys.stdlib_module_names or file.startswith(folders)
+
+
+class _Search:
+    """A search for the values that functions read, each of which is added to a hash."""
+
+    def __init__(self) -> None:
+        self._hash = hashlib.blake2b(digest_size=16)
+        self._seen: dict[int, int] = {}
+        self._classes: set[type] = set()
+        self._held: list[Any] = []
+        self._certain = self._constant = True
+
+    def found(self) -> Reads:
+        if not self._certain:
+            self._add("not certain", next(_numbers))
+        return Reads(self._hash.digest(), self._certain, self._constant, self._held)
+
+    def argument(self, x: Any) -> None:
+        """Add what an argument of a compiled function reads."""
+        if isinstance(x, jax.Array | np.ndarray | np.generic):
+            return
+        if isinstance(x, Reads) or hasattr(x, "__wrapped__"):
+            self.value(x)
+        elif isinstance(own := getattr(x, "reads", None), Reads):
+            self.value(own)
+        elif (parts := default_registry.flatten_one_level(x)) is not None:
+            self._class(type(x))
+            for child in parts[0]:
+                self.argument(child)
+            self.value(parts[1])
+        else:
+            self.value(x)
+
+    def value(self, x: Any) -> None:
+        """Add a value that is part of the program, and all that it holds."""
+        if type(x) in _LITERALS:
+            self._add(type(x).__name__, x)
+        elif isinstance(x, jax.core.Tracer):
+            self._add(x.aval)
+        elif type(x) is np.ndarray or isinstance(x, np.generic):
+            self._array(x)
+        elif id(x) in self._seen:
+            self._add("again", self._seen[id(x)])
+        else:
+            self._hold(x)
+            self._object(x)
+
+    def _add(self, *words: Any) -> None:
+        self._hash.update(repr(words).encode())
+
+    def _hold(self, x: Any) -> None:
+        self._seen[id(x)] = len(self._seen)
+        self._held.append(x)
+
+    def _address(self, x: Any) -> None:
+        """Add an object that does not change."""
+        self._add(id(x))
+        self._held.append(x)
+
+    def _all(self, kind: str, values: Iterable[Any]) -> None:
+        self._add(kind)
+        for value in values:
+            self.value(value)
+
+    def _array(self, x: np.ndarray | np.generic) -> None:
+        self._constant = False
+        self._add(x.shape, x.dtype.str)
+        if x.dtype.hasobject:
+            self._all("objects", np.ravel(x).tolist())
+        else:
+            self._hash.update(x.tobytes())
+
+    def _object(self, x: Any) -> None:
+        self._constant &= isinstance(x, _UNCHANGING)
+        if isinstance(x, Reads):
+            self._constant &= x.constant
+            self._add(x)
+        elif isinstance(x, types.FunctionType):
+            self._function(x)
+        elif isinstance(x, types.MethodType):
+            self._all("method", (x.__func__, x.__self__))
+        elif isinstance(x, functools.partial):
+            self._all("partial", (x.func, x.args, x.keywords))
+        elif isinstance(x, staticmethod | classmethod):
+            self.value(x.__func__)
+        elif isinstance(x, property | functools.cached_property):
+            self.value(x.fget if isinstance(x, property) else x.func)
+        elif isinstance(x, type):
+            self._add(x.__module__, x.__qualname__)
+            self._class(x)
+        elif isinstance(x, types.ModuleType):
+            self._module(x)
+        elif isinstance(x, jax.Array | types.CodeType):
+            self._address(x)
+        elif isinstance(x, np.dtype):
+            self._add(x.str)
+        elif isinstance(x, _BUILT_IN):
+            self._address(x)
+            owner = getattr(x, "__self__", None)
+            self.value(None if isinstance(owner, types.ModuleType) else owner)
+        elif hasattr(x, "__wrapped__"):
+            self._all("wrapped", (type(x), x.__wrapped__))
+        elif isinstance(x, tuple | list | set | frozenset | dict):
+            items = x.items() if isinstance(x, dict) else sorted(x, key=repr) if isinstance(x, set | frozenset) else x
+            self._all(type(x).__name__, itertools.chain.from_iterable(items) if isinstance(x, dict) else items)
+            self._class(type(x))
+            self.value(getattr(x, "__dict__", None))
+        else:
+            self._instance(x)
+
+    def _module(self, module: types.ModuleType) -> None:
+        self._add(module.__name__)
+        if not _is_constant(module.__name__):
+            self._certain &= not _is_installed(module.__name__)
+            if self._certain:
+                self._all("module", itertools.chain.from_iterable(_without_dunders(vars(module))))
+
+    def _function(self, f: types.FunctionType) -> None:
+        self._address(f.__code__)
+        for cell in f.__closure__ or ():
+            try:
+                self.value(cell.cell_contents)
+            except ValueError:  # the cell has no value yet
+                self._add("empty")
+        self._all("defaults", (f.__defaults__, f.__kwdefaults__, *f.__dict__.values()))
+        module = f.__globals__.get("__name__")
+        if _is_constant(module) or _is_constant(f.__module__):
+            return
+        read, names, shown = _globals(f.__code__)
+        self._constant = False
+        self._certain &= shown and not _is_installed(module)
+        if not self._certain:
+            return
+        for name in sorted(read):
+            if name in f.__globals__:
+                value = f.__globals__[name]
+                if isinstance(value, types.ModuleType):
+                    self._certain &= not names & CHANGING
+                self._add(name)
+                self.value(value)
+            elif hasattr(builtins, name):
+                known = getattr(builtins, name)
+                self._certain &= name in PURE or (isinstance(known, type) and issubclass(known, BaseException))
+
+    def _class(self, kind: type) -> None:
+        """Add the methods and attributes of a class and of its bases, except those of constant packages."""
+        for base in kind.__mro__:
+            if not _is_constant(base.__module__) and base not in self._classes:
+                self._certain &= not _is_installed(base.__module__)
+                self._classes.add(base)
+                self._constant = False
+                for name, value in _without_dunders(vars(base)):
+                    if self._certain and not isinstance(value, _FIELDS):
+                        self._add(name)
+                        self.value(value)
+
+    def _instance(self, x: Any) -> None:
+        """Add an object's class and attributes."""
+        kind = type(x)
+        slots = [n for base in kind.__mro__ for n, v in vars(base).items() if isinstance(v, types.MemberDescriptorType)]
+        if not hasattr(x, "__dict__") and not slots:
+            # objects of C may hold anything; those of JAX and Equinox, such as a sentinel, do not change
+            self._certain &= (kind.__module__ or "").partition(".")[0] in ("jax", "jaxlib", "equinox") or kind is object
+            self._address(x)
+        self._class(kind)
+        self._all("attributes", itertools.chain.from_iterable(getattr(x, "__dict__", {}).items()))
+        self._all("slots", (getattr(x, name, None) for name in slots))
+
+
+def _without_dunders(attributes: Any) -> list[tuple[str, Any]]:
+    """Names and values of a class or module, without those that Python and decorators of classes write."""
+    return [
+        (name, value)
+        for name, value in attributes.items()
+        if not name.startswith("_abc_") and (isinstance(value, types.FunctionType) or not name.startswith("__"))
+    ]
