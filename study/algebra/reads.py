@@ -15,6 +15,7 @@ import dis
 import functools
 import hashlib
 import itertools
+import re
 import sys
 import sysconfig
 import types
@@ -24,12 +25,13 @@ from typing import Any
 
 import jax
 import numpy as np
+from jax.extend.core import ClosedJaxpr
 from jax.tree_util import default_registry
 
 #: Packages whose functions and classes do not change, and read only their arguments and closures.
 CONSTANT = frozenset(
-    "abc builtins cmath collections dataclasses diffrax enum equinox functools itertools jax jaxlib jaxtyping lineax math "
-    "numpy operator optimistix reference scipy study types typing".split()
+    "abc builtins cmath collections dataclasses diffrax enum equinox functools itertools jax jaxlib jaxtyping lineax "
+    "math numpy operator optimistix reference scipy study types typing".split()
 )
 
 #: Names in these packages that read a file or a hidden state.
@@ -39,9 +41,9 @@ CHANGING = frozenset(
 
 #: Built-in functions that read their arguments only, and no attribute by a computed name.
 PURE = frozenset(
-    "abs all any bool bytes callable complex dict divmod enumerate filter float frozenset int isinstance issubclass len "
-    "list map max min object pow print property range repr reversed round set slice sorted str sum super tuple type "
-    "zip NotImplemented Ellipsis".split()
+    "abs all any bool bytes callable complex dict divmod enumerate filter float frozenset int isinstance issubclass "
+    "len list map max min object pow print property range repr reversed round set slice sorted str sum super tuple "
+    "type zip NotImplemented Ellipsis".split()
 )
 
 #: Operations of Python that read or change values which the names in the code do not show.
@@ -62,13 +64,16 @@ class Reads:
     ----------
     certain
         Whether all values were found; otherwise the reads equal no others.
-    constant
-        Whether no value can change.
     """
 
-    def __init__(self, digest: bytes, certain: bool = True, constant: bool = False, held: Iterable[Any] = ()):
-        self._digest, self.certain, self.constant = digest, certain, constant
+    def __init__(self, digest: bytes, certain: bool = True, held: Iterable[Any] = ()):
+        self._digest, self.certain = digest, certain
         self._held = tuple(held)  # objects that the digest knows by their addresses, which no others may take
+
+    @classmethod
+    def unique(cls) -> "Reads":
+        """Reads that equal no others."""
+        return cls(f"unique {next(_numbers)}".encode(), certain=False)
 
     def __hash__(self) -> int:
         return hash(self._digest)
@@ -80,16 +85,9 @@ class Reads:
         return f"Reads({self._digest.hex()})"
 
 
-#: Kinds of objects that hold nothing which changes unless the search finds it.
-_UNCHANGING = (Reads, *_BUILT_IN, types.FunctionType, types.MethodType, tuple, type, np.dtype, jax.Array, property)
-
-
 @contextmanager
 def reading(reads: Reads) -> Iterator[None]:
     """Within this context, JAX traces and compiles anew what it has not yet traced or compiled for these reads."""
-    if reads.constant:
-        yield
-        return
     with _context(reads):
         yield
 
@@ -109,9 +107,16 @@ def reads_of(*parts: Any) -> Reads:
     return search.found()
 
 
+def reads_of_program(program: ClosedJaxpr) -> Reads:
+    """What a traced program holds: its operations, numbers and arrays."""
+    search = _Search()
+    search.program(program)
+    return search.found()
+
+
 @functools.cache
 def _globals(code: types.CodeType) -> tuple[frozenset[str], frozenset[str], bool]:
-    """Globals and all names in the code and in the functions that it defines, and whether they show all that is read."""
+    """Globals and all names in the code and in the functions that it defines, and whether they show all reads."""
     instructions = list(dis.get_instructions(code))
     read = {one.argval for one in instructions if "GLOBAL" in one.opname or one.opname == "LOAD_NAME"}
     names, shown = set(code.co_names), not any(one.opname in HIDDEN for one in instructions)
@@ -144,18 +149,18 @@ class _Search:
         self._seen: dict[int, int] = {}
         self._classes: set[type] = set()
         self._held: list[Any] = []
-        self._certain = self._constant = True
+        self._certain = True
 
     def found(self) -> Reads:
         if not self._certain:
-            self._add("not certain", next(_numbers))
-        return Reads(self._hash.digest(), self._certain, self._constant, self._held)
+            return Reads.unique()
+        return Reads(self._hash.digest(), self._certain, self._held)
 
     def argument(self, x: Any) -> None:
         """Add what an argument of a compiled function reads."""
         if isinstance(x, jax.Array | np.ndarray | np.generic):
             return
-        if isinstance(x, Reads) or hasattr(x, "__wrapped__"):
+        if isinstance(x, Reads) or (hasattr(x, "__wrapped__") and not hasattr(x, "__self__")):
             self.value(x)
         elif isinstance(own := getattr(x, "reads", None), Reads):
             self.value(own)
@@ -181,6 +186,16 @@ class _Search:
             self._hold(x)
             self._object(x)
 
+    def program(self, program: ClosedJaxpr) -> None:
+        """Add a traced program and those inside it."""
+        self._add(re.sub(" at 0x[0-9a-f]+", "", str(program.jaxpr)))
+        for array in program.consts:
+            self.value(np.asarray(array))
+        for equation in program.jaxpr.eqns:
+            for inner in jax.tree.leaves(list(equation.params.values()), is_leaf=lambda x: isinstance(x, ClosedJaxpr)):
+                if isinstance(inner, ClosedJaxpr):
+                    self.program(inner)
+
     def _add(self, *words: Any) -> None:
         self._hash.update(repr(words).encode())
 
@@ -199,7 +214,6 @@ class _Search:
             self.value(value)
 
     def _array(self, x: np.ndarray | np.generic) -> None:
-        self._constant = False
         self._add(x.shape, x.dtype.str)
         if x.dtype.hasobject:
             self._all("objects", np.ravel(x).tolist())
@@ -207,9 +221,7 @@ class _Search:
             self._hash.update(x.tobytes())
 
     def _object(self, x: Any) -> None:
-        self._constant &= isinstance(x, _UNCHANGING)
         if isinstance(x, Reads):
-            self._constant &= x.constant
             self._add(x)
         elif isinstance(x, types.FunctionType):
             self._function(x)
@@ -263,7 +275,6 @@ class _Search:
         if _is_constant(module) or _is_constant(f.__module__):
             return
         read, names, shown = _globals(f.__code__)
-        self._constant = False
         self._certain &= shown and not _is_installed(module)
         if not self._certain:
             return
@@ -284,7 +295,6 @@ class _Search:
             if not _is_constant(base.__module__) and base not in self._classes:
                 self._certain &= not _is_installed(base.__module__)
                 self._classes.add(base)
-                self._constant = False
                 for name, value in _without_dunders(vars(base)):
                     if self._certain and not isinstance(value, _FIELDS):
                         self._add(name)

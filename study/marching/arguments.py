@@ -5,6 +5,7 @@ message is one sentence that names the argument, the expected value and the rece
 """
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 import equinox as eqx
@@ -14,6 +15,7 @@ import numpy as np
 import psutil
 
 from study.algebra.arrays import real_numbers
+from study.algebra.jit import jit
 from study.algebra.matrices import diagonal
 from study.algebra.scalars import is_number, is_whole
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
@@ -48,12 +50,15 @@ MOST_SAMPLES, FEWEST_SAMPLES, SAMPLED = 1001, 65, 10_000_000
 
 
 def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
-    """Entry of the registry if ``thing`` is a name, or ``thing`` itself if it is an instance of ``kind``."""
+    """Entry of the registry if ``thing`` is a name, or ``thing`` itself if it is an instance of ``kind``.
+
+    A problem is returned with what follows from its functions as they are now.
+    """
     if isinstance(thing, str):
         return registry[thing]
     if not isinstance(thing, kind):
         raise TypeError(f"{thing!r} is no {registry.kind}: give a name or a study.{kind.__name__}.")
-    return thing
+    return thing.current() if isinstance(thing, Problem) else thing
 
 
 def _most_steps() -> int:
@@ -169,7 +174,7 @@ def _largest_load(problem: Problem, duration: float) -> float:
     return sizes.max()
 
 
-@eqx.filter_jit
+@partial(jit, compiler=eqx.filter_jit)
 def _sizes(load, times):
     return jax.lax.map(lambda t: jnp.abs(load(t)).max(), times)
 

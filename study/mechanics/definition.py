@@ -12,6 +12,7 @@ import numpy as np
 
 from study.algebra.arrays import Matrix, PositionsLike, Scalar, Vector, VectorLike, as_float64
 from study.algebra.matrices import add, times
+from study.algebra.reads import Reads, reading, reads_of, reads_of_program
 from study.algebra.sparse import is_sparse
 from study.mechanics import checks, function_checks, tangent
 from study.mechanics.forms import entries_of, form_of_tangent, stored
@@ -32,6 +33,9 @@ class Problem(eqx.Module):
 
     A problem needs a force (or a potential, or a stiffness) and ``u0``. All else is optional, and an absent term costs
     nothing: it is not in the compiled loop.
+
+    Force, potential and load may read globals, closures, attributes, dictionaries and arrays. A run uses the values
+    that these have when the run is called.
 
     Parameters
     ----------
@@ -110,6 +114,10 @@ class Problem(eqx.Module):
     title: str = eqx.field(default="unnamed problem", kw_only=True, static=True)
     #: The history at rest; it stays the same when a step commits another history.
     _at_rest: Any = eqx.field(default=None, kw_only=True, repr=False)
+    #: Rayleigh damping as given, from which C follows.
+    _rayleigh: Rayleigh | None = eqx.field(default=None, kw_only=True, repr=False)
+    #: What the functions read when all that follows from them was found.
+    _found_for: Reads = eqx.field(init=False, repr=False, static=True)
     #: Whether M is singular.
     massless: bool = eqx.field(init=False, static=True)
     #: Number of arguments of the force.
@@ -131,42 +139,93 @@ class Problem(eqx.Module):
         for name in NUMBERS:
             checks.check_finite(name, getattr(self, name))
 
-        traced = isinstance(self.u0, jax.core.Tracer)
-        derived = self.force is None and self.potential is not None
-        if derived:
+        if self.force is None and self.potential is not None:
             self.force = eqx.Partial(gradient, self.potential)
         if self.ground is not None:
             self.load = self._with(self.ground)
         self._count_arguments()
-        function_checks.check_functions(self)
-        self.kinked = not self.linear and may_have_kinks(self.varying_force, self.u0, self.v0)
-        self.takes_velocity = self.arguments > 1 and depends_on_last(self.varying_force, self.u0, self.v0)
-        if self.history is not None and not traced:
-            with suppress(*function_checks.NOT_TRACEABLE):
-                function_checks.check_history(self.force, self.u0, self.v0, self.history, self.title)
         if self.linear:
             self.potential = _nothing
-        elif self.potential is not None and not derived and not traced:
-            with suppress(*function_checks.NOT_TRACEABLE):  # traced numbers cannot be compared
-                if self.history is None:
-                    function_checks.check_gradient(self._without_velocity(), self.potential, self.u0, self.title)
-                else:
-                    function_checks.check_stored_energy(self.force, self.potential, self.u0, self.history, self.title)
-
         checks.check_symmetry("mass", self.mass)
         checks.check_symmetry("stiffness", self.stiffness)
         # conjugate gradients need a symmetric matrix; other solvers also accept gyroscopic damping
         if isinstance(self.tangent, str) and self.tangent == "matrix_free":
             checks.check_symmetry("damping", self.damping)
         self.massless = checks.is_singular(self.mass)
-
-        force = None if self.linear else self._coupling()
-        sparse_ones = [of for name in checks.MATRICES if (of := entries_of(getattr(self, name), name)) is not None]
-        self.tangent = form_of_tangent(force, self.u0, self.tangent, self.massless, sparse_ones, self.title)
-        for name in checks.MATRICES:
-            setattr(self, name, stored(getattr(self, name), self.tangent))
         if isinstance(self.damping, Rayleigh):
-            self.damping = self._rayleigh(self.damping)
+            self._rayleigh = self.damping
+
+        self._found_for = self.reads
+        with reading(self._found_for):
+            self._examine_functions()
+            force = None if self.linear else self._coupling()
+            sparse_ones = [of for name in checks.MATRICES if (of := entries_of(getattr(self, name), name)) is not None]
+            self.tangent = form_of_tangent(force, self.u0, self.tangent, self.massless, sparse_ones, self.title)
+            for name in checks.MATRICES:
+                setattr(self, name, stored(getattr(self, name), self.tangent))
+            self._find_damping()
+
+    def _examine_functions(self) -> None:
+        """Check the functions, and set what follows from what they do."""
+        function_checks.check_functions(self)
+        kinked = not self.linear and may_have_kinks(self.varying_force, self.u0, self.v0)
+        takes_velocity = self.arguments > 1 and depends_on_last(self.varying_force, self.u0, self.v0)
+        object.__setattr__(self, "kinked", kinked)
+        object.__setattr__(self, "takes_velocity", takes_velocity)
+        if isinstance(self.u0, jax.core.Tracer):  # traced numbers cannot be compared
+            return
+        derived = isinstance(self.force, eqx.Partial) and self.force.func is gradient
+        with suppress(*function_checks.NOT_TRACEABLE):
+            if self.history is not None:
+                function_checks.check_history(self.force, self.u0, self.v0, self.history, self.title)
+            if self.linear or self.potential is None or derived:
+                return
+            if self.history is None:
+                function_checks.check_gradient(self._without_velocity(), self.potential, self.u0, self.title)
+            else:
+                function_checks.check_stored_energy(self.force, self.potential, self.u0, self.history, self.title)
+
+    def _find_damping(self) -> None:
+        """Set the matrix C of Rayleigh damping, from the tangent at u = 0."""
+        if self._rayleigh is not None:
+            checks.check_rayleigh(self._rayleigh, self.title)
+            object.__setattr__(self, "damping", self._rayleigh_matrix(self._rayleigh))
+
+    @property
+    def reads(self) -> Reads:
+        """What the functions read now."""
+        reads = reads_of(self.force, self.load, self.potential, self.history)
+        return reads if reads.certain else self._traced_reads() or reads
+
+    def _traced_reads(self) -> Reads | None:
+        """What the traced functions hold now; None if JAX cannot trace them."""
+
+        def values(problem, t, u, v):
+            load = None if problem.load is None else problem.load(t)
+            return (
+                load,
+                None if problem.linear else problem.varying_force(u, v),
+                problem.potential and problem.stored_energy(u),
+            )
+
+        with suppress(Exception), reading(Reads.unique()):  # a user's function may raise anything; the checks report it
+            return reads_of_program(eqx.filter_make_jaxpr(values)(self, *map(jnp.asarray, (0.0, self.u0, self.v0)))[0])
+        return None
+
+    def examined(self) -> "Problem":
+        """The same problem, marked as one whose functions do as those from which it was made."""
+        return self._changed("_found_for", self.reads)
+
+    def current(self) -> "Problem":
+        """The problem with what follows from its functions as they are now: they may read values that have changed."""
+        reads = self.reads
+        if reads == self._found_for:
+            return self
+        copy = self._changed("_found_for", reads)
+        with reading(reads):
+            copy._examine_functions()
+            copy._find_damping()
+        return copy
 
     def _count_arguments(self) -> None:
         """Set the number of arguments of the force and its history at rest, and check that they fit each other."""
@@ -199,7 +258,7 @@ class Problem(eqx.Module):
         moved = self.mass @ self.influence if is_sparse(self.mass) else self.momentum(self.influence)
         return GroundLoad(as_float64(moved), ground, self.load)
 
-    def _rayleigh(self, damping: Rayleigh) -> Matrix:
+    def _rayleigh_matrix(self, damping: Rayleigh) -> Matrix:
         """The matrix C of Rayleigh damping, from the tangent at u = 0."""
         checks.check_rayleigh(damping, self.title)
         mass = 1.0 if self.mass is None else self.mass

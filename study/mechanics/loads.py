@@ -53,7 +53,7 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
     load, before = (
         (problem.load.load, problem.load.factor) if isinstance(problem.load, _Scaled) else (problem.load, 1.0)
     )
-    return eqx.tree_at(lambda p: p.load, problem, _Scaled(load, factor * before))
+    return eqx.tree_at(lambda p: p.load, problem, _Scaled(load, factor * before)).examined()
 
 
 def record_of(load: Callable | None) -> dict[str, str]:

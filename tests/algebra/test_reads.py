@@ -1,0 +1,296 @@
+"""What functions read, in every way in which a function can read a value."""
+
+import dataclasses
+import functools
+import types
+from collections import namedtuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax import lax
+
+import study
+from study.algebra.reads import reads_of
+from study.mechanics.frequencies import frequencies
+from study.mechanics.loads import excited
+
+k = 1.0
+pairs = {"k": 1.0, "inner": {"k": 1.0}}
+listed = [1.0]
+array = np.ones(2)
+module = types.ModuleType("parameters")
+module.k = 1.0
+space = types.SimpleNamespace(k=1.0)
+Pair = namedtuple("Pair", "k other")
+pair = Pair(1.0, 0)
+
+
+@dataclasses.dataclass
+class Parameters:
+    """Parameters of a spring."""
+
+    k: float = 1.0
+
+
+parameters = Parameters()
+
+
+class Spring:
+    """A spring in plain Python, which reads an attribute, a class attribute, a property and a static method."""
+
+    of_class = 1.0
+
+    def __init__(self):
+        self.k = 1.0
+
+    def __call__(self, u):
+        return self.k * u
+
+    def by_class(self, u):
+        return self.of_class * u
+
+    @property
+    def stiffness(self):
+        return k
+
+    def by_property(self, u):
+        return self.stiffness * u
+
+
+class Slotted:
+    """A spring whose attribute is a slot."""
+
+    __slots__ = ("k",)
+
+    def __call__(self, u):
+        return self.k * u
+
+
+class Module(eqx.Module):
+    """A spring with an array, which is an argument of a program, and a global, which is not."""
+
+    own: np.ndarray
+
+    def __call__(self, u):
+        return self.own * k * u
+
+
+spring, slotted = Spring(), Slotted()
+slotted.k = 1.0
+
+
+def helper(u):
+    return k * u
+
+
+def assign(name, value):
+    globals()[name] = value
+
+
+def closure():
+    value = 1.0
+
+    def change(new):
+        nonlocal value
+        value = new
+
+    return (lambda u: value * u), change
+
+
+in_closure, change_closure = closure()
+
+
+def with_default(u, k=1.0):
+    return k * u
+
+
+def with_keyword(u, *, k=1.0):
+    return k * u
+
+
+def of_function(u):
+    return of_function.k * u
+
+
+of_function.k = 1.0
+
+
+@jax.custom_jvp
+def custom(u):
+    return k * u
+
+
+custom.defjvp(lambda primals, tangents: (custom(*primals), k * tangents[0]))
+
+
+def comprehended(u):
+    return sum([k * u for _ in range(2)])
+
+
+def defined_within(u):
+    def inner(u):
+        return k * u
+
+    return inner(u)
+
+
+def set_global(new):
+    assign("k", new)
+
+
+#: A function, and a function that changes a value which it reads.
+WAYS = {
+    "global": (lambda u: k * u, set_global),
+    "helper": (lambda u: helper(u), set_global),
+    "helper that is replaced": (lambda u: helper(u), lambda new: assign("helper", lambda u: new * u)),
+    "comprehension": (comprehended, set_global),
+    "function within": (defined_within, set_global),
+    "closure": (in_closure, change_closure),
+    "default": (with_default, lambda new: setattr(with_default, "__defaults__", (new,))),
+    "keyword": (with_keyword, lambda new: setattr(with_keyword, "__kwdefaults__", {"k": new})),
+    "attribute of the function": (of_function, lambda new: setattr(of_function, "k", new)),
+    "callable object": (spring, lambda new: setattr(spring, "k", new)),
+    "bound method": (spring.by_class, lambda new: setattr(Spring, "of_class", new)),
+    "property": (spring.by_property, set_global),
+    "slot": (slotted, lambda new: setattr(slotted, "k", new)),
+    "module of Equinox": (Module(np.ones(())), set_global),
+    "dictionary": (lambda u: pairs["k"] * u, lambda new: pairs.update(k=new)),
+    "nested dictionary": (lambda u: pairs["inner"]["k"] * u, lambda new: pairs["inner"].update(k=new)),
+    "list": (lambda u: listed[0] * u, lambda new: listed.__setitem__(0, new)),
+    "array": (lambda u: array[0] * u, lambda new: array.__setitem__(0, new)),
+    "module": (lambda u: module.k * u, lambda new: setattr(module, "k", new)),
+    "namespace": (lambda u: space.k * u, lambda new: setattr(space, "k", new)),
+    "dataclass": (lambda u: parameters.k * u, lambda new: setattr(parameters, "k", new)),
+    "named tuple": (lambda u: pair.k * u, lambda new: assign("pair", Pair(new, 0))),
+    "partial": (functools.partial(lambda of, u: of["k"] * u, pairs), lambda new: pairs.update(k=new)),
+    "array of JAX": (lambda u: of_jax * u, lambda new: assign("of_jax", jnp.asarray(new))),
+    "compiled": (jax.jit(helper), set_global),
+    "compiled by Equinox": (eqx.filter_jit(helper), set_global),
+    "gradient": (jax.grad(helper), set_global),
+    "vectorised": (jax.vmap(helper), set_global),
+    "checkpoint": (jax.checkpoint(helper), set_global),
+    "own derivative": (custom, set_global),
+    "partial of JAX": (jax.tree_util.Partial(helper), set_global),
+}
+of_jax = jnp.asarray(1.0)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_reads_follow_every_value(way, request):
+    function, change = WAYS[way]
+    kept = helper
+    request.addfinalizer(lambda: (change(1.0), assign("helper", kept)))
+    change(1.0)
+    before, again = reads_of(function), reads_of(function)
+    change(2.0)
+    after = reads_of(function)
+    assert before.certain and after.certain
+    assert before == again != after
+
+
+def from_file(u):
+    return np.loadtxt(module.file) * u
+
+
+def by_name(u):
+    return getattr(spring, "k") * u  # noqa: B009
+
+
+def by_import(u):
+    import os
+
+    return float(os.environ["STIFFNESS"]) * u
+
+
+#: Functions whose reads the search does not see.
+HIDDEN = {
+    "file": (from_file, lambda new: np.savetxt(module.file, [new])),
+    "computed name": (by_name, lambda new: setattr(spring, "k", new)),
+    "import": (by_import, None),
+}
+
+
+@pytest.mark.parametrize("way", HIDDEN)
+def test_what_the_search_does_not_see_is_traced(way, tmp_path, monkeypatch):
+    function, change = HIDDEN[way]
+    monkeypatch.setattr(module, "file", tmp_path / "k.txt", raising=False)
+    change = change or (lambda new: monkeypatch.setenv("STIFFNESS", str(new)))
+    change(1.0)
+    assert reads_of(function) != reads_of(function)
+    problem = study.Problem(function, u0=1.0)
+    before, again = problem.reads, problem.reads
+    change(2.0)
+    assert before == again != problem.reads
+    change(1.0)
+
+
+def test_arrays_that_are_arguments_are_not_read():
+    one, other = Module(np.ones(())), Module(np.full((), 2.0))
+    assert reads_of(one) == reads_of(other)
+    assert reads_of(lambda u: one(u)) != reads_of(lambda u: other(u))
+
+
+def test_equal_numbers_of_other_types_or_signs_differ():
+    found = {
+        reads_of(functools.partial(helper, value)) for value in (0.0, -0.0, 0, False, np.float64(0), np.float32(0))
+    }
+    assert len(found) == 6
+
+
+def test_a_value_that_refers_to_itself_ends_the_search():
+    pairs["self"] = pairs
+    try:
+        assert reads_of(lambda u: pairs["k"] * u).certain
+    finally:
+        del pairs["self"]
+
+
+#: Functions inside a force that JAX traces once and keeps by their identity.
+def branch(u):
+    return k * u
+
+
+def kept_by_jax(u):
+    branched = lax.cond(u > 0, branch, branch, u)
+    scanned = lax.scan(lambda c, _: (c, None), branched, length=1)[0]
+    return jax.checkpoint(branch)(u) / 3 + jax.jit(branch)(u) / 3 + scanned / 3
+
+
+def test_programs_follow_what_functions_read(request):
+    """Every kind of run, and what is computed for it, uses the value that holds when it is called."""
+    request.addfinalizer(lambda: set_global(1.0))
+    set_global(1.0)
+    problem = study.Problem(kept_by_jax, u0=1.0, damping=study.Rayleigh(0.0, 0.01), load=lambda t: k * jnp.ones_like(t))
+    options = {"dt": 0.01, "steps": 100, "observe": study.Quantity(lambda u: k * u, name="end", reduce="final")}
+
+    def family(mass):
+        return study.Problem(lambda u: k * u, u0=1.0, mass=mass)
+
+    for stiffness in (1.0, 4.0, 1.0):
+        set_global(stiffness)
+        half = 0.005 * stiffness  # of Rayleigh's damping
+        omega = np.sqrt(stiffness - half**2)
+        # about the displacement k/k under the load; the motion starts there
+        np.testing.assert_allclose(study.run(problem, "rk4", **options).end, stiffness, rtol=1e-12)
+        decay = np.exp(-half) * (np.cos(omega) + half / omega * np.sin(omega))
+        exact = stiffness * (1 + decay)
+        found = [
+            study.run(problem, "rk4", u0=2.0, **options).end,
+            *study.run(problem, "rk4", u0=[2.0, 2.0], **options).end.values,
+            study.run(problem, "rk4", u0=2.0, tolerance=1e-9, duration=1.0, observe=options["observe"]).end,
+            study.final_state(problem, "rk4", u0=2.0, **options)["end"],
+        ]
+        np.testing.assert_allclose(np.array(found, float), exact, rtol=1e-7)
+        end = study.run(family, "rk4", over={"mass": [1.0]}, **options).end.values
+        np.testing.assert_allclose(end, stiffness * np.cos(np.sqrt(stiffness)), rtol=1e-8)
+        np.testing.assert_allclose(frequencies(problem), np.sqrt(stiffness))
+
+
+def test_a_problem_in_which_nothing_changed_is_not_examined_again():
+    problem = study.Problem(lambda u: k * u, u0=1.0, load=jnp.sin)
+    assert problem.current() is problem
+    scaled = excited(problem, 2.0)
+    assert scaled.current() is scaled
