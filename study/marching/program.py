@@ -139,7 +139,8 @@ class Program:
     """
 
     def __init__(self, march: March):
-        leaves, structure = jax.tree.flatten(unlabelled(march))
+        march = unlabelled(march)
+        leaves, structure = jax.tree.flatten(march)
         self.numbers = [leaf for leaf in leaves if eqx.is_array(leaf)]
         form = _Form(structure, tuple(None if eqx.is_array(leaf) else leaf for leaf in leaves))
         self.form, self.reads = _forms.setdefault(form, form), reads_of(march)
