@@ -22,6 +22,9 @@ OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER) $(WITHOUT_ACCO
 # if Slurm has no accounting of jobs, their state is read from its queue
 WITHOUT_ACCOUNTING = $(shell sacct > /dev/null 2>&1 || echo --slurm-status-command squeue --slurm-no-account)
 
+# every package has the version and a hash in requirements.txt
+PINNED := --require-hashes --no-deps
+
 KILLS ?= 100
 CONFORMANCE ?= results/conformance.zip
 
@@ -52,9 +55,14 @@ benchmark: .venv/ready
 .venv/ready: requirements.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 	  { echo "Python 3.11 or later is needed; name one with 'make PYTHON=...'." >&2; exit 1; }
-	@echo "installing the pinned packages into .venv, which takes a minute or two"
+	@echo "installing the pinned packages into .venv"
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --require-hashes --no-deps -r requirements.txt
+	awk '/^[^ ]/ { of_uv = /^uv==/ } of_uv' requirements.txt > .venv/uv.txt
+	$(BIN)/pip install --quiet $(PINNED) -r .venv/uv.txt
+	@index=$${PIP_INDEX_URL:-$$($(BIN)/pip config get global.index-url 2> /dev/null)}; \
+	  $(BIN)/uv pip install --quiet --python $(BIN)/python $${index:+--default-index "$$index"} $(PINNED) -r requirements.txt || \
+	  { echo "uv cannot install them, so pip does, which takes a minute or two" >&2; \
+	    $(BIN)/pip install --quiet $(PINNED) -r requirements.txt; }
 	$(BIN)/pip install --quiet --no-deps --no-build-isolation --editable .
 	touch $@
 

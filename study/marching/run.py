@@ -116,6 +116,9 @@ def run(
 ) -> xr.Dataset:
     r"""March one scheme on one problem and return the observed values, with equal steps or with a tolerance.
 
+    The functions of the problem may read other values, such as globals. The values that hold when the run is called are
+    used.
+
     A run with equal steps whose Newton iteration fails is marched once more with a safeguard: with one unknown a
     bracket, which finds a root wherever the residual changes its sign, and with several unknowns shorter corrections
     (:mod:`study.mechanics.balance`). ``newton_restarts`` counts the iterations that needed the safeguard.
