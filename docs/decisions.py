@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -10,8 +11,11 @@ import xarray as xr
 import study
 from docs.plan import DECISION, RECOMMENDED
 from docs.text import table
+from paper.picks import ERRORS, NO_BREAK, Pick, cell
 from paper.products import made, reader
+from paper.tables.decision import column, decided
 from study.scheme.codes import NameInCode, names_in_codes
+from study.words import number
 
 #: Pattern of the title of a scheme in a cell: it precedes a number of steps, or ends a remark.
 _TITLE = re.compile(r"(?:^|[:;] )([^:;\n]+)(?=[:;]|$)", re.MULTILINE)
@@ -21,17 +25,15 @@ _PROGRAMS = ("OpenSees", "Abaqus", "LS-DYNA")
 _HEAD = ("scheme", "code", "name and parameters", "remark")
 #: Quantities whose rows the short table shows.
 _QUANTITIES = ("displacement", "peak drift")
-_ERRORS = ("10 %", "1 %", "0.1 %")
-#: Pattern of a cell of the table of decisions: title of the scheme, step, and ω Δt in the brackets.
-_CELL = re.compile(r"(.+): (.+?) \(.*ωΔt\s([\d.]+)[^)]*\)")
+_ERRORS = [column(error) for error in ERRORS]
 
 
-def _short_cell(cell: str) -> str:
-    if not (found := _CELL.match(cell)):
-        return cell
-    title, step, omega_step = found.groups()
-    counted = (step if step.endswith("ms") else f"{step} steps").replace(" ", "\u00a0")
-    return f"{title}: {counted}, ωΔt\u00a0=\u00a0{omega_step}"
+def _short_cell(picks: list[Pick]) -> str:
+    if not picks:
+        return cell(picks)
+    one = picks[0]
+    counted = (one.step if one.step.endswith("ms") else f"{one.step} steps").replace(" ", NO_BREAK)
+    return f"{one.title}: {counted}, ωΔt{NO_BREAK}={NO_BREAK}{number(one.omega_step, 2)}"
 
 
 def _input_lines(cells: Iterable[str], codes: tuple[str, ...] = ("",)) -> list[NameInCode]:
@@ -49,9 +51,10 @@ def recommended(results: Path) -> dict[str, str]:
         data = read(name)
         return data.isel(scheme=[k for k, scheme in enumerate(data.scheme.values) if scheme in known])
 
-    decided = made(RECOMMENDED, of_programs).replace("", pd.NA).ffill()
-    chosen = decided[decided["Right in"].isin(_QUANTITIES)]
-    picks = chosen[list(_ERRORS)].map(_short_cell)
+    choices = made(replace(RECOMMENDED, function=decided), of_programs)
+    names = choices[["Problem", "Right in"]].replace("", pd.NA).ffill()
+    chosen = choices.assign(**names)[names["Right in"].isin(_QUANTITIES)]
+    picks = chosen[_ERRORS].map(_short_cell)
     rows = chosen[["Problem", "Scheme"]].join(picks).to_numpy().tolist()
     lines = [
         [study.schemes[one.scheme].title, one.code, f"`{one.name}`", one.note]

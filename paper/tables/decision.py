@@ -40,7 +40,8 @@ SCHEMES_OF_THE_ROWS = (
 )
 
 
-def _column(error: float) -> str:
+def column(error: float) -> str:
+    """The name of the column of an allowed error."""
     return f"{100 * error:g} %"
 
 
@@ -92,7 +93,7 @@ def _springs(springs: list[xr.Dataset], robustness: xr.Dataset, limits: Mapping[
                     "Problem": sentence(spring.attrs["problem"]) if k == c == 0 else "",
                     "Right in": quantity if c == 0 else "",
                     "Scheme": kind,
-                    **{_column(error): cell(_of_spring(spring, one, limits)) for error, one in choices.items()},
+                    **{column(error): _of_spring(spring, one, limits) for error, one in choices.items()},
                     "Beware of": _of_amplitudes(robustness, problem, choices[ERRORS[0]]),
                 }
 
@@ -113,7 +114,7 @@ def _remembering(kinks: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dic
                 "Problem": sentence(one.problem_title.item()) if c == 0 else "",
                 "Right in": "displacement" if c == 0 else "",
                 "Scheme": name,
-                **{_column(error): cell(picks_of(one, one.error, error, limits)) for error in ERRORS},
+                **{column(error): picks_of(one, one.error, error, limits) for error in ERRORS},
                 "Beware of": _lost_order(one),
             }
 
@@ -163,7 +164,7 @@ def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator
                     "Problem": sentence(one.problem_title.item()) if k == c == 0 else "",
                     "Right in": what if c == 0 else "",
                     "Scheme": name,
-                    **{_column(error): cell(picks) for error, picks in choices.items()},
+                    **{column(error): picks for error, picks in choices.items()},
                     "Beware of": "; ".join(filter(None, warnings)),
                 }
 
@@ -194,22 +195,12 @@ def _record(spectrum: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]
             "Problem": title if c == 0 else "",
             "Right in": "peak drift" if c == 0 else "",
             "Scheme": name,
-            **{_column(error): cell(_under_records(dividing, error, limits)) for error in ERRORS},
+            **{column(error): _under_records(dividing, error, limits) for error in ERRORS},
             "Beware of": "other steps" if off else "",
         }
 
 
-@table(
-    "Recommended schemes and steps",
-    springs=ASSESSED,
-    robustness="stability/robustness",
-    requires={
-        **OF_THE_ASSESSMENTS,
-        "": contained(*SCHEMES_OF_THE_ROWS, within="spectral.schemes"),
-        "spectral.damping_ratios": [0.0],
-    },
-)
-def tabulate(
+def decided(
     springs: list[xr.Dataset],
     robustness: xr.Dataset,
     kinks: xr.Dataset,
@@ -217,15 +208,7 @@ def tabulate(
     spectrum: xr.Dataset,
     structures: xr.Dataset,
 ) -> pd.DataFrame:
-    """One row per kind of problem, quantity and class of schemes; a dash where no scheme keeps the error.
-
-    The classes are explicit and implicit. A cell names the scheme of its class with the fewest evaluations of the
-    force. Numbers of evaluations within a tenth tie, and the smallest error then decides. On structures and with kinks,
-    however, tied schemes whose step is the finest that was tried come last. Energy and phase of a spring must also be
-    within ``LEVEL``. A cell contains the steps per period and, in brackets, the forces per period and Δt·ω with the
-    highest ω of the motion, followed by the stability limit of linear theory if there is one. Under records, the step
-    in ms replaces the steps per period, and the forces per second replace the forces per period.
-    """
+    """The table of decisions with a list of :class:`paper.picks.Pick` in place of each cell of a scheme."""
     limits = spectral.stability_limit.sel(damping_ratio=0.0).to_series().to_dict()
     return pd.DataFrame(
         [
@@ -235,3 +218,32 @@ def tabulate(
             *_record(spectrum, limits),
         ]
     )
+
+
+@table(
+    "Recommended schemes and steps",
+    springs=ASSESSED,
+    robustness="stability/robustness",
+    kinks="kinks",
+    spectral="spectral",
+    spectrum="spectrum",
+    structures="structures",
+    requires={
+        **OF_THE_ASSESSMENTS,
+        "": contained(*SCHEMES_OF_THE_ROWS, within="spectral.schemes"),
+        "spectral.damping_ratios": [0.0],
+    },
+)
+def tabulate(**datasets) -> pd.DataFrame:
+    """One row per kind of problem, quantity and class of schemes; a dash where no scheme keeps the error.
+
+    The classes are explicit and implicit. A cell names the scheme of its class with the fewest evaluations of the
+    force. Numbers of evaluations within a tenth tie, and the smallest error then decides. On structures and with kinks,
+    however, tied schemes whose step is the finest that was tried come last. Energy and phase of a spring must also be
+    within ``LEVEL``. A cell contains the steps per period and, in brackets, the forces per period and Δt·ω with the
+    highest ω of the motion, followed by the stability limit of linear theory if there is one. Under records, the step
+    in ms replaces the steps per period, and the forces per second replace the forces per period.
+    """
+    table = decided(**datasets)
+    columns = [column(error) for error in ERRORS]
+    return table.assign(**table[columns].map(cell))

@@ -143,15 +143,14 @@ def _limits() -> xr.Dataset:
 def rows():
     @cache
     def of(forces=1.0, needed=(32.0, 64.0), energy=1.0, imbalance=0.01, velocity=0.0, acceleration=0.0):
-        datasets = (
-            _robustness(*needed),
-            _runs("error", "yielding"),
-            _limits(),
-            _spectrum(),
-            _runs("displacement_error", "pendulum", imbalance, velocity, acceleration),
-        )
-        springs = [_assessed(forces, energy), _assessed(forces, energy)]
-        table = tabulate(springs, *datasets).replace(NO_BREAK, " ", regex=True)
+        table = tabulate(
+            springs=[_assessed(forces, energy), _assessed(forces, energy)],
+            robustness=_robustness(*needed),
+            kinks=_runs("error", "yielding"),
+            spectral=_limits(),
+            spectrum=_spectrum(),
+            structures=_runs("displacement_error", "pendulum", imbalance, velocity, acceleration),
+        ).replace(NO_BREAK, " ", regex=True)
         return table.to_dict("records")[ROWS:]
 
     return of
