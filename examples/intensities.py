@@ -21,7 +21,7 @@ RUN = {"dt": 0.005, "steps": 2400, "observe": [DRIFT]}
 def oscillator(intensity=1.0, period=0.5, strength=0.15):
     """A unit mass under the scaled record; ``period`` is in s, and ``strength`` is yield force divided by weight."""
     stiffness = (2 * np.pi / period) ** 2
-    spring = materials.elastoplastic(stiffness, strength * 9.81, hardening=0.02)
+    spring = materials.elastoplastic(stiffness=stiffness, yield_force=strength * 9.81, hardening=0.02)
     damping = 2 * 0.05 * 2 * np.pi / period
     return study.Problem(spring, u0=0.0, damping=damping, ground=RECORD.scaled(intensity), title="yielding oscillator")
 

@@ -18,9 +18,13 @@ def drifts(u):
 
 # units: stiffness in N/m, yield force in N, coefficient of the dampers in N √(s/m), mass in kg
 storeys = materials.elements(
-    materials.elastoplastic(np.array([4.0e7, 3.5e7, 3.0e7]), np.array([4.0e5, 3.0e5, 2.0e5]), hardening=0.05), drifts, 3
+    materials.elastoplastic(
+        stiffness=np.array([4.0e7, 3.5e7, 3.0e7]), yield_force=np.array([4.0e5, 3.0e5, 2.0e5]), hardening=0.05
+    ),
+    drifts,
+    3,
 )
-dampers = materials.elements(materials.viscous_damper(5.0e4, exponent=0.5), drifts, 3)
+dampers = materials.elements(materials.viscous_damper(coefficient=5.0e4, exponent=0.5), drifts, 3)
 
 
 def force(u, v, history):

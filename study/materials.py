@@ -20,6 +20,7 @@ import numpy as np
 
 from study.algebra.arrays import Vector, as_float64
 from study.algebra.scalars import is_whole
+from study.keywords import keywords_only
 from study.mechanics.internal_force import number_of_arguments
 
 
@@ -85,7 +86,8 @@ class Elastoplastic(eqx.Module):
         return jnp.sum(self.stiffness * stored) / 2
 
 
-def elastoplastic(stiffness, yield_force, hardening=0.0) -> Elastoplastic:
+@keywords_only
+def elastoplastic(*, stiffness, yield_force, hardening=0.0) -> Elastoplastic:
     """An elastoplastic spring: stiffness k, yield force p_y, and ratio b of the stiffness after yield to k.
 
     Raises
@@ -100,7 +102,8 @@ def elastoplastic(stiffness, yield_force, hardening=0.0) -> Elastoplastic:
     return Elastoplastic(stiffness, yield_force, hardening)
 
 
-def friction(slip_force, stiffness) -> Elastoplastic:
+@keywords_only
+def friction(*, slip_force, stiffness) -> Elastoplastic:
     """Coulomb friction: a contact of the given stiffness that slips where its force reaches the slip force.
 
     The stiffness models the asperities. A stiff contact approximates the rigid law of Coulomb, whose force jumps and
@@ -167,7 +170,8 @@ class BoucWen(eqx.Module):
         return force, (u, y)
 
 
-def bouc_wen(stiffness, yield_force, hardening=0.0, exponent: int = 1) -> BoucWen:
+@keywords_only
+def bouc_wen(*, stiffness, yield_force, hardening=0.0, exponent: int = 1) -> BoucWen:
     """Smooth hysteresis: initial stiffness k, yield force p_y, ratio b of the final stiffness to k, and exponent n.
 
     Raises
@@ -199,7 +203,8 @@ class ViscousDamper(eqx.Module):
         return self.coefficient * v * jnp.where(moves, speed ** (self.exponent - 1), at_rest)
 
 
-def viscous_damper(coefficient, exponent=1.0) -> ViscousDamper:
+@keywords_only
+def viscous_damper(*, coefficient, exponent=1.0) -> ViscousDamper:
     """A fluid damper with the force c abs(u̇)^α sgn u̇, the coefficient c and the exponent α.
 
     Raises
@@ -228,7 +233,8 @@ class Gap(eqx.Module):
         return jnp.sum(self.stiffness * jnp.maximum(u - self.opening, 0.0) ** 2) / 2
 
 
-def gap(stiffness, opening=0.0) -> Gap:
+@keywords_only
+def gap(*, stiffness, opening=0.0) -> Gap:
     """A stop of stiffness k behind an opening g; with g = 0 a unilateral spring.
 
     Raises

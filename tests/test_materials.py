@@ -94,11 +94,14 @@ def test_the_force_is_the_slope_of_the_stored_energy_while_elastic(name):
 
 
 def test_a_damper_and_a_gap():
-    damper, stop = materials.viscous_damper(3.0, 0.5), materials.gap(stiffness=10.0, opening=0.2)
+    damper, stop = materials.viscous_damper(coefficient=3.0, exponent=0.5), materials.gap(stiffness=10.0, opening=0.2)
     v = jnp.asarray([-4.0, 0.0, 9.0])
     assert damper(v, v).tolist() == [-6.0, 0.0, 9.0]
     assert np.isfinite(jax.vmap(jax.grad(damper, argnums=1))(v, v)).all()
-    at_rest = [jax.grad(materials.viscous_damper(3.0, power), argnums=1)(0.0, 0.0) for power in (0.5, 1.0, 2.0)]
+    at_rest = [
+        jax.grad(materials.viscous_damper(coefficient=3.0, exponent=power), argnums=1)(0.0, 0.0)
+        for power in (0.5, 1.0, 2.0)
+    ]
     assert at_rest == [0.0, 3.0, 0.0]
     assert stop(jnp.asarray([0.1, 0.2, 0.5])) == pytest.approx([0.0, 0.0, 3.0])
 
@@ -114,34 +117,48 @@ def test_elements_assemble_nodal_forces():
     assert plastic == pytest.approx(expected)
     frame = study.Problem(force, u0=np.zeros(3), v0=np.ones(3), potential=force.potential)
     assert frame.kinked and not frame.takes_velocity
-    damped = materials.elements(materials.viscous_damper(0.5), lambda u: jnp.diff(u, prepend=0.0), count=3)
+    damped = materials.elements(materials.viscous_damper(coefficient=0.5), lambda u: jnp.diff(u, prepend=0.0), count=3)
     assert study.Problem(damped, u0=np.zeros(3)).takes_velocity
-    stops = materials.elements(materials.gap(5.0, 0.1), lambda u: jnp.diff(u, prepend=0.0), count=3)
+    stops = materials.elements(materials.gap(stiffness=5.0, opening=0.1), lambda u: jnp.diff(u, prepend=0.0), count=3)
     assert study.Problem(stops, u0=np.zeros(3), potential=stops.potential).arguments == 1
 
 
 @pytest.mark.parametrize(
     "make, sentence",
     [
-        (lambda: materials.elastoplastic(4.0, 0.0), "yield_force must be a number greater than 0, not 0.0"),
-        (lambda: materials.elastoplastic(-4.0, 1.0), "stiffness must be a number greater than 0"),
         (
-            lambda: materials.elastoplastic(4.0, 1.0, 1.5),
+            lambda: materials.elastoplastic(stiffness=4.0, yield_force=0.0),
+            "yield_force must be a number greater than 0, not 0.0",
+        ),
+        (lambda: materials.elastoplastic(stiffness=-4.0, yield_force=1.0), "stiffness must be a number greater than 0"),
+        (
+            lambda: materials.elastoplastic(stiffness=4.0, yield_force=1.0, hardening=1.5),
             "hardening must be a number at least 0 and at most 1, not 1.5",
         ),
-        (lambda: materials.elastoplastic(4.0, "a"), "yield_force must be a number"),
-        (lambda: materials.bouc_wen(4.0, 1.0, exponent=3), "exponent must be 1 or 2, for which the law has"),
-        (lambda: materials.viscous_damper(-1.0), "coefficient must be a number at least 0"),
-        (lambda: materials.viscous_damper(1.0, 0.0), "exponent must be a number greater than 0 and at most 2"),
-        (lambda: materials.gap(1.0, np.nan), "opening must be a number"),
+        (lambda: materials.elastoplastic(stiffness=4.0, yield_force="a"), "yield_force must be a number"),
+        (
+            lambda: materials.bouc_wen(stiffness=4.0, yield_force=1.0, exponent=3),
+            "exponent must be 1 or 2, for which the law has",
+        ),
+        (lambda: materials.viscous_damper(coefficient=-1.0), "coefficient must be a number at least 0"),
+        (
+            lambda: materials.viscous_damper(coefficient=1.0, exponent=0.0),
+            "exponent must be a number greater than 0 and at most 2",
+        ),
+        (lambda: materials.gap(stiffness=1.0, opening=np.nan), "opening must be a number"),
         (lambda: materials.elements(REMEMBER["friction"], jnp.diff, count=0), "count must be a whole number"),
         (
-            lambda: materials.elastoplastic([1.0, 2.0], [1.0, 2.0, 3.0]),
+            lambda: materials.elastoplastic(stiffness=[1.0, 2.0], yield_force=[1.0, 2.0, 3.0]),
             r"one shape, a value for each element, not stiffness \(2,\), yield_force \(3,\), hardening \(\)",
         ),
-        (lambda: materials.gap([1.0, 2.0], np.zeros(3)), "arrays of one shape, a value for each element"),
         (
-            lambda: materials.elements(materials.elastoplastic([1.0, 2.0], 1.0), jnp.diff, count=3),
+            lambda: materials.gap(stiffness=[1.0, 2.0], opening=np.zeros(3)),
+            "arrays of one shape, a value for each element",
+        ),
+        (
+            lambda: materials.elements(
+                materials.elastoplastic(stiffness=[1.0, 2.0], yield_force=1.0), jnp.diff, count=3
+            ),
             r"3 elements need a material with numbers or arrays \(3,\), not Elastoplastic",
         ),
     ],
@@ -192,7 +209,9 @@ def test_a_constant_may_be_bound_by_a_default():
 
 @pytest.mark.parametrize("factor", [1.0, 0.5, -1.0])
 def test_a_stored_energy_is_compared_with_the_force_after_a_reversal(factor):
-    spring = materials.elements(materials.elastoplastic([4.0, 5.0], [0.3, 0.2], 0.1), jnp.asarray, 2)
+    spring = materials.elements(
+        materials.elastoplastic(stiffness=[4.0, 5.0], yield_force=[0.3, 0.2], hardening=0.1), jnp.asarray, 2
+    )
     if factor == 1.0:
         study.Problem(spring, u0=np.zeros(2), potential=spring.potential)
         return

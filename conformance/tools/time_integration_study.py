@@ -69,9 +69,11 @@ class _Load(eqx.Module):
 def _force(form, parameters, n):
     numbers = {name: np.array(value, float) for name, value in parameters.items()}
     if form == "elastoplastic":
-        return materials.elastoplastic([numbers["k"]], [numbers["yield_force"]], hardening=[numbers["hardening"]])
+        return materials.elastoplastic(
+            stiffness=[numbers["k"]], yield_force=[numbers["yield_force"]], hardening=[numbers["hardening"]]
+        )
     if form == "gap":
-        return materials.gap([numbers["k"]], [numbers["gap"]])
+        return materials.gap(stiffness=[numbers["k"]], opening=[numbers["gap"]])
     if form == "stiff_sine":
         return _Sine(**numbers)
     zero = np.zeros(())
@@ -107,10 +109,10 @@ def scheme_of(text):
         "newmark": study.Newmark,
         "central_difference": lambda: study.Newmark(beta=0.0, gamma=0.5),
         "hht_1996": study.HHTAlpha1996,
-        "hht": lambda alpha, beta, gamma: study.GeneralizedAlpha(0.0, -alpha, beta, gamma),
+        "hht": lambda alpha, beta, gamma: study.GeneralizedAlpha(alpha_m=0.0, alpha_f=-alpha, beta=beta, gamma=gamma),
         "generalized_alpha": study.GeneralizedAlpha,
         "wilson": study.WilsonTheta,
-        "houbolt": lambda: study.Houbolt(_STARTS[text["start"]]),
+        "houbolt": lambda: study.Houbolt(start_by=_STARTS[text["start"]]),
         "bathe": study.Bathe,
         "rk4": study.RungeKutta4,
         "midpoint": study.ImplicitMidpoint,
@@ -148,10 +150,10 @@ def step(problem, scheme, dt, steps):
     times = np.arange(_ROWS) * sizes
     if np.ndim(dt):
         sizes[:steps], times[1 : steps + 1] = dt, np.cumsum(dt)
-        ours = study.UnequalSteps(ours) if ours.acceleration_offset else ours
+        ours = study.UnequalSteps(scheme=ours) if ours.acceleration_offset else ours
     modelled = problem_of(json.dumps(problem.text))
     if modelled.history is not None:
-        ours = WithHistory(ours)
+        ours = WithHistory(scheme=ours)
     rows = _march(modelled, ours, times, sizes, np.int64(steps))
     carried = scheme["family"] not in ("rk4", "midpoint", "symplectic_euler")
     return [np.asarray(one)[: steps + 1] for one in rows[: 2 + carried]]

@@ -119,7 +119,7 @@ def dataset_of(
     rows = []
     for name, one in found.items():
         scheme, times = schemes[name], of_scheme.get(name, {})
-        marched = scheme if problem.history is None else WithHistory(scheme)
+        marched = scheme if problem.history is None else WithHistory(scheme=scheme)
         for limit in ((quantity, error) for quantity in names for error in allowed):
             verdict = one.verdicts.get(limit, Recommendation(UNCERTAIN))
             time, spread, forces, error = (np.nan,) * 4

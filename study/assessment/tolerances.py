@@ -117,7 +117,7 @@ class ToleranceSearch:
 
     def __post_init__(self):
         problem = self.cases[1.0].problem
-        self._marched = self.scheme if problem.history is None else WithHistory(self.scheme)
+        self._marched = self.scheme if problem.history is None else WithHistory(scheme=self.scheme)
         self._estimator = estimators[usual_estimator(self._marched, problem)]
         self._power = self._estimator.exponent(self._marched)
         self._random = np.random.default_rng(0)

@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from study.algebra.arrays import Scalar, ScalarLike, VectorLike
+from study.keywords import KeywordsOnly
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.scheme.base import check_ranges
@@ -142,7 +143,7 @@ class Filtered(Controller):
         return Decision(accepted, dt * (1 + jnp.arctan(c - 1)), keep)
 
 
-class DeadBand(Controller):
+class DeadBand(KeywordsOnly, Controller):
     r"""The controller of Zienkiewicz and Xie: the step size stays the same while r stays within bounds.
 
     A step with r > ``high`` is repeated with :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`, and at most 0.9 Δt. After

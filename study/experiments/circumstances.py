@@ -77,7 +77,7 @@ class FromNoAcceleration(Wrapper):
     """
 
     scheme: Scheme
-    title: str = eqx.field(default="From no acceleration", kw_only=True, static=True)
+    title: str = eqx.field(default="From no acceleration", static=True)
 
     family: ClassVar[str] = "From no acceleration"
     source: ClassVar[str] = "Hulbert and Hughes (1987)"
@@ -103,7 +103,7 @@ class LooselyBalanced(Wrapper):
 
     scheme: Scheme
     tolerance: float = eqx.field(static=True)
-    title: str = eqx.field(default="Loosely balanced", kw_only=True, static=True)
+    title: str = eqx.field(default="Loosely balanced", static=True)
 
     family: ClassVar[str] = "Loosely balanced"
     source: ClassVar[str] = "Crisfield (1991)"
@@ -153,9 +153,9 @@ class Circumstance:
         """Motions at the end for each number of steps, and whether each run was completed, (steps, runs)."""
         runs, most = len(self.u0), len(counts)
         if self.inconsistent:
-            scheme = FromNoAcceleration(scheme)
+            scheme = FromNoAcceleration(scheme=scheme)
         if self.tolerance is not None:
-            scheme = LooselyBalanced(scheme, self.tolerance)
+            scheme = LooselyBalanced(scheme=scheme, tolerance=self.tolerance)
         shared: dict[str, Any] = {"observe": [AtTheEnd()], "on_failure": "ignore"}
         if self.unequal:
             each = [
@@ -256,7 +256,7 @@ def _hysteresis() -> Circumstance:
         yields = abs(elastic) >= limit and elastic * v > 0
         return [v, -hardening * u - (1 - hardening) * np.clip(elastic, -limit, limit), 0.0 if yields else v]
 
-    problem = Problem(elastoplastic(1.0, limit, hardening), 0.0, title="hysteresis")
+    problem = Problem(elastoplastic(stiffness=1.0, yield_force=limit, hardening=hardening), 0.0, title="hysteresis")
     return Circumstance("hysteresis", problem, u0, v0, _by_adaptive_steps(rates, u0, v0, 0.0))
 
 

@@ -175,7 +175,7 @@ def _controlled(
 
 def _marched(problem: Problem, scheme: Scheme) -> Scheme:
     """The scheme as it is marched; if the problem has a history, further forces are evaluated to commit it."""
-    return scheme if problem.history is None else WithHistory(scheme)
+    return scheme if problem.history is None else WithHistory(scheme=scheme)
 
 
 def _forces(scheme: Scheme, per_step: int, ds: xr.Dataset, steps: int, trials: int) -> float:

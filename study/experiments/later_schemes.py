@@ -122,7 +122,7 @@ def _errors_of_trigonometric(steps: list[int]) -> np.ndarray:
         for m, member in enumerate(filters):
             ds = run(
                 _oscillatory,
-                Trigonometric(member),
+                Trigonometric(member=member),
                 over={"omega": frequencies},
                 dt=OSCILLATES / count,
                 steps=count,
@@ -175,14 +175,16 @@ def _errors_of_mixed_pade() -> np.ndarray:
     exact = solve_ivp(rates, (0.0, DURATION), [1.0, 0.0], "DOP853", **TOLERANCES).y[:, -1]
     errors = np.empty((len(TERMS), len(LONG)))
     for (m, k), _ in np.ndenumerate(errors):
-        ds = run(problem, MixedPade(TERMS[m], RHO_INF), dt=DURATION / LONG[k], steps=LONG[k], every=LONG[k])
+        ds = run(
+            problem, MixedPade(terms=TERMS[m], rho_inf=RHO_INF), dt=DURATION / LONG[k], steps=LONG[k], every=LONG[k]
+        )
         errors[m, k] = np.linalg.norm([ds.u.values[-1] - exact[0], ds.v.values[-1] - exact[1]])
     return errors
 
 
 def _radius_of_mixed_pade(terms: int) -> float:
     """Spectral radius of a mixed Padé method without damping at ωΔt = 10⁶."""
-    return LinearTheory(MixedPade(terms, RHO_INF), [1e6 / (2 * np.pi)]).spectral_radius.item()
+    return LinearTheory(MixedPade(terms=terms, rho_inf=RHO_INF), [1e6 / (2 * np.pi)]).spectral_radius.item()
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:

@@ -202,7 +202,7 @@ def long_runs(
             progress(f"long runs of {name} on {problem}, {arithmetic}")
             double, compensated = ARITHMETIC[arithmetic]
             plain = schemes_by_name[name]
-            scheme = Compensated(cast(OneStep, plain)) if compensated else plain
+            scheme = Compensated(scheme=cast(OneStep, plain)) if compensated else plain
             for k, length in enumerate(periods):
                 steps = length * steps_per_period
                 measured = _measured(definition, scheme, dt.ravel(), length, steps, double, *exact)

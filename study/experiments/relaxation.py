@@ -12,7 +12,7 @@ from study.scheme.runge_kutta import rk4
 from study.scheme.wrapper.relaxed import Relaxed
 
 #: The method without and with relaxation.
-VARIANTS = {"plain": rk4, "relaxed": Relaxed(rk4)}
+VARIANTS = {"plain": rk4, "relaxed": Relaxed(scheme=rk4)}
 
 
 @experiment("relaxation", reads=references, steps=over_periods("problems", runs=2 * len(VARIANTS)))

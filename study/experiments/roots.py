@@ -60,8 +60,8 @@ class _Inexact(Newmark):
         Factor by which the acceleration before the step is multiplied to start the iteration.
     """
 
-    tolerance: float = eqx.field(default=1e-12, kw_only=True)
-    part_of_last: float = eqx.field(default=1.0, kw_only=True)
+    tolerance: float = 1e-12
+    part_of_last: float = 1.0
 
     def new_acceleration(self, problem, t, u, v, c_u, c_v, guess):
         """New acceleration and effort; the iteration starts at a multiple of the last acceleration."""
@@ -74,7 +74,7 @@ def _steps_together(problem: str, dt: np.ndarray, steps: int, tolerances: Sequen
     The number is ``steps`` if the run never parts.
     """
     newmark = cast(Newmark, schemes_by_name["average_acceleration"])
-    inexact = partial(_Inexact, newmark.beta, newmark.gamma)
+    inexact = partial(_Inexact, beta=newmark.beta, gamma=newmark.gamma)
     exact = run(problem, newmark, dt=dt, steps=steps, on_failure="ignore").u.values
     together = np.empty((len(GUESSES), len(tolerances), len(dt)), int)
     for g, part in enumerate(GUESSES.values()):

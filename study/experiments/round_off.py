@@ -70,7 +70,7 @@ def round_off(problem: Spring, schemes: Schemes, steps_per_period: RisingCounts,
     for s, name in enumerate(schemes):
         progress(f"round-off of {name} on {problem}")
         plain = schemes_by_name[name]
-        for c, scheme in enumerate([plain, Compensated(plain)] if isinstance(plain, OneStep) else [plain]):
+        for c, scheme in enumerate([plain, Compensated(scheme=plain)] if isinstance(plain, OneStep) else [plain]):
             for k, parts in enumerate(steps_per_period):
                 steps = int(parts * (periods + PHASE))
                 dt = float(end / steps)

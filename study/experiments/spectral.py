@@ -57,7 +57,7 @@ def _vectors(name: str) -> int:
 def _order_rederived(scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float) -> float:
     if not isinstance(_state(scheme), Motion):
         return np.nan
-    return LinearTheory(Rederived(scheme), dt_over_period, damping_ratio).order()
+    return LinearTheory(Rederived(scheme=scheme), dt_over_period, damping_ratio).order()
 
 
 def _of_scheme(scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float) -> dict[str, np.ndarray | float]:

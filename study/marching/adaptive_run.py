@@ -192,7 +192,7 @@ class Adaptive:
         self._problem, self._scheme, self._lanes, self._over = problem, scheme, lanes, over
         method = scheme
         if scheme.acceleration_offset and not isinstance(scheme, UnequalSteps):
-            method = UnequalSteps(scheme)
+            method = UnequalSteps(scheme=scheme)
         self._march = unlabelled(March.of(self._problem, method, observers, bool(lanes), bound))
         self._of = _itself if make is None else _Family(make)
         shape = (lanes, *np.shape(self._problem.u0))

@@ -77,9 +77,9 @@ class March(eqx.Module):
         observer needs a neighbouring run.
         """
         if problem.history is not None:
-            scheme = WithHistory(scheme)
+            scheme = WithHistory(scheme=scheme)
         if any(observer.needs_neighbour for observer in observers):
-            scheme = Linearised(scheme)
+            scheme = Linearised(scheme=scheme)
         parts = [observer.marched() for observer in observers]
         if problem.safeguarded:
             parts.append(Restarts())

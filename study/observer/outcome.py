@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from study.keywords import KeywordsOnly
 from study.mechanics.definition import Problem
 from study.observer.base import Record, Reduction
 from study.problem.named import problems
@@ -46,7 +47,7 @@ class _Events(NamedTuple):
     crossed: jax.Array | None
 
 
-class OutcomeObserver(Reduction):
+class OutcomeObserver(KeywordsOnly, Reduction):
     r"""Times at which a run becomes inaccurate, comes to rest, grows or crosses a barrier.
 
     The time of an event that does not happen is infinite. The events are defined by the height H = E − E_rest of the
@@ -120,7 +121,7 @@ class OutcomeObserver(Reduction):
             raise ValueError(f"the potential of '{problem.title}' has no minimum downhill of u0 = {u0:g}.")
         barrier, start = float(potential(0.0)), float(potential(u0))
         is_barrier = barrier - found.fun > AT_REST * (start - found.fun)
-        return cls(found.fun, barrier if is_barrier else None, found.x)
+        return cls(rest=found.fun, barrier=barrier if is_barrier else None, rest_at=found.x)
 
     def refusal(self, problem):
         return _refusal(problem)

@@ -27,21 +27,21 @@ SPACING = 0.02
 @named()
 def yielding() -> Problem:
     """A mass thrown onto an elastoplastic spring: k = 4π², u_y = 0.1, b = 0.05, u̇₀ = 2.51, damping ratio 0.02."""
-    spring = elastoplastic(_STIFFNESS, _STIFFNESS * _YIELD, hardening=0.05)
+    spring = elastoplastic(stiffness=_STIFFNESS, yield_force=_STIFFNESS * _YIELD, hardening=0.05)
     return Problem(spring, 0.0, _SPEED, potential=spring.potential, damping=_DAMPING, title="yielding oscillator")
 
 
 @named()
 def hysteretic() -> Problem:
     """The mass of ``yielding`` thrown onto a spring with the smooth hysteresis of Bouc and Wen, n = 1."""
-    spring = bouc_wen(_STIFFNESS, _STIFFNESS * _YIELD, hardening=0.05)
+    spring = bouc_wen(stiffness=_STIFFNESS, yield_force=_STIFFNESS * _YIELD, hardening=0.05)
     return Problem(spring, 0.0, _SPEED, damping=_DAMPING, title="hysteretic oscillator")
 
 
 @named()
 def bouncing() -> Problem:
     """A mass that falls under gravity from half a metre onto a stop of stiffness 100 π², and bounces without loss."""
-    stop = gap(25 * _STIFFNESS)
+    stop = gap(stiffness=25 * _STIFFNESS)
     weight = GroundMotion(np.array([-9.81, -9.81]), 1e6, title="gravity")
     return Problem(stop, -0.5, 0.0, potential=stop.potential, ground=weight, title="bouncing mass")
 
@@ -70,7 +70,7 @@ def belt() -> Problem:
     models, Nonlinear Dyn. 16(1), 1998, 41-54 (the mass on a belt).
     """
     rigid = 1e6 * _STIFFNESS
-    contact = friction(_STIFFNESS * _YIELD, rigid)
+    contact = friction(slip_force=_STIFFNESS * _YIELD, stiffness=rigid)
 
     def force(u, v, history):
         p, history = contact(u, v, history)
@@ -105,7 +105,7 @@ def yielding_under_record(ground, period, yield_force) -> Problem:
         Force at which the spring yields, in N per kg of mass.
     """
     frequency = 2 * np.pi / period
-    spring = elastoplastic(frequency**2, yield_force, hardening=0.02)
+    spring = elastoplastic(stiffness=frequency**2, yield_force=yield_force, hardening=0.02)
     return Problem(spring, 0.0, damping=2 * 0.05 * frequency, ground=ground, title="yielding oscillator under a record")
 
 

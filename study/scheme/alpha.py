@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import equinox as eqx
 
+from study.keywords import keywords_only
 from study.mechanics.balance import balance, load
 from study.mechanics.state import Motion
 from study.scheme.base import OneStep, check_range, check_ranges
@@ -12,14 +13,18 @@ from study.scheme.newmark import ROUND_OFF, bounded_at_infinite_frequency, predi
 
 
 def _stability_limit(alpha_m: float, alpha_f: float, beta: float, gamma: float) -> float | None:
-    """Stability limit: Newmark's if both α are zero, infinite under Chung and Hulbert's conditions, None otherwise.
+    """Stability limit: Newmark's if both α are zero, zero or infinite under the conditions below, None otherwise.
 
-    These conditions hold for methods of second order.
+    For small Ω = ωΔt the principal roots have the size 1 + (½ − α_m + α_f − γ) Ω²/2, and for methods of second order
+    1 − (α_f − α_m) (β − α_f (1 − α_m)) Ω⁴/2. Chung and Hulbert's conditions, for methods of second order, make the
+    limit infinite.
     """
     if alpha_m == alpha_f == 0:
         return stability_limit(beta, gamma)
     shift = alpha_f - alpha_m
     second_order = abs(gamma - (0.5 + shift)) < ROUND_OFF
+    if gamma < 0.5 + shift - ROUND_OFF or (second_order and shift * (beta - alpha_f * (1 - alpha_m)) < -ROUND_OFF):
+        return 0.0
     return math.inf if second_order and shift >= 0 and beta >= 0.25 + shift / 2 - ROUND_OFF else None
 
 
@@ -60,7 +65,7 @@ class HHTAlpha1996(OneStep):
     alpha: float
     beta: float = None  # type: ignore[assignment]
     gamma: float = None  # type: ignore[assignment]
-    title: str = eqx.field(default="HHT-α (1996)", kw_only=True, static=True)
+    title: str = eqx.field(default="HHT-α (1996)", static=True)
 
     family: ClassVar[str] = "α-methods"
     source: ClassVar[str] = "Hilber et al. (1977)"
@@ -149,9 +154,9 @@ class GeneralizedAlpha(OneStep):
     alpha_f: float
     beta: float
     gamma: float
-    title: str = eqx.field(default="Generalized-α", kw_only=True, static=True)
-    source: str = eqx.field(default="Chung and Hulbert (1993)", kw_only=True, static=True)
-    doi: str = eqx.field(default="10.1115/1.2900803", kw_only=True, static=True)
+    title: str = eqx.field(default="Generalized-α", static=True)
+    source: str = eqx.field(default="Chung and Hulbert (1993)", static=True)
+    doi: str = eqx.field(default="10.1115/1.2900803", static=True)
 
     family: ClassVar[str] = "α-methods"
     explicit = False
@@ -160,30 +165,34 @@ class GeneralizedAlpha(OneStep):
         check_ranges(self, alpha_m=(-1.0, 0.5), alpha_f=(0.0, 0.5), beta=(0.0, 1.0), gamma=(0.0, 1.5))
 
     @classmethod
-    def optimal(cls, alpha_m: float, alpha_f: float, **labels: str) -> "GeneralizedAlpha":
+    @keywords_only
+    def optimal(cls, *, alpha_m: float, alpha_f: float, **labels: str) -> "GeneralizedAlpha":
         """The second-order method with the least damping of low frequencies for given α_m and α_f."""
         shift = 0.5 - alpha_m + alpha_f
-        return cls(alpha_m, alpha_f, beta=(0.5 + shift) ** 2 / 4, gamma=shift, **labels)
+        return cls(alpha_m=alpha_m, alpha_f=alpha_f, beta=(0.5 + shift) ** 2 / 4, gamma=shift, **labels)
 
     @classmethod
-    def chung_hulbert(cls, rho_inf: float) -> "GeneralizedAlpha":
+    @keywords_only
+    def chung_hulbert(cls, *, rho_inf: float) -> "GeneralizedAlpha":
         """The generalized-α method for a spectral radius ρ∞ at infinite frequency, 0 ≤ ρ∞ ≤ 1."""
         check_range("GeneralizedAlpha.chung_hulbert", "rho_inf", rho_inf, 0.0, 1.0)
-        return cls.optimal((2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1))
+        return cls.optimal(alpha_m=(2 * rho_inf - 1) / (rho_inf + 1), alpha_f=rho_inf / (rho_inf + 1))
 
     @classmethod
-    def hht(cls, rho_inf: float) -> "GeneralizedAlpha":
+    @keywords_only
+    def hht(cls, *, rho_inf: float) -> "GeneralizedAlpha":
         """HHT-α (α_m = 0, α = −α_f) for a spectral radius ρ∞ at infinite frequency, ½ ≤ ρ∞ ≤ 1."""
         check_range("GeneralizedAlpha.hht", "rho_inf", rho_inf, 0.5, 1.0)
         labels = {"title": "HHT-α", "source": HHTAlpha1996.source, "doi": HHTAlpha1996.doi}
-        return cls.optimal(0.0, (1 - rho_inf) / (1 + rho_inf), **labels)
+        return cls.optimal(alpha_m=0.0, alpha_f=(1 - rho_inf) / (1 + rho_inf), **labels)
 
     @classmethod
-    def wbz(cls, rho_inf: float) -> "GeneralizedAlpha":
+    @keywords_only
+    def wbz(cls, *, rho_inf: float) -> "GeneralizedAlpha":
         """WBZ-α (α_f = 0) for a spectral radius ρ∞ at infinite frequency, 0 ≤ ρ∞ ≤ 1."""
         check_range("GeneralizedAlpha.wbz", "rho_inf", rho_inf, 0.0, 1.0)
         labels = {"title": "WBZ-α", "source": "Wood et al. (1980)", "doi": "10.1002/nme.1620151011"}
-        return cls.optimal((rho_inf - 1) / (rho_inf + 1), 0.0, **labels)
+        return cls.optimal(alpha_m=(rho_inf - 1) / (rho_inf + 1), alpha_f=0.0, **labels)
 
     @property
     def order(self) -> int:

@@ -62,7 +62,7 @@ class AuxiliaryVariable(Scheme):
     """
 
     shift: float = 1.0
-    title: str = eqx.field(default="SAV-BDF2", kw_only=True, static=True)
+    title: str = eqx.field(default="SAV-BDF2", static=True)
 
     family: ClassVar[str] = "Auxiliary variable"
     source: ClassVar[str] = "Shen et al. (2018)"

@@ -10,7 +10,10 @@ from study.algebra.arrays import Vector
 from study.mechanics.balance import balance, load
 from study.mechanics.state import Effort, Motion
 from study.scheme.base import Scheme, as_tuple, check_numbers
-from study.scheme.newmark import average_acceleration
+from study.scheme.newmark import ROUND_OFF, average_acceleration
+
+#: Value of ωΔt at which a method that grows counts as unstable at every step size.
+SMALL = 0.05
 
 
 class Memory(NamedTuple):
@@ -54,9 +57,9 @@ class BackwardDifferences(Scheme):
     """
 
     weights: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
-    title: str = eqx.field(default="Backward differences", kw_only=True, static=True)
-    source: str = eqx.field(default="Curtiss and Hirschfelder (1952)", kw_only=True, static=True)
-    doi: str = eqx.field(default="10.1073/pnas.38.3.235", kw_only=True, static=True)
+    title: str = eqx.field(default="Backward differences", static=True)
+    source: str = eqx.field(default="Curtiss and Hirschfelder (1952)", static=True)
+    doi: str = eqx.field(default="10.1073/pnas.38.3.235", static=True)
 
     family: ClassVar[str] = "Multi-step and composite"
     explicit = False
@@ -79,6 +82,9 @@ class BackwardDifferences(Scheme):
 
     @property
     def stability_limit(self) -> float | None:
+        d, *rest = self.weights
+        if np.abs(np.roots([d - SMALL * 1j, *rest])).max() > 1 + ROUND_OFF:
+            return 0.0
         # the values of the polynomial are the boundary of the region of stability; if this boundary stays in the right
         # half plane, the method is stable for every ωΔt
         circle = np.exp(1j * np.linspace(0, np.pi, 721))
@@ -104,5 +110,7 @@ class BackwardDifferences(Scheme):
         return Memory(*Motion(u + c**2 * a, v + c * a, a), past[:-1]), effort
 
 
-bdf2 = BackwardDifferences((3 / 2, -2.0, 1 / 2), title="BDF2")
-park = BackwardDifferences((10 / 6, -15 / 6, 1.0, -1 / 6), title="Park", source="Park (1975)", doi="10.1115/1.3423600")
+bdf2 = BackwardDifferences(weights=(3 / 2, -2.0, 1 / 2), title="BDF2")
+park = BackwardDifferences(
+    weights=(10 / 6, -15 / 6, 1.0, -1 / 6), title="Park", source="Park (1975)", doi="10.1115/1.3423600"
+)

@@ -1,7 +1,9 @@
 """The base classes of time integration schemes: frozen parameters with a start and a step."""
 
 import abc
+import inspect
 import textwrap
+import warnings
 from dataclasses import fields
 from typing import Any, ClassVar
 
@@ -11,19 +13,32 @@ import numpy as np
 
 from study.algebra.arrays import ScalarLike, Vector
 from study.algebra.scalars import is_number
+from study.keywords import KeywordsOnly
 from study.mechanics.balance import initial_acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.state import Effort, Motion
 from study.scheme.contract import incremented
+from study.words import listed
 
 
-class Scheme(eqx.Module):
+class Scheme(KeywordsOnly, eqx.Module):
     """A time integration scheme for M ü + C u̇ + p(u) = f(t).
 
     A scheme carries its own state from step to step, with at least the fields ``u`` and ``v``.
     :class:`study.mechanics.state.Motion` also has the acceleration; the state of a multi-step scheme also has values of
     earlier steps. :meth:`start` and :meth:`step` are pure functions, so that JAX can compile, vectorise and
-    differentiate them.
+    differentiate them. Parameters are given by name, in classes that you derive too.
+
+    Warns
+    -----
+    RuntimeWarning
+        If the parameters make a ``stability_limit`` that is computed from them zero: the amplitude of free vibration
+        then grows, however small the step. A limit that a class or an argument states is not warned about.
+
+    Raises
+    ------
+    TypeError
+        If a parameter is given without its name, or the class does not define a name that is abstract here.
     """
 
     #: Name of the scheme in figures and tables.
@@ -102,10 +117,33 @@ class Scheme(eqx.Module):
         """
         return self.explicit
 
+    def __new__(cls, *positional, **named):
+        """A new scheme, unless its class lacks a definition."""
+        if missing := sorted(cls.__abstractmethods__ | cls.__abstractvars__):  # type: ignore[attr-defined]
+            purposes = {name: (getattr(cls, name, None).__doc__ or "").partition(".")[0] for name in missing}
+            lacks = listed(f"{name} ({purpose})" if purpose else name for name, purpose in purposes.items())
+            raise TypeError(f"{cls.__name__} is a scheme and must define {lacks}.")
+        return super().__new__(cls, *positional, **named)
+
+    def __check_init__(self):
+        stated = not isinstance(inspect.getattr_static(type(self), "stability_limit"), property)
+        if stated or isinstance(self, Wrapper) or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(self)):
+            return
+        if self.stability_limit == 0:
+            warnings.warn(
+                f"{type(self).__name__}({self._parameters()}) has negative numerical damping: without physical damping "
+                "the amplitude grows, however small the step.",
+                RuntimeWarning,
+                stacklevel=3,  # the line that makes the scheme, which equinox calls through one function
+            )
+
+    def _parameters(self) -> str:
+        """The parameters as they are given, without labels."""
+        shown = [one.name for one in fields(self) if one.name not in ("title", "source", "doi", "stability_limit")]
+        return ", ".join(f"{name}={_short(getattr(self, name))}" for name in shown)
+
     def __repr__(self) -> str:
         kind, summary = type(self).__name__, (type(self).__doc__ or "").partition("\n")[0]
-        shown = [one.name for one in fields(self) if one.name not in ("title", "source", "doi", "stability_limit")]
-        parameters = ", ".join(f"{name}={_short(getattr(self, name))}" for name in shown)
         damped = "" if self.order_with_damping == self.order else f" ({self.order_with_damping} with damping or load)"
         named = {None: "", 0.0: ", unstable without damping", np.inf: ", unconditionally stable for linear systems"}
         limit = self.stability_limit
@@ -115,7 +153,7 @@ class Scheme(eqx.Module):
         lines = [
             # a dataclass without a docstring gets its signature as docstring
             self.title if summary.startswith(f"{kind}(") else f"{self.title}: {summary}",
-            textwrap.shorten(f"{kind}({parameters})", 120, placeholder=" ...)"),
+            textwrap.shorten(f"{kind}({self._parameters()})", 120, placeholder=" ...)"),
             f"{'explicit' if self.explicit else 'implicit'}, order {self.order}{damped}{stable}",
             f"source: {self.source}" + (f"; forces: {' and '.join(forces)}" if forces else ""),
         ]

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import equinox as eqx
 
+from study.keywords import keywords_only
 from study.mechanics.balance import balance, load
 from study.mechanics.state import Motion
 from study.scheme.base import OneStep, check_range, check_ranges
@@ -80,9 +81,9 @@ class Bathe(Composite):
 
     gamma: float = 0.5
     rho_inf: float = 0.0
-    title: str = eqx.field(default="Bathe", kw_only=True, static=True)
-    source: str = eqx.field(default="Bathe and Baig (2005)", kw_only=True, static=True)
-    doi: str = eqx.field(default="10.1016/j.compstruc.2005.08.001", kw_only=True, static=True)
+    title: str = eqx.field(default="Bathe", static=True)
+    source: str = eqx.field(default="Bathe and Baig (2005)", static=True)
+    doi: str = eqx.field(default="10.1016/j.compstruc.2005.08.001", static=True)
 
     order = 2
     stability_limit = math.inf
@@ -91,10 +92,11 @@ class Bathe(Composite):
         check_ranges(self, gamma=(0.01, 0.99), rho_inf=(0.0, 1.0))
 
     @classmethod
-    def of_one_stiffness(cls, rho_inf: float, **labels: str) -> "Bathe":
+    @keywords_only
+    def of_one_stiffness(cls, *, rho_inf: float, **labels: str) -> "Bathe":
         """The method whose γ gives both sub-steps the same effective stiffness, 0 ≤ ρ∞ < 1."""
         check_range("Bathe.of_one_stiffness", "rho_inf", rho_inf, 0.0, math.nextafter(1.0, 0.0))
-        return cls((2 - math.sqrt(2 + 2 * rho_inf)) / (1 - rho_inf), rho_inf, **labels)
+        return cls(gamma=(2 - math.sqrt(2 + 2 * rho_inf)) / (1 - rho_inf), rho_inf=rho_inf, **labels)
 
     @property
     def weights(self) -> tuple[float, float, float, float]:
@@ -139,7 +141,7 @@ class BetaBathe(Composite):
     beta1: float
     beta2: float
     gamma: float = 0.5
-    title: str = eqx.field(default="β₁/β₂-Bathe", kw_only=True, static=True)
+    title: str = eqx.field(default="β₁/β₂-Bathe", static=True)
 
     source: ClassVar[str] = "Malakiyeh et al. (2019)"
     doi: ClassVar[str] = "10.1016/j.compstruc.2018.10.008"
@@ -166,7 +168,10 @@ class BetaBathe(Composite):
     def stability_limit(self) -> float | None:
         # |λ| ≤ 1 at every ωΔt without damping: in |λ|², no coefficient of (ωΔt)² or (ωΔt)⁴ is larger above than below
         _, q0, q1, q2 = self.weights
-        return math.inf if self._excess > -ROUND_OFF and q2 >= abs(q1 - q0) - ROUND_OFF else None
+        bounded = q2 >= abs(q1 - q0) - ROUND_OFF
+        if self._excess < -ROUND_OFF or (self._excess < ROUND_OFF and not bounded):
+            return 0.0
+        return math.inf if bounded else None
 
     @property
     def needs_mass(self) -> bool:
@@ -178,7 +183,7 @@ class BetaBathe(Composite):
 _noh = {"source": "Noh and Bathe (2019)", "doi": "10.1016/j.compstruc.2018.11.001"}
 _bank = {"source": "Bank et al. (1985)", "doi": "10.1109/T-ED.1985.22232"}
 bathe = Bathe()
-rho_bathe = Bathe.of_one_stiffness(0.5, title="ρ∞-Bathe", **_noh)
-tr_bdf2 = Bathe.of_one_stiffness(0.0, title="TR-BDF2", **_bank)
+rho_bathe = Bathe.of_one_stiffness(rho_inf=0.5, title="ρ∞-Bathe", **_noh)
+tr_bdf2 = Bathe.of_one_stiffness(rho_inf=0.0, title="TR-BDF2", **_bank)
 #: Parameters with β₂ = 2β₁, as the authors of the method advise for waves; the value of β₁ is chosen here.
-beta_bathe = BetaBathe(0.39, 0.78)
+beta_bathe = BetaBathe(beta1=0.39, beta2=0.78)

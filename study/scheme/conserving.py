@@ -39,7 +39,7 @@ class ImplicitMidpoint(OneStep):
     dynamics, Comput. Methods Appl. Mech. Eng. 100(1), 1992, 63-116.
     """
 
-    title: str = eqx.field(default="Implicit midpoint", kw_only=True, static=True)
+    title: str = eqx.field(default="Implicit midpoint", static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Butcher (1964)"
@@ -139,7 +139,7 @@ class EnergyMomentum(OneStep):
     Angew. Math. Phys. 43(5), 1992, 757-792.
     """
 
-    title: str = eqx.field(default="Energy-momentum", kw_only=True, static=True)
+    title: str = eqx.field(default="Energy-momentum", static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Gonzalez (1996)"
@@ -214,7 +214,7 @@ class AverageVectorField(OneStep):
     """
 
     points: int = eqx.field(default=3, static=True)
-    title: str = eqx.field(default="Average vector field", kw_only=True, static=True)
+    title: str = eqx.field(default="Average vector field", static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Quispel and McLaren (2008)"

@@ -92,7 +92,7 @@ class DiagonallyImplicit(OneStep):
 
     sub_steps: int = eqx.field(static=True)
     rho_inf: float = eqx.field(static=True)
-    title: str = eqx.field(default="ESDIRK", kw_only=True, static=True)
+    title: str = eqx.field(default="ESDIRK", static=True)
 
     family: ClassVar[str] = "Multi-step and composite"
     source: ClassVar[str] = "Li et al. (2023)"
@@ -125,5 +125,5 @@ class DiagonallyImplicit(OneStep):
         return Motion(du + h**2 * a, dv + h * a, a), effort
 
 
-esdirk3 = DiagonallyImplicit(3, rho_inf=0.8, title="ESDIRK, order 3")
-esdirk4 = DiagonallyImplicit(4, rho_inf=0.8, title="ESDIRK, order 4")
+esdirk3 = DiagonallyImplicit(sub_steps=3, rho_inf=0.8, title="ESDIRK, order 3")
+esdirk4 = DiagonallyImplicit(sub_steps=4, rho_inf=0.8, title="ESDIRK, order 4")

@@ -85,8 +85,8 @@ class EmbeddedNystrom(OneStep):
     of_order: int = eqx.field(static=True)
     with_damping: int = eqx.field(static=True)
     embedded_order: int = eqx.field(static=True)
-    stability_limit: float | None = eqx.field(default=None, kw_only=True, static=True)
-    title: str = eqx.field(default="Embedded Nyström", kw_only=True, static=True)
+    stability_limit: float | None = eqx.field(default=None, static=True)
+    title: str = eqx.field(default="Embedded Nyström", static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Dormand and Prince (1987)"
@@ -173,5 +173,5 @@ _PAIR = Tableau(
     ),
 )
 dormand_prince6 = EmbeddedNystrom(
-    _PAIR, of_order=6, with_damping=3, embedded_order=4, stability_limit=0.0, title="Dormand-Prince, order 6"
+    tableau=_PAIR, of_order=6, with_damping=3, embedded_order=4, stability_limit=0.0, title="Dormand-Prince, order 6"
 )

@@ -5,10 +5,11 @@ from typing import ClassVar
 
 import equinox as eqx
 
+from study.keywords import keywords_only
 from study.mechanics.balance import acceleration
 from study.mechanics.state import Effort, Motion
 from study.scheme.base import OneStep, check_range, check_ranges
-from study.scheme.newmark import corrected
+from study.scheme.newmark import ROUND_OFF, corrected
 
 
 class ExplicitAlpha(OneStep):
@@ -53,9 +54,9 @@ class ExplicitAlpha(OneStep):
     alpha_m: float
     beta: float
     gamma: float
-    title: str = eqx.field(default="Hulbert-Chung", kw_only=True, static=True)
-    source: str = eqx.field(default="Hulbert and Chung (1996)", kw_only=True, static=True)
-    doi: str = eqx.field(default="10.1016/S0045-7825(96)01036-5", kw_only=True, static=True)
+    title: str = eqx.field(default="Hulbert-Chung", static=True)
+    source: str = eqx.field(default="Hulbert and Chung (1996)", static=True)
+    doi: str = eqx.field(default="10.1016/S0045-7825(96)01036-5", static=True)
 
     family: ClassVar[str] = "Explicit with dissipation"
     explicit = True
@@ -65,18 +66,20 @@ class ExplicitAlpha(OneStep):
         check_ranges(self, alpha_m=(-1.0, 0.5), beta=(0.0, 5.0), gamma=(0.0, 2.5))
 
     @classmethod
-    def hulbert_chung(cls, rho_b: float) -> "ExplicitAlpha":
+    @keywords_only
+    def hulbert_chung(cls, *, rho_b: float) -> "ExplicitAlpha":
         """The method for a spectral radius ρ_b where the principal roots meet, 0 ≤ ρ_b ≤ 1."""
         check_range("ExplicitAlpha.hulbert_chung", "rho_b", rho_b, 0.0, 1.0)
         alpha_m = (2 * rho_b - 1) / (1 + rho_b)
-        return cls(alpha_m, beta=(5 - 3 * rho_b) / ((1 + rho_b) ** 2 * (2 - rho_b)), gamma=1.5 - alpha_m)
+        return cls(alpha_m=alpha_m, beta=(5 - 3 * rho_b) / ((1 + rho_b) ** 2 * (2 - rho_b)), gamma=1.5 - alpha_m)
 
     @classmethod
-    def chung_lee(cls, beta: float) -> "ExplicitAlpha":
+    @keywords_only
+    def chung_lee(cls, *, beta: float) -> "ExplicitAlpha":
         """The method of Chung and Lee, 1 ≤ β ≤ 28/27."""
         check_range("ExplicitAlpha.chung_lee", "beta", beta, 1.0, 28 / 27)
         labels = {"title": "Chung-Lee", "source": "Chung and Lee (1994)", "doi": "10.1002/nme.1620372303"}
-        return cls(0.0, beta, gamma=1.5, **labels)
+        return cls(alpha_m=0.0, beta=beta, gamma=1.5, **labels)
 
     @property
     def order(self) -> int:
@@ -84,6 +87,11 @@ class ExplicitAlpha(OneStep):
 
     @property
     def stability_limit(self) -> float | None:
+        # for small Ω = ωΔt the principal roots have the size 1 + (3/2 − α_m − γ) Ω²/2, and for methods of second order
+        # 1 + (1 − α_m) (1 − α_m − β) Ω⁴/2
+        damping = self.gamma - (1.5 - self.alpha_m) if self.order == 1 else self.beta - (1 - self.alpha_m)
+        if damping < -ROUND_OFF:
+            return 0.0
         if self.order == 1 or 2 * self.beta <= self.gamma:
             return None
         return math.sqrt(2 * (1 - 2 * self.alpha_m) / (2 * self.beta - self.gamma))

@@ -47,8 +47,8 @@ class Extrapolation(OneStep):
     """
 
     sequence: tuple[int, ...] = eqx.field(static=True, converter=as_tuple)
-    stability_limit: float | None = eqx.field(default=None, kw_only=True, static=True)
-    title: str = eqx.field(default="Extrapolation", kw_only=True, static=True)
+    stability_limit: float | None = eqx.field(default=None, static=True)
+    title: str = eqx.field(default="Extrapolation", static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Gragg (1965)"
@@ -81,10 +81,10 @@ class Extrapolation(OneStep):
             weight = Fraction(1)
             for other in squares:
                 weight *= square / (square - other) if other != square else 1
-            verlet, more = Composition((1 / n,) * n, of_order=2).increment(problem, state, t, dt)
+            verlet, more = Composition(weights=(1 / n,) * n, of_order=2).increment(problem, state, t, dt)
             du, dv = du + float(weight) * verlet.u, dv + float(weight) * verlet.v
             effort = effort.then(more)
         return Motion(du, dv, acceleration(problem, t + dt, state.u + du, state.v + dv)), effort
 
 
-extrapolation12 = Extrapolation((1, 2, 3, 4, 5, 6), stability_limit=3.1411691, title="Extrapolation, order 12")
+extrapolation12 = Extrapolation(sequence=(1, 2, 3, 4, 5, 6), stability_limit=3.1411691, title="Extrapolation, order 12")

@@ -117,7 +117,7 @@ class Houbolt(Scheme):
     """
 
     start_by: str = eqx.field(default="linear_acceleration", static=True)
-    title: str = eqx.field(default="Houbolt", kw_only=True, static=True)
+    title: str = eqx.field(default="Houbolt", static=True)
 
     family: ClassVar[str] = "Multi-step and composite"
     source: ClassVar[str] = "Houbolt (1950)"

@@ -53,8 +53,8 @@ class KickDriftKick(Alternating):
     kicks: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     drifts: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     of_order: int = eqx.field(static=True)
-    stability_limit: float | None = eqx.field(default=None, kw_only=True, static=True)
-    title: str = eqx.field(default="Kick, drift, kick", kw_only=True, static=True)
+    stability_limit: float | None = eqx.field(default=None, static=True)
+    title: str = eqx.field(default="Kick, drift, kick", static=True)
 
     source: ClassVar[str] = "Blanes and Moan (2002)"
     doi: ClassVar[str] = "10.1016/S0377-0427(01)00492-7"
@@ -88,8 +88,8 @@ class KickDriftKick(Alternating):
 _kicks = (0.0829844064174052, 0.396309801498368, -0.0390563049223486)
 _drift, _next = 0.245298957184271, 0.604872665711080
 blanes_moan4 = KickDriftKick(
-    mirrored(*_kicks),
-    (_drift, _next, *(0.5 - _drift - _next,) * 2, _next, _drift),
+    kicks=mirrored(*_kicks),
+    drifts=(_drift, _next, *(0.5 - _drift - _next,) * 2, _next, _drift),
     of_order=4,
     stability_limit=3.1634651,
     title="Blanes-Moan, order 4",

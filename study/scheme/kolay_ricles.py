@@ -65,9 +65,9 @@ class KolayRicles(OneStep):
 
     rho_inf: float
     modified: bool = eqx.field(default=False, static=True)
-    title: str = eqx.field(default="KR-α", kw_only=True, static=True)
-    source: str = eqx.field(default="Kolay and Ricles (2014)", kw_only=True, static=True)
-    doi: str = eqx.field(default="10.1002/eqe.2401", kw_only=True, static=True)
+    title: str = eqx.field(default="KR-α", static=True)
+    source: str = eqx.field(default="Kolay and Ricles (2014)", static=True)
+    doi: str = eqx.field(default="10.1002/eqe.2401", static=True)
 
     family: ClassVar[str] = "Explicit with dissipation"
     order = 1

@@ -104,7 +104,7 @@ class MixedPade(OneStep):
 
     terms: int = eqx.field(static=True)
     rho_inf: float = eqx.field(static=True)
-    title: str = eqx.field(default="Mixed Padé", kw_only=True, static=True)
+    title: str = eqx.field(default="Mixed Padé", static=True)
 
     family: ClassVar[str] = "Linear structures"
     source: ClassVar[str] = "Song et al. (2023)"

@@ -65,7 +65,7 @@ class ChenRicles(OneStep):
     theory, J. Eng. Mech. 134(8), 2008, 676-683.
     """
 
-    title: str = eqx.field(default="Chen-Ricles", kw_only=True, static=True)
+    title: str = eqx.field(default="Chen-Ricles", static=True)
 
     family: ClassVar[str] = "Explicit with dissipation"
     source: ClassVar[str] = "Chen and Ricles (2008)"
@@ -109,7 +109,7 @@ class Chang(OneStep):
     S.-Y. Chang, Explicit pseudodynamic algorithm with unconditional stability, J. Eng. Mech. 128(9), 2002, 935-947.
     """
 
-    title: str = eqx.field(default="Chang", kw_only=True, static=True)
+    title: str = eqx.field(default="Chang", static=True)
 
     family: ClassVar[str] = "Explicit with dissipation"
     source: ClassVar[str] = "Chang (2002)"

@@ -92,9 +92,9 @@ class Newmark(OneStep):
 
     beta: float
     gamma: float
-    title: str = eqx.field(default="Newmark", kw_only=True, static=True)
-    source: str = eqx.field(default="Newmark (1959)", kw_only=True, static=True)
-    doi: str = eqx.field(default="10.1061/JMCEA3.0000098", kw_only=True, static=True)
+    title: str = eqx.field(default="Newmark", static=True)
+    source: str = eqx.field(default="Newmark (1959)", static=True)
+    doi: str = eqx.field(default="10.1061/JMCEA3.0000098", static=True)
 
     family: ClassVar[str] = "Newmark and Wilson"
     acceleration_offset = 0.0

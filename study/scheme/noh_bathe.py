@@ -46,7 +46,7 @@ class NohBathe(OneStep):
     """
 
     p: float = 0.54
-    title: str = eqx.field(default="Noh-Bathe", kw_only=True, static=True)
+    title: str = eqx.field(default="Noh-Bathe", static=True)
 
     family: ClassVar[str] = "Explicit with dissipation"
     source: ClassVar[str] = "Noh and Bathe (2013)"

@@ -31,7 +31,7 @@ class Rederived(Wrapper):
     """
 
     scheme: Scheme
-    title: str = eqx.field(default="Rederived", kw_only=True, static=True)
+    title: str = eqx.field(default="Rederived", static=True)
 
     family: ClassVar[str] = "Rederived"
     source: ClassVar[str] = "Erlicher et al. (2002)"

@@ -38,7 +38,7 @@ class RungeKutta4(OneStep):
     W. Kutta, Beitrag zur näherungsweisen Integration totaler Differentialgleichungen, Z. Math. Phys. 46, 1901, 435-453.
     """
 
-    title: str = eqx.field(default="Runge-Kutta", kw_only=True, static=True)
+    title: str = eqx.field(default="Runge-Kutta", static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Kutta (1901)"
@@ -84,7 +84,7 @@ class Nystrom4(OneStep):
     E. J. Nyström, Über die numerische Integration von Differentialgleichungen, Acta Soc. Sci. Fenn. 50(13), 1925, 1-54.
     """
 
-    title: str = eqx.field(default="Nyström", kw_only=True, static=True)
+    title: str = eqx.field(default="Nyström", static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Nyström (1925)"
@@ -203,7 +203,7 @@ class Gauss4(OneStep):
     J. C. Butcher, Implicit Runge-Kutta processes, Math. Comput. 18(85), 1964, 50-64.
     """
 
-    title: str = eqx.field(default="Gauss, order 4", kw_only=True, static=True)
+    title: str = eqx.field(default="Gauss, order 4", static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Hammer and Hollingsworth (1955)"

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import equinox as eqx
 
+from study.keywords import keywords_only
 from study.mechanics.balance import acceleration
 from study.mechanics.state import Effort, Motion
 from study.scheme.base import OneStep, check_range, check_ranges
@@ -56,7 +57,7 @@ class SingleSolve(OneStep):
 
     rho_s: float
     rho_b: float
-    title: str = eqx.field(default="GSSE", kw_only=True, static=True)
+    title: str = eqx.field(default="GSSE", static=True)
 
     family: ClassVar[str] = "Explicit with dissipation"
     source: ClassVar[str] = "Li et al. (2021)"
@@ -69,10 +70,11 @@ class SingleSolve(OneStep):
         check_ranges(self, rho_b=(0.0, 1.0), rho_s=(0.0, self.rho_b))
 
     @classmethod
-    def icl(cls, rho_b: float) -> "SingleSolve":
+    @keywords_only
+    def icl(cls, *, rho_b: float) -> "SingleSolve":
         """The method with the balance at the end of the step, ½ ≤ ρ_b ≤ 1."""
         check_range("SingleSolve.icl", "rho_b", rho_b, 0.5, 1.0)
-        return cls((1 / rho_b - 1) / 2, rho_b, title="ICL")
+        return cls(rho_s=(1 / rho_b - 1) / 2, rho_b=rho_b, title="ICL")
 
     @property
     def _coefficients(self) -> tuple[float, float, float]:

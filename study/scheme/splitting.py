@@ -95,10 +95,10 @@ class Splitting(Alternating):
     drifts: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     kicks: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     of_order: int = eqx.field(static=True)
-    stability_limit: float | None = eqx.field(default=None, kw_only=True, static=True)
-    title: str = eqx.field(default="Splitting", kw_only=True, static=True)
-    source: str = eqx.field(default="Hairer et al. (2006)", kw_only=True, static=True)
-    doi: str = eqx.field(default="10.1007/3-540-30666-8", kw_only=True, static=True)
+    stability_limit: float | None = eqx.field(default=None, static=True)
+    title: str = eqx.field(default="Splitting", static=True)
+    source: str = eqx.field(default="Hairer et al. (2006)", static=True)
+    doi: str = eqx.field(default="10.1007/3-540-30666-8", static=True)
 
     def __check_init__(self):
         if len(self.drifts) != len(self.kicks) + 1:
@@ -170,10 +170,10 @@ class Composition(OneStep):
 
     weights: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     of_order: int = eqx.field(static=True)
-    stability_limit: float | None = eqx.field(default=None, kw_only=True, static=True)
-    title: str = eqx.field(default="Composition", kw_only=True, static=True)
-    source: str = eqx.field(default="Yoshida (1990)", kw_only=True, static=True)
-    doi: str = eqx.field(default="10.1016/0375-9601(90)90092-3", kw_only=True, static=True)
+    stability_limit: float | None = eqx.field(default=None, static=True)
+    title: str = eqx.field(default="Composition", static=True)
+    source: str = eqx.field(default="Yoshida (1990)", static=True)
+    doi: str = eqx.field(default="10.1016/0375-9601(90)90092-3", static=True)
 
     family: ClassVar[str] = "Splitting"
     explicit = True
@@ -214,11 +214,17 @@ def mirrored(*half: float) -> tuple[float, ...]:
 _mclachlan = {"source": "McLachlan (1995)", "doi": "10.1137/0916010"}
 _outer, _inner = 0.40518861839525227722, -0.28714404081652408900
 symplectic_euler = Splitting(
-    (0.0, 1.0), (1.0,), of_order=1, stability_limit=2.0, title="Symplectic Euler", source="de Vogelaere (1956)", doi=""
+    drifts=(0.0, 1.0),
+    kicks=(1.0,),
+    of_order=1,
+    stability_limit=2.0,
+    title="Symplectic Euler",
+    source="de Vogelaere (1956)",
+    doi="",
 )
 mclachlan4 = Splitting(
-    (_outer, _inner, *(0.5 - _outer - _inner,) * 2, _inner, _outer),
-    mirrored(-3 / 73, 17 / 59),
+    drifts=(_outer, _inner, *(0.5 - _outer - _inner,) * 2, _inner, _outer),
+    kicks=mirrored(-3 / 73, 17 / 59),
     of_order=4,
     stability_limit=2.9218392,
     title="McLachlan, order 4",
@@ -227,10 +233,10 @@ mclachlan4 = Splitting(
 
 
 yoshida4 = Composition(
-    mirrored(1 / (2 - 2 ** (1 / 3))), of_order=4, stability_limit=1.5734019, title="Yoshida, order 4"
+    weights=mirrored(1 / (2 - 2 ** (1 / 3))), of_order=4, stability_limit=1.5734019, title="Yoshida, order 4"
 )
 yoshida6 = Composition(
-    mirrored(0.78451361047755726382, 0.23557321335935813368, -1.17767998417887100695),
+    weights=mirrored(0.78451361047755726382, 0.23557321335935813368, -1.17767998417887100695),
     of_order=6,
     stability_limit=2.2690580,
     title="Yoshida, order 6",
@@ -238,7 +244,7 @@ yoshida6 = Composition(
 
 
 kahan_li8 = Composition(
-    mirrored(
+    weights=mirrored(
         0.13020248308889008088,
         0.56116298177510838456,
         -0.38947496264484728641,

@@ -40,7 +40,7 @@ class TchamwaWielgosz(OneStep):
     """
 
     phi: float = 1.033
-    title: str = eqx.field(default="Tchamwa-Wielgosz", kw_only=True, static=True)
+    title: str = eqx.field(default="Tchamwa-Wielgosz", static=True)
 
     family: ClassVar[str] = "Explicit with dissipation"
     source: ClassVar[str] = "Tchamwa et al. (1999)"

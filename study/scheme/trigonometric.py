@@ -97,7 +97,7 @@ class Trigonometric(OneStep):
     """
 
     member: str = eqx.field(static=True)
-    title: str = eqx.field(default="Trigonometric", kw_only=True, static=True)
+    title: str = eqx.field(default="Trigonometric", static=True)
 
     family: ClassVar[str] = "Trigonometric"
     source: ClassVar[str] = "Gautschi (1961)"

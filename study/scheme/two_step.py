@@ -57,7 +57,7 @@ class TwoStep(Scheme):
     """
 
     rho_inf: float
-    title: str = eqx.field(default="OALTS", kw_only=True, static=True)
+    title: str = eqx.field(default="OALTS", static=True)
 
     family: ClassVar[str] = "Multi-step and composite"
     source: ClassVar[str] = "Zhang (2020)"

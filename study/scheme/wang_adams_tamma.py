@@ -54,7 +54,7 @@ class WangAdamsTamma(OneStep):
     """
 
     c1: float = 1 / 3
-    title: str = eqx.field(default="WAT2", kw_only=True, static=True)
+    title: str = eqx.field(default="WAT2", static=True)
 
     family: ClassVar[str] = "Explicit with dissipation"
     source: ClassVar[str] = "Wang et al. (2025)"

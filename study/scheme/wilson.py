@@ -9,7 +9,7 @@ import numpy as np
 from study.mechanics.balance import balance, load
 from study.mechanics.state import Motion
 from study.scheme.base import OneStep, check_ranges
-from study.scheme.newmark import corrected, stability_limit
+from study.scheme.newmark import ROUND_OFF, corrected, stability_limit
 
 #: Tolerance for round-off in the condition that no root exceeds one in size. Where two roots meet, half of their digits
 #: are lost.
@@ -55,7 +55,7 @@ class WilsonTheta(OneStep):
     theta: float = 1.4
     beta: float = 1 / 6
     gamma: float = 0.5
-    title: str = eqx.field(default="Wilson-θ", kw_only=True, static=True)
+    title: str = eqx.field(default="Wilson-θ", static=True)
 
     family: ClassVar[str] = "Newmark and Wilson"
     source: ClassVar[str] = "Wilson et al. (1973)"
@@ -74,6 +74,11 @@ class WilsonTheta(OneStep):
     def stability_limit(self) -> float | None:
         if self.theta == 1:
             return stability_limit(self.beta, self.gamma)
+        # for small Ω = ωΔt the principal roots have the size 1 + (½ − γ) Ω²/2, and for γ = ½
+        # 1 + θ (θ − 1) (2β (θ + 1) − θ) Ω⁴/4
+        grows = self.gamma == 0.5 and 2 * self.beta * (self.theta + 1) > self.theta + ROUND_OFF
+        if self.gamma < 0.5 or grows:
+            return 0.0
         return math.inf if (self.beta, self.gamma) == (1 / 6, 0.5) and self.theta >= (1 + math.sqrt(3)) / 2 else None
 
     @property

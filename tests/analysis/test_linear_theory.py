@@ -21,22 +21,35 @@ STEPS = 2000
 #: Schemes with parameters that no named scheme has. Formulas give their stability limits.
 OTHERS = [
     study.Newmark(beta=0.1, gamma=0.6),
-    study.Newmark(beta=0.25, gamma=0.4),
     study.WilsonTheta(theta=1.0),
-    study.GeneralizedAlpha.chung_hulbert(0.0),
-    study.ExplicitAlpha.hulbert_chung(0.0),
-    study.ExplicitAlpha.chung_lee(1.0),
+    study.GeneralizedAlpha.chung_hulbert(rho_inf=0.0),
+    study.ExplicitAlpha.hulbert_chung(rho_b=0.0),
+    study.ExplicitAlpha.chung_lee(beta=1.0),
     study.NohBathe(p=0.5),
     study.NohBathe(p=0.7),
     study.NohBathe(p=0.85),
     study.TchamwaWielgosz(phi=1.5),
-    study.BetaBathe(0.6, 0.7),
-    study.BetaBathe(0.3, 0.6, gamma=0.3),
+    study.BetaBathe(beta1=0.6, beta2=0.7),
+    study.BetaBathe(beta1=0.3, beta2=0.6, gamma=0.3),
     study.SingleSolve(rho_s=0.0, rho_b=0.5),
     study.WangAdamsTamma(c1=0.3),
     study.WangAdamsTamma(c1=0.4),
-    study.DiagonallyImplicit(3, rho_inf=0.0),
-    study.DiagonallyImplicit(4, rho_inf=1.0),
+    study.DiagonallyImplicit(sub_steps=3, rho_inf=0.0),
+    study.DiagonallyImplicit(sub_steps=4, rho_inf=1.0),
+]
+
+#: Schemes that amplify small steps, each with a neighbour that does not. Formulas give the limit zero.
+GROWING = [
+    (study.Newmark, {"beta": 0.25, "gamma": 0.4}, {"gamma": 0.5}),
+    (study.WilsonTheta, {"gamma": 0.45}, {"gamma": 0.5}),
+    (study.WilsonTheta, {"theta": 1.4, "beta": 0.3}, {"beta": 0.28}),
+    (study.HHTAlpha1996, {"alpha": -0.1, "gamma": 0.55}, {"gamma": 0.65}),
+    (study.GeneralizedAlpha, {"alpha_m": 0.3, "alpha_f": 0.2, "beta": 0.2, "gamma": 0.4}, {"beta": 0.1}),
+    (study.GeneralizedAlpha, {"alpha_m": 0.1, "alpha_f": 0.2, "beta": 0.3, "gamma": 0.5}, {"gamma": 0.6}),
+    (study.ExplicitAlpha, {"alpha_m": 0.0, "beta": 1.2, "gamma": 1.4}, {"gamma": 1.6}),
+    (study.ExplicitAlpha, {"alpha_m": 0.0, "beta": 0.9, "gamma": 1.5}, {"beta": 1.1}),
+    (study.BetaBathe, {"beta1": 0.39, "beta2": 0.5}, {"beta2": 0.7}),
+    (study.BackwardDifferences, {"weights": (11 / 6, -3.0, 3 / 2, -1 / 3)}, {"weights": (3 / 2, -2.0, 1 / 2)}),
 ]
 
 
@@ -85,7 +98,8 @@ def test_a_formula_of_a_stability_limit_holds_for_other_parameters(scheme):
 
 
 def test_limits_that_no_formula_gives_are_not_stated():
-    for scheme in (study.WilsonTheta(theta=1.2), study.BackwardDifferences((11 / 6, -3.0, 3 / 2, -1 / 3))):
+    bdf5 = study.BackwardDifferences(weights=(137 / 60, -5.0, 5.0, -10 / 3, 5 / 4, -1 / 5))
+    for scheme in (study.WilsonTheta(theta=1.2), bdf5):
         assert scheme.stability_limit is None
 
 
@@ -136,16 +150,27 @@ def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
     assert theory.order() == pytest.approx(expected, abs=0.12)
 
 
+@pytest.mark.parametrize("kind, parameters, change", GROWING)
+def test_parameters_that_make_every_step_grow_are_warned_about(kind, parameters, change):
+    """The limits are computed from the amplification matrix, and the warning names the line that makes the scheme."""
+    with pytest.warns(RuntimeWarning, match=rf"{kind.__name__}\(.* negative numerical damping") as caught:
+        growing = kind(**parameters)
+    assert caught[0].filename == __file__
+    stable = kind(**parameters | change)
+    assert growing.stability_limit == 0 == LinearTheory(growing, [0.1]).stability_limit()
+    assert stable.stability_limit != 0 < LinearTheory(stable, [0.1]).stability_limit()
+
+
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 @pytest.mark.parametrize("name", ["hht_alpha", "wbz_alpha", "generalized_alpha"])
 def test_an_alpha_method_must_carry_its_acceleration(name, damping_ratio):
     """An acceleration recomputed from the equation of motion lowers the order to one, in linear theory and in runs."""
     scheme, parts = study.schemes[name], np.logspace(-3, 0, 301)
     assert LinearTheory(scheme, parts, damping_ratio).order() == pytest.approx(2, abs=0.05)
-    assert LinearTheory(Rederived(scheme), parts, damping_ratio).order() == pytest.approx(1, abs=0.05)
+    assert LinearTheory(Rederived(scheme=scheme), parts, damping_ratio).order() == pytest.approx(1, abs=0.05)
     damped = study.Problem(lambda u: u + u**3, u0=1.0, damping=2 * damping_ratio)
     fine = study.run(damped, "rk4", dt=1e-3, steps=2000).u.values[-1]
-    for method, order in ((scheme, 2), (Rederived(scheme), 1)):
+    for method, order in ((scheme, 2), (Rederived(scheme=scheme), 1)):
         errors = [
             abs(study.run(damped, method, dt=2 / n, steps=n, every=n).u.values[-1] - fine) for n in (400, 800, 1600)
         ]

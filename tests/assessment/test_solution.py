@@ -74,7 +74,7 @@ def test_both_routes_solve_a_kinked_load(shaken):
 def test_contacts_are_stepped_on_and_interpolated_between(stiffness):
     """Both routes meet the exact motion, which is harmonic during contact with the stop and without contact."""
     omega, opening, duration = 2 * np.pi, 0.5, 3.0
-    stop = study.materials.gap(stiffness, opening=opening)
+    stop = study.materials.gap(stiffness=stiffness, opening=opening)
     problem = study.Problem(lambda u: omega**2 * u + stop(u), 0.0, 5.0, title="stop")
     reference = Reference(problem, duration)
 
@@ -123,7 +123,7 @@ def _under_record(spring):
 
 
 def test_both_routes_reach_the_exact_motion_of_a_spring_that_yields():
-    problem = _under_record(study.materials.elastoplastic(40.0, 2.0, 0.1))
+    problem = _under_record(study.materials.elastoplastic(stiffness=40.0, yield_force=2.0, hardening=0.1))
     reference = Reference(problem, 4.0)
     t = reference.grid(1.0)
     exact = piecewise.trajectory(problem, t[1:])
@@ -138,7 +138,9 @@ def test_both_routes_reach_the_exact_motion_of_a_spring_that_yields():
 def test_both_routes_follow_elements_that_turn_back_apart_from_each_other():
     """Both routes agree with SciPy's solution of Bouc and Wen's rate equation, which needs no committed history."""
     k, bound = np.array([40.0, 25.0]), np.array([0.05, 0.04])
-    springs = study.materials.elements(study.materials.bouc_wen(k, k * bound), lambda u: jnp.diff(u, prepend=0.0), 2)
+    springs = study.materials.elements(
+        study.materials.bouc_wen(stiffness=k, yield_force=k * bound), lambda u: jnp.diff(u, prepend=0.0), 2
+    )
     problem = study.Problem(springs, np.zeros(2), np.array([1.0, -0.5]), title="two springs")
 
     def rate(t, y):

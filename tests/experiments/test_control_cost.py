@@ -38,7 +38,7 @@ def test_a_force_with_a_history_counts_what_commits_it(reference, monkeypatch):
     monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     ds = control_cost(["hysteretic"], ["rk4"], "pi", [1e-2, 1e-4], [16, 64]).squeeze()
     assert (ds.error < [0.1, 1e-2]).all() and (ds.equal_error < [0.1, 1e-2]).all()
-    per_step = WithHistory(study.schemes["rk4"]).forces_per_step
+    per_step = WithHistory(scheme=study.schemes["rk4"]).forces_per_step
     np.testing.assert_array_equal(ds.equal_forces, per_step * 16 * ds.steps_per_sample)
     np.testing.assert_array_equal(ds.forces, 3 * per_step * (ds.steps + ds.rejected))
 

@@ -68,7 +68,10 @@ def test_newton_iterations_that_end_early_leave_another_error_and_the_order(foun
     assert (loose.error != plain.error).any("steps").all()
     # with the loose tolerance, one iteration is enough in most steps
     case = circumstances_with([100.0], [1e-3])["tolerance_0"]
-    schemes_with = schemes["average_acceleration"], LooselyBalanced(schemes["average_acceleration"], 1e-3)
+    schemes_with = (
+        schemes["average_acceleration"],
+        LooselyBalanced(scheme=schemes["average_acceleration"], tolerance=1e-3),
+    )
     full, early = (
         run(case.problem, one, dt=0.05, steps=100, observe=["newton_iterations"]).newton_iterations.item()
         for one in schemes_with

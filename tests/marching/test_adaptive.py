@@ -37,9 +37,11 @@ RANDOM = np.random.default_rng(1996).uniform(0.3, 1.7, 40)
 @pytest.mark.parametrize("name", ["hht_alpha", "wbz_alpha", "generalized_alpha"])
 def test_an_alpha_method_keeps_its_order_by_either_correction(name, sizes, end):
     for correction in ("difference", "balance"):
-        assert order(study.UnequalSteps(schemes[name], correction), end, sizes) == pytest.approx(2, abs=0.1)
+        assert order(study.UnequalSteps(scheme=schemes[name], correction=correction), end, sizes) == pytest.approx(
+            2, abs=0.1
+        )
     if sizes is not RANDOM:
-        assert order(study.UnequalSteps(schemes[name], "none"), end, sizes) < 1.85
+        assert order(study.UnequalSteps(scheme=schemes[name], correction="none"), end, sizes) < 1.85
 
 
 @pytest.mark.parametrize(

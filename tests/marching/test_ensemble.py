@@ -83,7 +83,7 @@ def test_a_failed_lane_leaves_the_others_alone():
 
 def test_a_failed_lane_is_frozen_whole_with_its_neighbour():
     definition = March(
-        study.problems["double_well"], Linearised(study.schemes["average_acceleration"]), (), (), lanes=True
+        study.problems["double_well"], Linearised(scheme=study.schemes["average_acceleration"]), (), (), lanes=True
     )
     dt = jnp.asarray([0.1, 3.5])
     progress, initial, stored = definition.start(jnp.full(2, 0.5), jnp.zeros(2), dt, 1)

@@ -33,7 +33,9 @@ def test_a_record_and_a_yield_force_vary():
 
     def frame(intensity, strength):
         storeys = study.materials.elements(
-            study.materials.elastoplastic(np.array([400.0, 300.0]), strength), lambda u: jnp.diff(u, prepend=0.0), 2
+            study.materials.elastoplastic(stiffness=np.array([400.0, 300.0]), yield_force=strength),
+            lambda u: jnp.diff(u, prepend=0.0),
+            2,
         )
         return study.Problem(storeys, u0=np.zeros(2), damping=0.4, ground=ground.scaled(intensity), tangent="dense")
 
@@ -81,7 +83,7 @@ def test_rayleigh_damping_and_starts_of_several_unknowns_vary():
 
 def test_numbers_that_one_lane_alone_gets_wrong_are_refused():
     def yielding(strength):
-        return study.Problem(study.materials.elastoplastic(40.0, strength), u0=0.0, v0=1.0)
+        return study.Problem(study.materials.elastoplastic(stiffness=40.0, yield_force=strength), u0=0.0, v0=1.0)
 
     def heavy(mass):
         return study.Problem(lambda u: u, u0=np.ones(2), mass=mass * jnp.asarray([0.0, 1.0]))

@@ -187,9 +187,9 @@ def test_labels_and_samples_share_one_compilation(caplog):
         return 3 * u
 
     problems = [study.Problem(force, u0=1.0, title=title) for title in ("one", "other")]
-    schemes = [study.Newmark(0.3, 0.6, title=title, source=title) for title in ("one", "other")]
+    schemes = [study.Newmark(beta=0.3, gamma=0.6, title=title, source=title) for title in ("one", "other")]
     assert times_compiled(*((p, s, n) for p in problems for s in schemes for n in (10, 500))) == 1
-    assert times_compiled((problems[0], study.Newmark(0.31, 0.6), 10)) == 1
+    assert times_compiled((problems[0], study.Newmark(beta=0.31, gamma=0.6), 10)) == 1
 
 
 def test_a_word_in_a_force_is_no_label():

@@ -49,7 +49,7 @@ def test_it_is_the_run(name):
 
 def test_hysteresis_and_its_dissipation_are_differentiated():
     def dissipated(yield_force):
-        spring = study.materials.elastoplastic(40.0, yield_force, 0.1)
+        spring = study.materials.elastoplastic(stiffness=40.0, yield_force=yield_force, hardening=0.1)
         problem = study.Problem(spring, u0=0.0, v0=3.0, potential=spring.potential)
         return study.final_state(problem, "average_acceleration", dt=0.01, steps=150, observe=["energy_balance"])[
             "dissipated_energy"

@@ -38,7 +38,7 @@ def test_kinks_are_seen(force, kinked):
         (lambda u: u**3 + jnp.cos(u), (0.3,), []),
         (lambda u: u * jnp.max(jnp.arange(3.0)), (0.3,), []),
         (lambda u: jnp.maximum(u - 0.5, 0.0), (0.3,), [-0.2]),
-        (study.materials.gap(7.0, opening=0.1), (0.3,), [0.2]),
+        (study.materials.gap(stiffness=7.0, opening=0.1), (0.3,), [0.2]),
         (lambda u: jnp.where(2 * u > 1, u, 3 * u) + jnp.abs(u), (0.3,), [-0.4, 0.3]),
         (lambda u: jnp.clip(u, -1.0, 1.0), (0.3,), [-1.3, 0.7]),
         (lambda u: jax.lax.clamp(-1.0, u, 1.0), (0.3,), [1.3, -0.7]),
@@ -69,7 +69,7 @@ def test_smooth_problems_of_the_study_are_seen_as_smooth():
         (functools.partial(lambda k, u: u, 2.0), 1),
         (np.sin, 1),
         (jax.jit(lambda u, v: u), 2),
-        (study.materials.elastoplastic(1.0, 1.0), 3),
+        (study.materials.elastoplastic(stiffness=1.0, yield_force=1.0), 3),
     ],
 )
 def test_arguments_are_counted(force, arguments):

@@ -102,7 +102,9 @@ def test_uncoupled_springs_that_soften_run_as_each_of_them_alone(v0, dt):
 @pytest.mark.parametrize("hardening", [0.0, 0.05])
 def test_a_yielding_frame_runs_with_coarse_steps(hardening):
     storeys = study.materials.elements(
-        study.materials.elastoplastic(1e4, 100.0, hardening), lambda u: jnp.diff(u, prepend=0.0), 5
+        study.materials.elastoplastic(stiffness=1e4, yield_force=100.0, hardening=hardening),
+        lambda u: jnp.diff(u, prepend=0.0),
+        5,
     )
     ground = study.GroundMotion.el_centro().scaled(3.0)
     frame = study.Problem(storeys, np.zeros(5), ground=ground)
@@ -112,7 +114,9 @@ def test_a_yielding_frame_runs_with_coarse_steps(hardening):
 
 @pytest.mark.parametrize("exponent", [0.1, 0.25])
 def test_fluid_dampers_of_small_exponent_run(exponent):
-    dampers = study.materials.elements(study.materials.viscous_damper(5.0, exponent), lambda u: u, 2)
+    dampers = study.materials.elements(
+        study.materials.viscous_damper(coefficient=5.0, exponent=exponent), lambda u: u, 2
+    )
     problem = study.Problem(lambda u, v: 40.0 * u + dampers(u, v), np.zeros(2), ground=study.GroundMotion.el_centro())
     study.run(problem, "average_acceleration", dt=0.02, steps=300, on_failure="raise")
 
@@ -120,7 +124,9 @@ def test_fluid_dampers_of_small_exponent_run(exponent):
 @pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e9])
 def test_several_unknowns_do_not_swing_between_sticking_and_slipping(stiffness):
     """The balance with a contact far stiffer than its neighbours minimises a convex function, and is always found."""
-    contact = study.materials.elements(study.materials.friction(20.0, stiffness), lambda u: u[:-1] - u[1:], 1)
+    contact = study.materials.elements(
+        study.materials.friction(slip_force=20.0, stiffness=stiffness), lambda u: u[:-1] - u[1:], 1
+    )
 
     def force(u, v, history):
         q, history = contact(u, v, history)

@@ -79,7 +79,9 @@ def test_a_structure_is_sought_where_the_force_has_a_derivative():
 @pytest.mark.parametrize("slip", [2e5, 2.0])
 def test_the_coupling_of_contacts_that_slip_near_the_start_is_found(slip):
     """Even a small motion makes all contacts slip. The tangent is then diagonal, but their coupling is found."""
-    contacts = study.materials.elements(study.materials.friction(slip, 1e9), lambda u: u - jnp.pad(u[:-1], (1, 0)), 8)
+    contacts = study.materials.elements(
+        study.materials.friction(slip_force=slip, stiffness=1e9), lambda u: u - jnp.pad(u[:-1], (1, 0)), 8
+    )
 
     def force(u, v, history):
         p, history = contacts(u, v, history)

@@ -52,7 +52,9 @@ def test_without_friction_it_swings_for_ever():
 def contact(stiffness):
     """Problem of the spring parallel to an elastic contact that slips; together they are one elastoplastic spring."""
     both = STIFFNESS + stiffness
-    spring = study.materials.elastoplastic(both, SLIP * both / stiffness, hardening=STIFFNESS / both)
+    spring = study.materials.elastoplastic(
+        stiffness=both, yield_force=SLIP * both / stiffness, hardening=STIFFNESS / both
+    )
     # the contact starts at its slip force, as if the mass had slipped to its start from farther out
     return study.Problem(spring, u0=1.0, history=1.0 + SLIP / stiffness, mass=MASS, title="contact")
 
@@ -65,7 +67,7 @@ def test_a_stiff_contact_comes_near_it_with_the_root_of_its_stiffness():
 
 
 def test_schemes_come_near_it_with_the_contact_of_the_study():
-    slip = study.materials.friction(SLIP, 1e5)
+    slip = study.materials.friction(slip_force=SLIP, stiffness=1e5)
 
     def force(u, v, history):
         p, history = slip(u, v, history)

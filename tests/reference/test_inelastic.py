@@ -19,7 +19,7 @@ T = np.arange(1, 17) * PERIOD / 8
 @pytest.mark.parametrize("exponent", [1, 2])
 def test_it_agrees_with_scipy_on_the_rate_equation(exponent):
     k, b, bound, damping = (2 * np.pi / PERIOD) ** 2, 0.05, 0.1, 0.25
-    spring = study.materials.bouc_wen(k, k * bound, b, exponent)
+    spring = study.materials.bouc_wen(stiffness=k, yield_force=k * bound, hardening=b, exponent=exponent)
     problem = study.Problem(spring, 0.0, 2.5, damping=damping, title="hysteretic")
     found = _solved(problem, T)
 
@@ -47,14 +47,14 @@ def test_schemes_converge_to_it(name):
 
 @pytest.mark.parametrize("count", [2, 40])
 def test_a_start_that_is_loaded_already(count):
-    problem = study.Problem(study.materials.bouc_wen(40.0, 4.0), u0=0.3)
+    problem = study.Problem(study.materials.bouc_wen(stiffness=40.0, yield_force=4.0), u0=0.3)
     t = np.linspace(0, 0.8, count + 1)[1:]
     ds = study.run(problem, "rk4", dt=0.8 / 4000, steps=4000, every=4000 // count)
     assert _solved(problem, t).u == pytest.approx(ds.u.values[1:], abs=1e-7)
 
 
 def damped(exponent):
-    damper = study.materials.viscous_damper(1.0, exponent)
+    damper = study.materials.viscous_damper(coefficient=1.0, exponent=exponent)
     return study.Problem(lambda u, v: 40 * u + damper(u, v), u0=1.0, title="damped")
 
 

@@ -81,7 +81,7 @@ def test_a_truss_that_spins_agrees(theirs, scheme):
 
 @pytest.mark.parametrize("scheme", IMPLICIT)
 def test_an_oscillator_that_yields_agrees_step_by_step(theirs, scheme):
-    spring = study.materials.elastoplastic([40.0], [4.0], hardening=0.05)
+    spring = study.materials.elastoplastic(stiffness=[40.0], yield_force=[4.0], hardening=0.05)
     problem = study.Problem(spring, u0=[0.0], v0=[2.5], history=spring.history)
     ours = study.run(problem, scheme, dt=0.02, steps=300)
     solution = opensees.shear_frame(spring, np.ones(1), scheme, 0.02, 300, v0=np.array([2.5]))
@@ -96,8 +96,10 @@ def test_a_yielding_frame_under_the_record_agrees_step_by_step(theirs, scheme, e
     """The frame of examples/yielding_frame.py, without or with dampers; units are N, m, kg and s."""
     dt = 0.01
     ground = study.GroundMotion.el_centro()
-    storey = study.materials.elastoplastic([4.0e7, 3.5e7, 3.0e7], [4.0e5, 3.0e5, 2.0e5], hardening=0.05)
-    damper = None if exponent is None else study.materials.viscous_damper([5.0e4] * 3, exponent)
+    storey = study.materials.elastoplastic(
+        stiffness=[4.0e7, 3.5e7, 3.0e7], yield_force=[4.0e5, 3.0e5, 2.0e5], hardening=0.05
+    )
+    damper = None if exponent is None else study.materials.viscous_damper(coefficient=[5.0e4] * 3, exponent=exponent)
 
     def drifts(u):
         return u - jnp.pad(u[:-1], (1, 0))
@@ -118,7 +120,7 @@ def test_a_yielding_frame_under_the_record_agrees_step_by_step(theirs, scheme, e
 
 def test_smooth_hysteresis_agrees_as_the_step_of_opensees_falls(theirs):
     """OpenSees integrates the law implicitly, with an error of first order; the study has the law in closed form."""
-    spring = study.materials.bouc_wen([40.0], [4.0], hardening=0.05)
+    spring = study.materials.bouc_wen(stiffness=[40.0], yield_force=[4.0], hardening=0.05)
     problem = study.Problem(spring, u0=[0.0], v0=[2.5], history=spring.history)
     exact = study.run(problem, "average_acceleration", dt=1e-4, steps=20_000, every=2_000).u[1:]
     off = []

@@ -5,6 +5,7 @@ from typing import ClassVar
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 import study
 
@@ -33,7 +34,7 @@ def test_forces_are_counted(scheme):
 
 
 def test_the_force_that_corrects_an_acceleration_is_counted():
-    test_forces_are_counted(study.UnequalSteps(study.schemes["generalized_alpha"], "balance"))
+    test_forces_are_counted(study.UnequalSteps(scheme=study.schemes["generalized_alpha"], correction="balance"))
 
 
 def test_a_scheme_is_printed_in_a_few_lines_with_order_limit_and_source(scheme):
@@ -53,3 +54,23 @@ def test_a_scheme_that_states_little_is_printed_too():
         start = increment = lambda self, *arguments: None  # type: ignore[assignment]
 
     assert repr(Bare()) == "bare\nBare()\nexplicit, order 1\nsource: nobody (2000)"
+
+
+def test_a_class_without_source_is_told_what_to_define():
+    class Unsourced(study.OneStep):
+        title: str = "unsourced"
+        order = 1
+        explicit = True
+        increment = lambda self, *arguments: None  # type: ignore[assignment]  # noqa: E731
+
+    with pytest.raises(TypeError) as error:
+        Unsourced()
+    assert str(error.value) == (
+        "Unsourced is a scheme and must define doi (Digital object identifier of the source, empty if it has none) and "
+        "source (Author and year of the first publication)."
+    )
+
+
+def test_a_limit_of_zero_that_a_class_states_is_not_warned_about():
+    stated = study.schemes["dormand_prince6"]
+    assert study.Compensated(scheme=stated).stability_limit == stated.stability_limit == 0

@@ -19,7 +19,7 @@ STEPS = {
 
 #: Extrapolation of order 6, tested in place of order 12. Errors of order 12 reach round-off before an order can be
 #: fitted, but linear theory shows this order.
-SIXTH = study.Extrapolation((1, 2, 3))
+SIXTH = study.Extrapolation(sequence=(1, 2, 3))
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from study.scheme.backward_differences import bdf2, park
 from study.scheme.bathe import tr_bdf2
 from study.scheme.explicit_alpha import chung_lee
 
-VELOCITY_VERLET = study.Composition((1.0,), of_order=2)
+VELOCITY_VERLET = study.Composition(weights=(1.0,), of_order=2)
 
 
 def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
@@ -27,17 +27,17 @@ def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
         (study.HHTAlpha1996(alpha=0.0, beta=0.3025, gamma=0.6), study.Newmark(beta=0.3025, gamma=0.6)),
         (study.WilsonTheta(theta=1.0), study.Newmark(beta=1 / 6, gamma=0.5)),
         (study.WilsonTheta(theta=1.0, beta=0.25, gamma=0.5), study.Newmark(beta=0.25, gamma=0.5)),
-        (study.GeneralizedAlpha(0.0, 0.0, beta=0.25, gamma=0.5), study.Newmark(beta=0.25, gamma=0.5)),
-        (study.GeneralizedAlpha.hht(1.0), study.Newmark(beta=0.25, gamma=0.5)),
-        (study.GeneralizedAlpha.wbz(1.0), study.Newmark(beta=0.25, gamma=0.5)),
+        (study.GeneralizedAlpha(alpha_m=0.0, alpha_f=0.0, beta=0.25, gamma=0.5), study.Newmark(beta=0.25, gamma=0.5)),
+        (study.GeneralizedAlpha.hht(rho_inf=1.0), study.Newmark(beta=0.25, gamma=0.5)),
+        (study.GeneralizedAlpha.wbz(rho_inf=1.0), study.Newmark(beta=0.25, gamma=0.5)),
         (study.AverageVectorField(points=1), study.ImplicitMidpoint()),
         (VELOCITY_VERLET, study.schemes["central_difference"]),
-        (study.KickDriftKick((0.5, 0.5), (1.0,), of_order=2), VELOCITY_VERLET),
-        (study.Extrapolation((1,)), VELOCITY_VERLET),
+        (study.KickDriftKick(kicks=(0.5, 0.5), drifts=(1.0,), of_order=2), VELOCITY_VERLET),
+        (study.Extrapolation(sequence=(1,)), VELOCITY_VERLET),
         (study.TchamwaWielgosz(phi=1.0), study.schemes["symplectic_euler"]),
         (study.SingleSolve(rho_s=0.0, rho_b=1.0), study.schemes["central_difference"]),
-        (study.BetaBathe(1 / 3, 2 / 3), study.schemes["bathe"]),
-        (study.BetaBathe(3 / 7, 4 / 7), study.Bathe(gamma=0.5, rho_inf=0.5)),
+        (study.BetaBathe(beta1=1 / 3, beta2=2 / 3), study.schemes["bathe"]),
+        (study.BetaBathe(beta1=3 / 7, beta2=4 / 7), study.Bathe(gamma=0.5, rho_inf=0.5)),
         (study.TwoStep(rho_inf=0.0), bdf2),
         (study.TwoStep(rho_inf=1.0), study.schemes["average_acceleration"]),
     ],
@@ -118,11 +118,11 @@ def test_parks_method_is_the_mean_of_bdf2_and_bdf3():
     bdf3 = (11 / 6, -3.0, 3 / 2, -1 / 3)
     mean = np.mean([(*bdf2.weights, 0.0), bdf3], axis=0)
     np.testing.assert_allclose(park.weights, mean, rtol=1e-15)
-    assert study.BackwardDifferences(bdf3).order == 3
+    assert study.BackwardDifferences(weights=bdf3).order == 3
 
 
 def test_the_other_end_of_chung_and_lees_range_is_hulbert_and_chungs():
-    one, other = chung_lee, study.ExplicitAlpha.hulbert_chung(0.5)
+    one, other = chung_lee, study.ExplicitAlpha.hulbert_chung(rho_b=0.5)
     assert (one.alpha_m, one.beta, one.gamma) == pytest.approx((other.alpha_m, other.beta, other.gamma))
 
 

@@ -16,7 +16,7 @@ def test_stability_of_kr_alpha_is_that_of_its_model(scheme, factor, stable):
     dt, rest = 1.0, 1.0
     # a spring whose tangent is 1 at rest and `factor` away from it
     problem = study.Problem(lambda u: jnp.where(jnp.abs(u) < 1e-6, rest, factor) * u, u0=1.0)
-    ds = study.run(problem, study.KolayRicles(scheme), dt=dt, steps=2000)
+    ds = study.run(problem, study.KolayRicles(rho_inf=scheme), dt=dt, steps=2000)
     assert (np.abs(ds.u).max() < 100) == stable
 
 
@@ -30,7 +30,12 @@ def test_stability_that_is_called_unconditional_ends_where_the_stiffness_has_ris
 
 
 def test_changs_method_is_the_trapezoidal_rule_for_a_linear_structure():
-    damped = {"mass": np.array([2.0, 1.0]), "damping": study.Rayleigh(0.1, 0.05), "u0": [1.0, 0.5], "v0": [0.0, 2.0]}
+    damped = {
+        "mass": np.array([2.0, 1.0]),
+        "damping": study.Rayleigh(0.1, 0.05),
+        "u0": [1.0, 0.5],
+        "v0": [0.0, 2.0],
+    }
     problem = study.Problem(stiffness=np.array([[6.0, -2.0], [-2.0, 4.0]]), **damped)
     one, other = (study.run(problem, name, dt=0.5, steps=40) for name in ("chang", "average_acceleration"))
     np.testing.assert_allclose(one.u, other.u, atol=1e-12)
@@ -40,7 +45,7 @@ def test_changs_method_is_the_trapezoidal_rule_for_a_linear_structure():
 def test_both_methods_have_the_radius_of_their_parameter_at_infinite_frequency():
     """The roots at infinite frequency are −ρ∞ three times for KR-α, and −ρ∞ and ±iρ∞ for MKR-α."""
     for modified, roots in ((False, [-0.6] * 3), (True, [-0.6, 0.6j, -0.6j])):
-        (matrix,) = study.LinearTheory(study.KolayRicles(0.6, modified), np.array([1e7])).matrices
+        (matrix,) = study.LinearTheory(study.KolayRicles(rho_inf=0.6, modified=modified), np.array([1e7])).matrices
         np.testing.assert_allclose(np.poly(matrix), np.poly(roots), atol=1e-6)
 
 

@@ -29,7 +29,7 @@ def test_the_derivative_of_a_step_is_that_of_differences(state_kind):
 
 
 def test_a_neighbour_that_a_step_has_brought_to_the_run_stays_with_it():
-    scheme, problem, dt = Linearised(study.schemes["rk4"]), study.problems["hardening"], jnp.asarray(0.01)
+    scheme, problem, dt = Linearised(scheme=study.schemes["rk4"]), study.problems["hardening"], jnp.asarray(0.01)
     start, _ = scheme.start(problem, jnp.asarray(1.0), jnp.asarray(0.0), dt)
     together = dataclasses.replace(start, distance=jax.tree.map(jnp.zeros_like, start.distance))
     state, _ = scheme.step(problem, together, jnp.asarray(0.0), dt)
@@ -39,7 +39,7 @@ def test_a_neighbour_that_a_step_has_brought_to_the_run_stays_with_it():
 def test_the_exponent_counts_the_growth_that_is_taken_from_the_distance():
     """Beyond its limit of stability, central difference multiplies the distance by the spectral radius each step."""
     spring, dt, steps = study.Problem(lambda u: 4.0 * u, 1.0, 0.0), jnp.asarray(2.0), 40
-    scheme = Linearised(study.schemes["central_difference"])
+    scheme = Linearised(scheme=study.schemes["central_difference"])
     state, _ = scheme.start(spring, jnp.asarray(1.0), jnp.asarray(0.0), dt)
     sizes = []
     for step in range(steps):

@@ -24,7 +24,7 @@ def expansion(upper, lower):
 @pytest.mark.parametrize("rho_inf", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("terms", [1, 2, 3, 4, 5, 6])
 def test_the_amplification_is_the_mean_of_two_expansions(terms, rho_inf):
-    theory = study.LinearTheory(study.MixedPade(terms, rho_inf), STEPS)
+    theory = study.LinearTheory(study.MixedPade(terms=terms, rho_inf=rho_inf), STEPS)
     one, other = (np.array(expansion(upper, terms)) for upper in (terms, terms - 1))
     numerator, denominator = (rho_inf * one + (1 - rho_inf) * other)[:, ::-1]
     z = 2j * np.pi * STEPS
@@ -52,7 +52,7 @@ def test_the_order_holds_with_damping_and_load(terms, steps, rho_inf):
         return np.append(y[2:], push * np.cos(1.3 * t - 0.4) - damping @ y[2:] - stiffness @ y[:2])
 
     exact = solve_ivp(rates, (0.0, 4.0), start, "DOP853", rtol=1e-13, atol=1e-15).y[:, -1]
-    scheme, errors = study.MixedPade(terms, rho_inf), []
+    scheme, errors = study.MixedPade(terms=terms, rho_inf=rho_inf), []
     for n in (steps, 2 * steps):
         ds = study.run(problem, scheme, dt=4 / n, steps=n, every=n)
         errors.append(np.abs(np.append(ds.u.values[-1], ds.v.values[-1]) - exact).max())
@@ -66,7 +66,7 @@ def test_a_bar_with_a_tridiagonal_stiffness_moves_like_one_with_a_full_one():
     ends = [
         study.run(
             study.Problem(stiffness=stiffness, mass=np.full(n, 1 / n), damping=0.3 / n, u0=start),
-            study.MixedPade(3, 0.5),
+            study.MixedPade(terms=3, rho_inf=0.5),
             dt=0.1,
             steps=20,
         ).u.values[-1]
@@ -77,6 +77,6 @@ def test_a_bar_with_a_tridiagonal_stiffness_moves_like_one_with_a_full_one():
 
 def test_a_problem_with_a_force_is_refused():
     with pytest.raises(ValueError, match="'Mixed Padé' needs a linear problem without a force"):
-        study.run("hardening", study.MixedPade(3, 0.5), dt=0.1, steps=1)
+        study.run("hardening", study.MixedPade(terms=3, rho_inf=0.5), dt=0.1, steps=1)
     with pytest.raises(ValueError, match="terms must be a whole number from 1 to 6"):
-        study.MixedPade(7, 0.5)
+        study.MixedPade(terms=7, rho_inf=0.5)

@@ -79,7 +79,7 @@ def test_esdirk_is_the_restricted_pade_approximation(s, rho_inf, gamma):
     numerator = sum(
         z**k * sum(math.comb(s, j) * (-gamma) ** j / math.factorial(k - j) for j in range(k + 1)) for k in range(s + 1)
     )
-    roots = LinearTheory(study.DiagonallyImplicit(s, rho_inf), PARTS).roots
+    roots = LinearTheory(study.DiagonallyImplicit(sub_steps=s, rho_inf=rho_inf), PARTS).roots
     assert np.abs(roots - (numerator / (1 - gamma * z) ** s)[:, None]).min(axis=1).max() < 1e-8
 
 
@@ -125,7 +125,7 @@ def test_the_generalized_alpha_family_meets_its_spectral_radius(rho_inf):
     np.testing.assert_allclose(chung, np.poly([minus] * 3), atol=1e-10)
     np.testing.assert_allclose(kolay, chung, atol=1e-8)
     if rho_inf >= 0.5:
-        hht = _polynomials(study.GeneralizedAlpha.hht(rho_inf), infinity)[0]
+        hht = _polynomials(study.GeneralizedAlpha.hht(rho_inf=rho_inf), infinity)[0]
         assert abs(np.polyval(hht, minus)) < 1e-10 and abs(np.polyval(np.polyder(hht), minus)) < 1e-10
 
 
@@ -135,7 +135,7 @@ def test_zhangs_method_damps_low_frequencies_half_as_much_as_the_generalized_alp
     parts = np.array([1e-3, 2e-3, 5e-3, 1e-2])
     zhang, chung = (
         LinearTheory(scheme, parts).motion().algorithmic_damping
-        for scheme in (study.TwoStep(rho_inf), study.GeneralizedAlpha.chung_hulbert(rho_inf))
+        for scheme in (study.TwoStep(rho_inf=rho_inf), study.GeneralizedAlpha.chung_hulbert(rho_inf=rho_inf))
     )
     assert zhang[-1] / chung[-1] == pytest.approx(0.5, abs=3e-3)
 
@@ -150,7 +150,7 @@ def test_kr_alpha_has_the_roots_of_the_generalized_alpha_method(damping_ratio):
 @pytest.mark.parametrize("rho_b", [0.0, 0.3, 0.5, 0.8])
 def test_hulbert_and_chungs_roots_meet_where_they_say(rho_b):
     """At Ω = (1 + ρ_b)√(2 − ρ_b) the principal roots meet at −ρ_b; at the stability limit one of them is −1."""
-    scheme = study.ExplicitAlpha.hulbert_chung(rho_b)
+    scheme = study.ExplicitAlpha.hulbert_chung(rho_b=rho_b)
     meeting = (1 + rho_b) * np.sqrt(2 - rho_b) / (2 * np.pi)
     polynomial = _polynomials(scheme, np.array([meeting]))[0]
     assert abs(np.polyval(polynomial, -rho_b)) < 1e-10
@@ -163,9 +163,9 @@ def test_hulbert_and_chungs_roots_meet_where_they_say(rho_b):
 @pytest.mark.parametrize(
     "one, other",
     [
-        (study.SingleSolve(0.8, 0.8), study.ExplicitAlpha.hulbert_chung(0.8)),
-        (study.SingleSolve.icl(0.5), study.ExplicitAlpha.chung_lee(28 / 27)),
-        (study.SingleSolve.icl(1.0), study.ExplicitAlpha.chung_lee(1.0)),
+        (study.SingleSolve(rho_s=0.8, rho_b=0.8), study.ExplicitAlpha.hulbert_chung(rho_b=0.8)),
+        (study.SingleSolve.icl(rho_b=0.5), study.ExplicitAlpha.chung_lee(beta=28 / 27)),
+        (study.SingleSolve.icl(rho_b=1.0), study.ExplicitAlpha.chung_lee(beta=1.0)),
     ],
     ids=["ρ_s = ρ_b", "ICL, ρ_b = ½", "ICL, ρ_b = 1"],
 )
@@ -180,7 +180,7 @@ def test_explicit_methods_with_one_force_share_their_polynomials(one, other, dam
 def test_the_roots_of_gsse_meet_at_its_parameters(rho_s, rho_b):
     """At one step size the principal roots meet at −ρ_b, and the third root is −ρ_s."""
     omega = np.linspace(1.5, 2, 4001)
-    polynomials = _polynomials(study.SingleSolve(rho_s, rho_b), omega / (2 * np.pi))
+    polynomials = _polynomials(study.SingleSolve(rho_s=rho_s, rho_b=rho_b), omega / (2 * np.pi))
     meeting = np.poly([-rho_b, -rho_b, -rho_s])
     assert np.abs(polynomials - meeting).max(axis=1).min() < 2e-3
 

@@ -6,7 +6,7 @@ import pytest
 
 import study
 
-RELAXED = study.Relaxed(study.schemes["rk4"])
+RELAXED = study.Relaxed(scheme=study.schemes["rk4"])
 PERIOD = 0.151532834447260357127078726219
 
 
@@ -35,13 +35,13 @@ class _WithoutLead(study.Relaxed):
 def test_a_step_that_makes_up_for_the_last_one_keeps_the_order():
     """Without compensation of the last step's shift in time the order is three (Ketcheson, 2019, section 2)."""
     assert _order(RELAXED) == pytest.approx(4, abs=0.1)
-    assert _order(_WithoutLead(RELAXED.scheme)) == pytest.approx(3, abs=0.1)
+    assert _order(_WithoutLead(scheme=RELAXED.scheme)) == pytest.approx(3, abs=0.1)
 
 
 def test_relaxed_runs_of_several_unknowns_with_accelerations_and_lanes():
     for name in ("rk4", "central_difference", "generalized_alpha"):
         ds = study.run(
-            "fpu_chain", study.Relaxed(study.schemes[name]), dt=np.array([5e-3, 1e-2]), steps=300,
+            "fpu_chain", study.Relaxed(scheme=study.schemes[name]), dt=np.array([5e-3, 1e-2]), steps=300,
             every=300, observe=["max_energy_error"],
         )  # fmt: skip
         assert (ds.status == 0).all() and (ds.max_energy_error < 1e-9).all(), name
@@ -67,4 +67,4 @@ def test_what_cannot_be_relaxed_is_refused():
         with pytest.raises(ValueError, match="'Relaxed' needs a problem with a potential and without"):
             study.run(problem, RELAXED, dt=0.1, steps=1)
     with pytest.raises(TypeError, match="Relaxed takes a study.OneStep"):
-        study.Relaxed(study.schemes["houbolt"])
+        study.Relaxed(scheme=study.schemes["houbolt"])

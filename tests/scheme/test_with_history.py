@@ -49,7 +49,7 @@ def test_a_start_beyond_yield_unloads_elastically(name):
 def test_the_model_of_kr_alpha_is_that_of_the_undeformed_structure():
     """The run equals KR-α by hand; its coefficients hold the elastic stiffness, even after the spring has yielded."""
     k, c, dt, rho = 40.0, 0.5, 1.0, 0.8
-    spring = materials.elastoplastic(k, 8.0, 0.05)
+    spring = materials.elastoplastic(stiffness=k, yield_force=8.0, hardening=0.05)
     ds = study.run(study.Problem(spring, u0=0.0, v0=4.0, damping=c), "kr_alpha", dt=dt, steps=60)
     alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
     gamma = 0.5 - alpha_m + alpha_f
@@ -100,7 +100,10 @@ def test_sub_steps_commit_where_they_end():
 @pytest.mark.parametrize("name", ["average_acceleration", "rho_bathe", "rk4"])
 @pytest.mark.parametrize("material", ["bouc_wen", "friction"])
 def test_other_materials_converge(name, material):
-    spring = {"bouc_wen": materials.bouc_wen(40.0, 10.0, 0.1), "friction": materials.friction(10.0, 400.0)}[material]
+    spring = {
+        "bouc_wen": materials.bouc_wen(stiffness=40.0, yield_force=10.0, hardening=0.1),
+        "friction": materials.friction(slip_force=10.0, stiffness=400.0),
+    }[material]
     problem = study.Problem(spring, u0=0.0, v0=3.0)
     ends = [float(study.run(problem, name, dt=2.0 / n, steps=n, every=n).u[-1]) for n in (500, 1000, 2000, 64_000)]
     errors = np.abs(np.array(ends[:3]) - ends[3])
@@ -113,7 +116,7 @@ def test_lanes_compensated_sums_and_neighbours_remember():
     for lane, step in enumerate(dt):
         alone = study.run(YIELDING, "average_acceleration", dt=step, steps=100, observe=["internal_force"])
         np.testing.assert_allclose(lanes.internal_force[lane], alone.internal_force, atol=1e-13)
-    compensated = study.Compensated(study.schemes["average_acceleration"])
+    compensated = study.Compensated(scheme=study.schemes["average_acceleration"])
     ds = study.run(YIELDING, compensated, dt=0.01, steps=100, observe=["lyapunov_exponent", "internal_force"])
     np.testing.assert_allclose(ds.internal_force, lanes.internal_force[0], atol=1e-10)
     # a yielded spring keeps its plastic displacement, so neighbouring runs neither diverge nor meet
@@ -122,7 +125,7 @@ def test_lanes_compensated_sums_and_neighbours_remember():
 
 def test_a_frame_of_yielding_storeys_under_a_record_converges():
     stiffness, yield_force = np.array([400.0, 350.0, 300.0]), np.array([3.0, 2.5, 2.0])
-    storeys = materials.elastoplastic(stiffness, yield_force)
+    storeys = materials.elastoplastic(stiffness=stiffness, yield_force=yield_force)
     force = materials.elements(storeys, lambda u: jnp.diff(u, prepend=0.0), count=3)
     ground = study.GroundMotion.el_centro()
     frame = study.Problem(force, u0=np.zeros(3), damping=0.4, ground=ground, potential=force.potential, title="frame")

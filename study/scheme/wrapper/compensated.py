@@ -46,7 +46,7 @@ class Compensated(Wrapper):
     """
 
     scheme: OneStep
-    title: str = eqx.field(default="Compensated", kw_only=True, static=True)
+    title: str = eqx.field(default="Compensated", static=True)
 
     family: ClassVar[str] = "Compensated"
     source: ClassVar[str] = "Kahan (1965)"

@@ -59,7 +59,7 @@ class Linearised(Wrapper):
     """
 
     scheme: Scheme
-    title: str = eqx.field(default="Linearised", kw_only=True, static=True)
+    title: str = eqx.field(default="Linearised", static=True)
 
     family: ClassVar[str] = "Linearised"
     source: ClassVar[str] = "Benettin et al. (1980)"

@@ -86,7 +86,7 @@ class Relaxed(Wrapper):
     """
 
     scheme: OneStep
-    title: str = eqx.field(default="Relaxed", kw_only=True, static=True)
+    title: str = eqx.field(default="Relaxed", static=True)
 
     family: ClassVar[str] = "Relaxed"
     source: ClassVar[str] = "Ketcheson (2019)"

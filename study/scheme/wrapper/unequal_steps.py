@@ -60,7 +60,7 @@ class UnequalSteps(Wrapper):
 
     scheme: Scheme
     correction: str = eqx.field(default="difference", static=True)
-    title: str = eqx.field(default="Unequal steps", kw_only=True, static=True)
+    title: str = eqx.field(default="Unequal steps", static=True)
 
     family: ClassVar[str] = "Unequal steps"
     source: ClassVar[str] = "Jay and Negrut (2007)"

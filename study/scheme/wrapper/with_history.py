@@ -40,7 +40,7 @@ class WithHistory(Wrapper):
     """
 
     scheme: Scheme
-    title: str = eqx.field(default="With history", kw_only=True, static=True)
+    title: str = eqx.field(default="With history", static=True)
 
     family: ClassVar[str] = "With history"
     source: ClassVar[str] = "Simo and Hughes (1998)"
