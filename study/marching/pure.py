@@ -1,6 +1,7 @@
 """A run as a pure function, which JAX differentiates, vectorises and compiles with its surroundings."""
 
 import math
+import warnings
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -16,11 +17,15 @@ from study.algebra.reads import reading, reads_of
 from study.marching.arguments import checked_observers, positive_integer, resolve
 from study.marching.march import March
 from study.mechanics.definition import Problem
+from study.mechanics.function_checks import DOUBLE_WHERE, displacements, is_lost_in_reverse, known
 from study.observer.base import Observer
 from study.observer.named import observers as named_observers
 from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
+
+#: Number of times at which the derivative of a load is examined.
+TIMES = 65
 
 
 def final_state(
@@ -47,6 +52,10 @@ def final_state(
     reverse mode. JAX 0.10 then ignores the rule for derivatives of an implicit root in a scan, even for its own
     ``lax.custom_root``.
 
+    Derivatives in reverse mode are NaN if ``jnp.where`` leaves out a branch that is not finite or has no finite slope,
+    such as ``jnp.where(u > 0, u**1.5, 0.0)`` at u < 0. Derivatives in forward mode are right. If JAX traces the run,
+    force and load are examined at some displacements and times.
+
     Parameters
     ----------
     problem, scheme, dt, u0, v0
@@ -60,6 +69,12 @@ def final_state(
     -------
     dict
         ``u`` and ``v`` at the end, ``failed_at_step`` (−1 for a run that completed), and the variables observed.
+
+    Warns
+    -----
+    RuntimeWarning
+        If derivatives in reverse mode of the force or the load are NaN where their values and their derivatives in
+        forward mode are finite.
 
     Raises
     ------
@@ -100,7 +115,10 @@ def final_state(
             f"{', '.join(fit[:3])}, or a Quantity with reduce=."
         )
     with reading(reads_of(march)):
-        return _end(march, *starts, jnp.asarray(dt, float), count)
+        end = _end(march, *starts, jnp.asarray(dt, float), count)
+    if any(isinstance(value, jax.core.Tracer) for value in end.values()):
+        _check_derivatives(equation, dt, count)
+    return end
 
 
 @eqx.filter_jit
@@ -117,6 +135,24 @@ def _end(march: March, u0: Vector, v0: Vector, dt: Scalar, count: int) -> dict[s
     progress = _steps(march, progress, dt, count % block)
     failure, values = march.result(progress)
     return {"u": progress.state.u, "v": progress.state.v, "failed_at_step": failure // 3 - 1, **values}
+
+
+def _check_derivatives(problem: Problem, dt: ScalarLike, steps: int) -> None:
+    """Warn if derivatives in reverse mode would be NaN although derivatives in forward mode are finite."""
+    u = displacements(problem.u0)
+    times = np.linspace(0, 1, TIMES) * steps * np.asarray(known(dt))
+    functions = {
+        "force": None if problem.linear else (lambda u: problem.varying_force(u, problem.v0), u),
+        "load": None if problem.load is None else (problem.load, times),
+    }
+    for name, given in functions.items():
+        if given and is_lost_in_reverse(*given):
+            warnings.warn(
+                f"derivatives in reverse mode, as by jax.grad, are NaN for the {name} of '{problem.title}', although "
+                f"derivatives in forward mode, as by jax.jacfwd, are finite: {DOUBLE_WHERE}.",
+                RuntimeWarning,
+                stacklevel=3,
+            )
 
 
 def _steps(march: March, progress: Any, dt: Scalar, count: int) -> Any:

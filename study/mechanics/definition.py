@@ -172,9 +172,11 @@ class Problem(eqx.Module):
         takes_velocity = self.arguments > 1 and depends_on_last(self.varying_force, self.u0, self.v0)
         object.__setattr__(self, "kinked", kinked)
         object.__setattr__(self, "takes_velocity", takes_velocity)
+        derived = isinstance(self.force, eqx.Partial) and self.force.func is gradient
+        if derived and kinked:
+            function_checks.check_derived_force(self.potential, self.u0, self.history, self.title)
         if isinstance(self.u0, jax.core.Tracer):  # traced numbers cannot be compared
             return
-        derived = isinstance(self.force, eqx.Partial) and self.force.func is gradient
         with suppress(*function_checks.NOT_TRACEABLE):
             if self.history is not None:
                 function_checks.check_history(self.force, self.u0, self.v0, self.history, self.title)

@@ -6,6 +6,7 @@ and the expected and received results.
 
 import inspect
 from collections.abc import Callable
+from functools import partial
 
 import equinox as eqx
 import jax
@@ -27,6 +28,9 @@ MOTION = ("u", "v", "displacement", "velocity")
 #: Relative tolerance between the force and the slope of its potential, for the error of a central difference.
 GRADIENT_AGREEMENT = 1e-5
 
+
+#: Value that stands for a traced number that JAX does not know; powers by it are undefined for negative numbers.
+UNKNOWN = 1.5
 
 #: Exceptions that a function raises if JAX cannot trace it.
 NOT_TRACEABLE = (
@@ -199,6 +203,69 @@ def check_gradient(force: Callable, potential: Callable, u0, title: str) -> None
     """Refuse a force that is not the gradient of the potential, along one direction near u₀."""
     u, direction, h = _near(u0)
     _compare(force, potential, u, direction, h, title)
+
+
+def known(value):
+    """The number behind a tracer where JAX knows it; otherwise a number that is not whole, of the same shape."""
+    if not isinstance(value, jax.core.Tracer):
+        return value
+    known = value.to_concrete_value()
+    return jnp.full(value.shape, UNKNOWN).astype(value.dtype) if known is None else known
+
+
+def is_lost_in_reverse(function: Callable, *points) -> bool:
+    """Whether the derivative in reverse mode is NaN at a point where the value and the forward derivative are finite.
+
+    A branch that ``jnp.where`` does not select causes this: its infinite or undefined slope is multiplied by zero.
+    Each argument has one entry per point in front. Derivatives are also taken with respect to numbers that JAX traces.
+    """
+    program = eqx.filter_make_jaxpr(function)(*(jnp.asarray(at[0]) for at in points))[0]
+    if "select_n" not in str(program.jaxpr):
+        return False
+    traced = [isinstance(value, jax.core.Tracer) for value in program.consts]
+
+    def lost(numbers, arguments):
+        def value(numbers, arguments):
+            remaining = iter(numbers)
+            consts = [next(remaining) if given else one for given, one in zip(traced, program.consts, strict=True)]
+            return jax.core.eval_jaxpr(program.jaxpr, consts, *arguments)[0]
+
+        given = numbers, arguments
+        result, back = jax.vjp(value, *given)
+        _, along = jax.jvp(value, given, jax.tree.map(jnp.ones_like, given))
+        slopes = jax.tree.leaves(back(jnp.ones_like(result)))
+        nan = jnp.stack([jnp.isnan(slope).any() for slope in slopes]).any()
+        return nan & jnp.isfinite(result).all() & jnp.isfinite(along).all()
+
+    with jax.ensure_compile_time_eval():
+        numbers = [known(value) for value, is_traced in zip(program.consts, traced, strict=True) if is_traced]
+        return bool(jax.vmap(partial(lost, numbers))(tuple(map(jnp.asarray, points))).any())
+
+
+def displacements(u0) -> np.ndarray:
+    """Displacements around u₀ and zero, at distances far below and far above the size of u₀, of shape (points, ...)."""
+    u0 = np.asarray(known(u0))
+    ways = np.random.default_rng(0).uniform(0.5, 1.5, (2, *u0.shape))
+    sizes = max(np.abs(u0).max(), 1.0) * np.array([1e-3, 0.05, 1.0, 30.0])
+    away = [sign * size * way for size in sizes for sign in (-1, 1) for way in ways]
+    return np.stack([u0, -u0, *(around + one for around in (u0, 0 * u0) for one in away)])
+
+
+#: Advice for a function whose derivative is lost in reverse mode.
+DOUBLE_WHERE = (
+    "keep the branch that jnp.where does not select finite by a double where, such as "
+    "jnp.where(u > 0, jnp.where(u > 0, u, 1.0) ** 1.5, 0.0)"
+)
+
+
+def check_derived_force(potential: Callable, u0, history, title: str) -> None:
+    """Refuse a potential whose gradient, which is the force, is NaN where the potential and its change are finite."""
+    memory = () if history is None else (history,)
+    if is_lost_in_reverse(lambda u: potential(u, *memory), displacements(u0)):
+        raise ValueError(
+            f"the force of '{title}', the gradient of its potential, is NaN where the potential is finite: "
+            f"{DOUBLE_WHERE}."
+        )
 
 
 def _kind(array) -> str:

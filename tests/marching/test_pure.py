@@ -1,8 +1,11 @@
 """A run as a pure function: its memory, its refusals, and its derivatives, compared with multiprecision differences."""
 
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 import mpmath
+import numpy as np
 import pytest
 
 import study
@@ -118,3 +121,40 @@ def test_second_derivatives():
     bend = (float(slope(0.5 + 1e-5)) - float(slope(0.5 - 1e-5))) / 2e-5
     assert float(jax.jacfwd(jax.jacfwd(motion))(0.5)) == pytest.approx(bend, rel=1e-7)
     assert float(jax.grad(jax.jacfwd(motion))(0.5)) == pytest.approx(bend, rel=1e-7)
+
+
+def _end_of_impact(contact, stiffness):
+    """Displacement of a mass that has met a contact: 3 of its 40 steps touch it."""
+    problem = study.Problem(lambda u: stiffness * contact(u), u0=-0.037, v0=1.0, title="contact")
+    return study.final_state(problem, "average_acceleration", dt=1e-3, steps=40)["u"]
+
+
+def _single_where(u):
+    return jnp.where(u > 0, u**1.5, 0.0)
+
+
+def _double_where(u):
+    return jnp.where(u > 0, jnp.where(u > 0, u, 1.0) ** 1.5, 0.0)
+
+
+@pytest.mark.parametrize("transform", [jax.grad, lambda f: jax.jit(jax.grad(f))])
+def test_a_branch_that_spoils_derivatives_in_reverse_mode_is_warned_about(transform):
+    with pytest.warns(RuntimeWarning, match="reverse mode.* force of 'contact'.* double where") as caught:
+        slope = transform(partial(_end_of_impact, _single_where))(1e4)
+    assert np.isnan(slope) and caught[0].filename == __file__
+
+
+def test_a_double_where_gives_the_derivative_in_reverse_mode():
+    end = partial(_end_of_impact, _double_where)
+    difference = (end(1e4 + 1.0) - end(1e4 - 1.0)) / 2
+    assert jax.grad(end)(1e4) == pytest.approx(float(difference), rel=1e-6)
+
+
+def test_a_load_whose_exponent_is_traced_is_warned_about():
+    def end(exponent):
+        load = lambda t: jnp.where(t > 0.02, (t - 0.02) ** exponent, 0.0)  # noqa: E731
+        problem = study.Problem(stiffness=1.0, u0=0.0, load=load, title="late")
+        return study.final_state(problem, "rk4", dt=1e-2, steps=5)["u"]
+
+    with pytest.warns(RuntimeWarning, match="reverse mode.* load of 'late'"):
+        assert np.isnan(jax.grad(end)(1.5))

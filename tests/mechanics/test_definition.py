@@ -273,3 +273,17 @@ def test_the_stored_energy_is_that_of_the_constant_stiffness_and_of_the_potentia
     stiffness, u = np.array([[3.0, -1.0], [-1.0, 2.0]]), np.array([0.5, -0.4])
     problem = study.Problem(lambda u: u**3, u, potential=lambda u: (u**4).sum() / 4, stiffness=stiffness)
     assert float(problem.stored_energy(u)) == pytest.approx(0.5 * u @ stiffness @ u + (u**4).sum() / 4, rel=1e-15)
+
+
+@pytest.mark.parametrize("u0", [0.02, [0.3, -0.1]])
+def test_a_potential_whose_gradient_is_nan_is_refused(u0):
+    def single(u):
+        return jnp.sum(jnp.where(u > 0, u**2.5, 0.0))
+
+    def double(u):
+        return jnp.sum(jnp.where(u > 0, jnp.where(u > 0, u, 1.0) ** 2.5, 0.0))
+
+    with pytest.raises(ValueError, match="gradient of its potential, is NaN where the potential is finite: .* double"):
+        study.Problem(potential=single, u0=u0)
+    problem = study.Problem(potential=double, u0=u0)
+    np.testing.assert_allclose(problem.force(-jnp.asarray(u0)), 2.5 * np.maximum(-np.asarray(u0), 0) ** 1.5)
