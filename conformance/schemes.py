@@ -15,6 +15,9 @@ from conformance.problem import Problem, solve
 #: Largest number of Newton iterations.
 ITERATIONS = 60
 
+#: Beginning of the word that evaluates every load at one point of the step; the point in units of Δt follows.
+POINT = "load at point "
+
 
 class March:
     """State of a run: t, u, v and the carried acceleration a. The method with the name of a family makes a step."""
@@ -62,6 +65,7 @@ class March:
             return (1 - part) * load(self.t) + part * load(self.t + self.dt)
         places = {"load at start": 0, "load at end": 1, "load at half": 1 / self.problem.numbers.mpf(2)}
         part = next((place for word, place in places.items() if word in words), part)
+        part = next((float(word.removeprefix(POINT)) for word in words if word.startswith(POINT)), part)
         return self.signed(load(self.t + (part + ("load early" in words)) * self.dt))
 
     def acceleration(self, part: Any, u: np.ndarray, v: np.ndarray, lag: Any = 0, force: Any = None) -> np.ndarray:

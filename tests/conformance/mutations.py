@@ -22,6 +22,8 @@ PYTHON = [
     ("problem.load(t + part * tau)", "problem.load(t + tau)", "load is that of the end"),
     ("problem.load(t + part * tau)", "problem.load(t + tau / 2)", "load is that of the middle"),
     ("problem.load(t + part * tau)", "problem.load(t + dt + part * tau)", "one step too late"),
+    ("problem.load(t + part * tau)", "problem.load(t + 0.3 * tau)", "another point of the step, t + 0.3 Δt"),
+    ("problem.load(t + part * tau)", "problem.load(t + alpha_f * tau)", "another point of the step, t + 0.4444 Δt"),
     ("problem.load(t + part * tau)", "0 * u", "load is missing"),
     ("residual + problem.force(at) - load", "residual + problem.force(at) + load", "opposite sign"),
     ("C @ (part * v_new + alpha_f * v)", "C @ v", "velocity at the start of the step"),
@@ -38,6 +40,11 @@ PYTHON = [
     ('numbers.get("alpha_m", 0.0)', "0.0", "α_m is missing"),
     ("at = part * x + alpha_f * u", "at = x", "internal force is that of the end"),
     ("problem.commit(u)", "pass", "not remembered"),
+    (
+        "rows.append((u, v, a))",
+        "rows.append((u, v - gamma * dt * (a - sum(row[2] for row in rows[-1:])), a))",
+        "displacement agrees, and the velocity differs from step",
+    ),
     (
         "M, C = problem.mass, problem.damping",
         "M, C = np.diag(np.diag(problem.mass)), problem.damping",
