@@ -3,6 +3,7 @@
 import inspect
 import re
 from pathlib import Path
+from unicodedata import normalize
 
 PROJECT = Path(__file__).parent.parent
 FILE = PROJECT / "paper" / "references.bib"
@@ -13,6 +14,22 @@ _FIELD = re.compile(r"  (\w+) = \{(.*)\},?")
 _PLACE = re.compile(r"(, (sections?|chapter) [\w., ]+?| \([^)]*\))?\.( |$)")
 
 
+#: Combining character of each accent of LaTeX.
+_ACCENTS = {"`": "\u0300", "'": "\u0301", "^": "\u0302", '"': "\u0308", "~": "\u0303", "=": "\u0304", ".": "\u0307"}
+_ACCENTS |= {"u": "\u0306", "v": "\u030c", "H": "\u030b", "c": "\u0327", "r": "\u030a", "k": "\u0328"}
+#: Letters that LaTeX names.
+_LETTERS = {"ss": "ß", "o": "ø", "O": "Ø", "l": "ł", "L": "Ł", "i": "i"}
+_LETTERS |= {"ae": "æ", "AE": "Æ", "oe": "œ", "aa": "å", "AA": "Å"}
+_ACCENTED = re.compile(r"\\(?:([`'^\"~=.])|([uvHcrk])(?=[ {]))\s*\{?(?:\\(?=i))?(\w)\}?")
+_LETTER = re.compile(r"\\(ss|[oOlLi]|ae|AE|oe|aa|AA)(?:\{\}|(?![a-zA-Z]) ?)")
+
+
+def _unicode(value: str) -> str:
+    """A field with the letters that its accents of LaTeX stand for."""
+    value = _ACCENTED.sub(lambda found: normalize("NFC", found[3] + _ACCENTS[found[1] or found[2]]), value)
+    return _LETTER.sub(lambda found: _LETTERS[found[1]], value)
+
+
 def works() -> dict[str, Work]:
     """Fields of every work by its key; the type of its BibTeX entry is the field ``kind``."""
     found: dict[str, Work] = {}
@@ -20,7 +37,10 @@ def works() -> dict[str, Work]:
         fields = [_FIELD.fullmatch(line) for line in body.splitlines()]
         if key in found or not all(fields):
             raise ValueError(f"{FILE.name}: '{key}' occurs twice, or one of its lines is not a field in braces.")
-        found[key] = {"kind": kind} | {field[1]: field[2] for field in fields if field}
+        found[key] = {"kind": kind} | {field[1]: _unicode(field[2]) for field in fields if field}
+        for name, value in found[key].items():
+            if command := re.search(r"\\(?!&)\S*", value):
+                raise ValueError(f"{FILE.name}: {name} of '{key}' has {command[0]!r}; write the letter itself.")
     return found
 
 
