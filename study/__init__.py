@@ -92,21 +92,9 @@ _STUB = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
 #: Module of each public name. JAX and xarray take a second to import, so each name is imported when it is first used.
 #: The stub file lists the names with their modules; type checkers read it too.
 _MODULES = {name.name: node.module for node in _STUB.body if isinstance(node, ast.ImportFrom) for name in node.names}
-#: Public names of the previous version, each with its present name.
-_RENAMED = {
-    "HHTAlpha": "HHTAlpha1996",
-    "OUTCOMES": "Outcome",
-    "Fate": "OutcomeObserver",
-    "RunFailed": "RunFailedWarning",
-    "evolve": "final_state",
-    "open": "open_dataset",
-    "register": "register_scheme",
-} | {name: f"building.{name}" for name in ("acceleration", "balance", "load", "Effort", "Motion", "Phase")}
 
 
 def __getattr__(name: str):
-    if name in _RENAMED:
-        raise AttributeError(f"study.{name} is now called study.{_RENAMED[name]}.")
     if name not in _MODULES:
         raise AttributeError(f"module 'study' has no attribute '{name}'")
     if _MODULES[name] == "study":

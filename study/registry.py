@@ -60,8 +60,6 @@ class Registry(Mapping[str, T], Generic[T]):
         The entries by name.
     aliases
         Further names, each with the name of its entry. They can be looked up, and are not listed.
-    renamed
-        Names of earlier versions, each with its present name. The error for an earlier name states the present one.
     made_by
         Functions that make entries, by name, for entries that take a while to make. Each function is called at the
         first access of its entry.
@@ -73,12 +71,10 @@ class Registry(Mapping[str, T], Generic[T]):
         entries: Mapping[str, T],
         aliases: Mapping[str, str] | None = None,
         made_by: Mapping[str, Callable[[], T]] | None = None,
-        renamed: Mapping[str, str] | None = None,
     ):
         self.kind = kind
         self._entries, self._aliases = dict(entries), dict(aliases or {})
         self._made_by = dict(made_by or {})
-        self._renamed = dict(renamed or {})
         self._names = [*self._entries, *self._made_by]
         for alias in self._aliases:
             if alias in self._names:
@@ -97,8 +93,6 @@ class Registry(Mapping[str, T], Generic[T]):
         entry = self._aliases.get(name, name)
         if entry in self._entries or entry in self._made_by:
             return entry
-        if name in self._renamed:
-            raise UnknownName(f"the {self.kind} {name!r} is now called {self._renamed[name]!r}.")
         for known in (*self._names, *self._aliases):  # the name in another case or with other separators
             if _plain(known) == _plain(str(name)):
                 return self._aliases.get(known, known)

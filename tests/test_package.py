@@ -7,7 +7,6 @@ import re
 import subprocess
 import sys
 import tomllib
-from operator import attrgetter
 from pathlib import Path
 from typing import ClassVar
 
@@ -138,10 +137,3 @@ def test_a_setting_that_does_not_exist_is_refused():
 def test_jax_that_has_computed_nothing_is_no_reason_to_warn():
     code = "import jax, study; print(jax.config.jax_num_cpu_devices, len(jax.devices()))"
     assert _in_a_process(code) == "-1 1\n"
-
-
-def test_a_name_of_the_version_before_is_answered_by_its_name_today():
-    for old, new in vars(study)["_RENAMED"].items():
-        assert attrgetter(new)(study) is not None
-        with pytest.raises(AttributeError, match=rf"study\.{old} is now called study\.{new}\."):
-            getattr(study, old)

@@ -9,12 +9,6 @@ from study.algebra.scalars import is_number, is_whole
 from study.mechanics.function_checks import NOT_TRACEABLE
 from study.mechanics.state import Effort
 
-#: Names of attributes in the previous version, each with its present name. A scheme with such an attribute is refused.
-_RENAMED = {
-    "damped_order": "order_with_damping",
-    "evaluations": "forces_per_step",
-    "evaluations_per_iteration": "forces_per_iteration",
-}
 #: Integer attributes of a scheme, and their minima.
 _MINIMA = {"order": 1, "order_with_damping": 1, "forces_per_step": 0, "forces_per_iteration": 0}
 
@@ -30,9 +24,6 @@ def check_attributes(scheme: Any) -> None:
     of = type(scheme).__name__
     if not isinstance(scheme.title, str) or not scheme.title.strip():
         raise TypeError(f"title of {of} must be a non-blank string, not {scheme.title!r}.")
-    for old, new in _RENAMED.items():
-        if hasattr(scheme, old):
-            raise TypeError(f"{old} of {of} is now called {new}.")
     for name, least in _MINIMA.items():
         try:
             value = getattr(scheme, name)

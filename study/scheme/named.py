@@ -49,15 +49,11 @@ ALIASES = {
     "runge_kutta_4": "rk4",
 }
 
-#: Names of schemes in earlier versions, each with the present name.
-RENAMED = {"hht_alpha_one_force": "hht_alpha"}
-
 #: All schemes by name: first the schemes of 1996, then the others, module by module.
 schemes: Registry[Scheme] = Registry(
     "scheme",
     _of_families(variables_of_modules(scheme, Scheme, first=OF_1996)),  # type: ignore[type-abstract]
     aliases=ALIASES,
-    renamed=RENAMED,
 )
 
 

@@ -150,10 +150,6 @@ class _NoTitle(_Plain):
     title: str = " "
 
 
-class _OldAttribute(_Plain):
-    evaluations = 3
-
-
 class _RaisingOrder(_Plain):
     @property
     def order(self):  # type: ignore[override]
@@ -164,7 +160,6 @@ class _RaisingOrder(_Plain):
     "scheme, sentence",
     [
         (_SecondOrder(), "order of _SecondOrder must be a whole number of at least 1, not 'two'."),
-        (_OldAttribute(), "evaluations of _OldAttribute is now called forces_per_step."),
         (_LessThanNoForce(), "forces_per_step of _LessThanNoForce must be a whole number of at least 0, not -1."),
         (_NegativeLimit(), "stability_limit of _NegativeLimit must be a number of at least 0 or None, not -1.0."),
         (_NoTitle(), "title of _NoTitle must be a non-blank string, not ' '."),
@@ -179,11 +174,6 @@ def test_the_attributes_of_a_scheme_are_checked(scheme, sentence):
     ):
         with pytest.raises(TypeError, match=sentence):
             called(scheme)
-
-
-def test_a_name_of_an_earlier_version_is_answered_by_its_name_today():
-    with pytest.raises(KeyError, match="the scheme 'hht_alpha_one_force' is now called 'hht_alpha'"):
-        study.run("hardening", "hht_alpha_one_force", dt=0.01, steps=3)
 
 
 def test_the_page_of_a_scheme_has_its_order_and_its_errors(tmp_path, capsys):
