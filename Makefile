@@ -50,7 +50,7 @@ check: .venv/ready
 
 # times compared with C, OpenSees where it is installed, and other parts of the study
 benchmark: .venv/ready
-	$(BIN)/python tools/benchmarks/benchmark.py results/benchmark.nc
+	PYTHONPATH=. $(BIN)/python tools/benchmarks/benchmark.py results/benchmark.nc
 
 .venv/ready: requirements.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

@@ -7,12 +7,13 @@ import peer
 from case import STEPS, Case, step_size, timed
 
 import study
-from reference import exact, opensees, taylor
+from reference import exact, taylor
 from study.marching.timing import Timed
 from study.observer.base import Reduction
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.problem.named import printed_periods
 from study.program import opensees_run
+from tools import opensees
 
 #: Number of stages that a Newton iteration of the scheme solves together; one for other schemes.
 STAGES = {"gauss4": 2}

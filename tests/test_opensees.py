@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 import study
-from reference import opensees
 from study.problem.named import printed_periods
 from study.program import opensees_run
 from study.scheme.alpha import hht_alpha_1996
 from study.scheme.houbolt import History
+from tools import opensees
 
 DT, STEPS = printed_periods["hardening"] / 20, 200
 IMPLICIT = ("average_acceleration", "newmark_dissipative", "wilson_theta", "hht_alpha", "bathe")
