@@ -8,7 +8,6 @@
 # make torture        kills the pipeline at random moments
 # make cluster        runs the pipeline on a Slurm of this machine
 # make archive        packs the finished study
-# make latex          writes the LaTeX sources of the texts
 # make conformance    packs the conformance kit
 # make citation       validates CITATION.cff
 # make lock           updates the pinned versions in requirements.txt
@@ -28,7 +27,7 @@ PINNED := --require-hashes --no-deps
 KILLS ?= 100
 CONFORMANCE ?= results/conformance.zip
 
-.PHONY: study site test coverage benchmark check lock torture cluster archive latex conformance citation clean
+.PHONY: study site test coverage benchmark check lock torture cluster archive conformance citation clean
 
 # the pages of the site, results/site/index.html, are made on request, with missing parts of the study
 study site: .venv/ready
@@ -82,10 +81,6 @@ cluster: .venv/ready
 # the finished study for others: sources, configuration, results, and a description of the run
 archive: study
 	$(BIN)/python -m pipeline.archive . results/archive.zip
-
-# article and supplement as LaTeX sources with figures and bibliography
-latex: study
-	$(BIN)/python -m paper.latex results results/latex
 
 # the conformance kit for other codes, which needs NumPy only
 conformance:

@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 from paper.products import discover, made, reader
+from paper.tables.tex import tex
 from study.io import one_sentence, write
 from study.words import printed
 
@@ -15,7 +16,7 @@ def main(results: Path, folder: Path) -> None:
     for product in (one for one in discover(["tables"]) if one.kind == "table"):
         frame = made(product, read).map(lambda cell: printed(str(cell))).rename(columns=printed)
         write(frame.to_csv(index=False), folder / f"{product.name}.csv")
-        write(frame.to_latex(index=False, escape=True), folder / f"{product.name}.tex")
+        write(tex(product, frame), folder / f"{product.name}.tex")
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from tests.pipeline.additions import ADDED
 from tests.pipeline.mutations import mutated
 from tests.pipeline.pipeline import SMALL, call_snakemake, copied, hashes_of, make
 from tests.pipeline.report import check_contents, check_explorer
-from tests.pipeline.texts import check_latex, check_ledger, check_pages
+from tests.pipeline.texts import check_ledger, check_pages
 from tests.test_readme import check_the_results_of_the_readme
 
 pytestmark = pytest.mark.slow
@@ -59,11 +59,6 @@ def test_everything_is_made(project):
     for table in (results / "tables").glob("*.csv"):
         assert len(table.read_text().splitlines()) > 1
         assert "\\toprule" in table.with_suffix(".tex").read_text()
-
-
-@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no TeX is installed")
-def test_the_latex_sources_compile_to_the_same_content(project, tmp_path):
-    check_latex(project, tmp_path)
 
 
 @pytest.mark.skipif(shutil.which("pdftotext") is None, reason="Poppler is not installed")

@@ -1,10 +1,9 @@
-"""Checks of the ledger, the pages and the LaTeX sources of a finished study."""
+"""Checks of the ledger and the pages of a finished study."""
 
 import csv
 import json
 import re
 import subprocess
-import sys
 from itertools import combinations
 from pathlib import Path
 
@@ -13,25 +12,6 @@ from paper.claims.ledger import Verdict
 
 #: Least and largest number of pages of each text; a replication in ReScience C has eight at most.
 PAGES = {"manuscript": (9, 16), "supplement": (9, 40), "replication": (4, 8)}
-PDFLATEX = ["pdflatex", "-interaction=nonstopmode"]
-
-
-def check_latex(project: Path, folder: Path) -> None:
-    """Write and compile the LaTeX sources; check their figures, tables, citations and references."""
-    subprocess.run([sys.executable, "-m", "paper.latex", project / "results", folder], cwd=project, check=True)
-    for name in PAGES:
-        # pdfLaTeX is repeated until references and the widths of tables are settled
-        for command in ([*PDFLATEX, name], ["bibtex", name], *3 * [[*PDFLATEX, name]]):
-            subprocess.run(command, cwd=folder, capture_output=True, check=False)
-        log = (folder / f"{name}.log").read_text(errors="replace")
-        assert "\n! " not in log and "undefined" not in log, log[-3000:]
-        text = (project / "paper" / "text" / f"{name}.typ").read_text()
-        source = (folder / f"{name}.tex").read_text()
-        assert source.count("\\includegraphics") == text.count("#picture(")
-        assert source.count("\\caption") == sum(text.count(f"#{one}(") for one in ("picture", "tabular", "choices"))
-        cited = ",".join(re.findall(r"\\citep{([^}]*)}", source)).replace(" ", "")
-        # a sentence that the data do not support is omitted with its citations
-        assert set(cited.split(",")) <= set(re.findall(r"@([a-z]+\d{4}[a-z]*)", text))
 
 
 #: Pattern of a word in the output of Poppler: its box, measured from the left and the top, and its letters.

@@ -1,1 +1,0 @@
-"""The texts as LaTeX, generated from their only source by pandoc."""
