@@ -4,7 +4,9 @@ import functools
 import inspect
 from collections.abc import Callable
 from dataclasses import KW_ONLY
-from typing import TypeVar
+from typing import TypeVar, dataclass_transform
+
+import equinox as eqx
 
 Function = TypeVar("Function", bound=Callable)
 
@@ -41,6 +43,7 @@ def keywords_only(function: Function) -> Function:
     return called  # type: ignore[return-value]
 
 
+@dataclass_transform(kw_only_default=True, field_specifiers=(eqx.field,))
 class KeywordsOnly:
     """Base class of modules of equinox whose fields are given by name, also in classes that users derive.
 

@@ -14,9 +14,9 @@ SCHEMES = [one for one in map(study.__getattr__, dir(study)) if inspect.isclass(
 @pytest.mark.parametrize(
     "make, sentence",
     [
-        (lambda: study.Newmark(0.5, 0.25), "Newmark takes keywords only: Newmark(beta=…, gamma=…)."),
+        (lambda: study.Newmark(0.5, 0.25), "Newmark takes keywords only: Newmark(beta=…, gamma=…)."),  # type: ignore[call-arg]
         (lambda: study.RungeKutta4("rk4"), "RungeKutta4 takes keywords only: RungeKutta4(title=…)."),
-        (lambda: study.Compensated("rk4"), "Compensated takes keywords only: Compensated(scheme=…)."),
+        (lambda: study.Compensated("rk4"), "Compensated takes keywords only: Compensated(scheme=…)."),  # type: ignore[call-arg]
         (
             lambda: study.GeneralizedAlpha.hht(0.9),
             "GeneralizedAlpha.hht takes keywords only: GeneralizedAlpha.hht(rho_inf=…).",
@@ -45,4 +45,4 @@ def test_a_derived_scheme_takes_keywords_too_and_may_add_a_parameter_without_a_d
 
     assert Shifted(beta=0.25, gamma=0.5, shift=1.0).shift == 1.0
     with pytest.raises(TypeError, match=r"Shifted takes keywords only: Shifted\(beta=…, gamma=…, shift=…\)\.$"):
-        Shifted(0.25, 0.5, 1.0)
+        Shifted(0.25, 0.5, 1.0)  # type: ignore[call-arg]

@@ -174,7 +174,7 @@ class Problem(eqx.Module):
         object.__setattr__(self, "takes_velocity", takes_velocity)
         derived = isinstance(self.force, eqx.Partial) and self.force.func is gradient
         if derived and kinked:
-            function_checks.check_derived_force(self.potential, self.u0, self.history, self.title)
+            function_checks.check_derived_force(self)
         if isinstance(self.u0, jax.core.Tracer):  # traced numbers cannot be compared
             return
         with suppress(*function_checks.NOT_TRACEABLE):

@@ -258,12 +258,12 @@ DOUBLE_WHERE = (
 )
 
 
-def check_derived_force(potential: Callable, u0, history, title: str) -> None:
+def check_derived_force(problem) -> None:
     """Refuse a potential whose gradient, which is the force, is NaN where the potential and its change are finite."""
-    memory = () if history is None else (history,)
-    if is_lost_in_reverse(lambda u: potential(u, *memory), displacements(u0)):
+    memory = () if problem.history is None else (problem.history,)
+    if is_lost_in_reverse(lambda u: problem.potential(u, *memory), displacements(problem.u0)):
         raise ValueError(
-            f"the force of '{title}', the gradient of its potential, is NaN where the potential is finite: "
+            f"the force of '{problem.title}', the gradient of its potential, is NaN where the potential is finite: "
             f"{DOUBLE_WHERE}."
         )
 

@@ -64,7 +64,7 @@ def test_a_class_without_source_is_told_what_to_define():
         increment = lambda self, *arguments: None  # type: ignore[assignment]  # noqa: E731
 
     with pytest.raises(TypeError) as error:
-        Unsourced()
+        Unsourced()  # type: ignore[abstract]
     assert str(error.value) == (
         "Unsourced is a scheme and must define doi (Digital object identifier of the source, empty if it has none) and "
         "source (Author and year of the first publication)."

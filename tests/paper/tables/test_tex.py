@@ -40,7 +40,8 @@ def test_every_character_of_the_tables_can_be_set():
 def test_the_source_compiles(tmp_path):
     signs = "".join(sorted({*map(chr, _SET), *SET}))
     frame = pd.concat([FRAME, pd.DataFrame({column: [signs] for column in FRAME})])
-    text = f"\\documentclass{{article}}\\usepackage{{booktabs}}\\begin{{document}}\n{tex(PRODUCT, frame)}\\end{{document}}\n"
-    (tmp_path / "text.tex").write_text(text)
-    done = subprocess.run(["pdflatex", "-interaction=nonstopmode", "text.tex"], cwd=tmp_path, capture_output=True)
+    head, end = "\\documentclass{article}\\usepackage{booktabs}\\begin{document}\n", "\\end{document}\n"
+    (tmp_path / "text.tex").write_text(head + tex(PRODUCT, frame) + end)
+    command = ["pdflatex", "-interaction=nonstopmode", "text.tex"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True)
     assert done.returncode == 0 and b"\n! " not in done.stdout, done.stdout[-3000:]
