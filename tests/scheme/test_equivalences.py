@@ -114,6 +114,7 @@ def test_bathe_is_the_euler_method_through_three_points():
     assert -float(force(whole.u.item())) == pytest.approx((-4 * half.v.item() + 3 * whole.v.item()) / dt, rel=1e-10)
 
 
+@pytest.mark.filterwarnings("ignore:.* has negative numerical damping:RuntimeWarning")
 def test_parks_method_is_the_mean_of_bdf2_and_bdf3():
     bdf3 = (11 / 6, -3.0, 3 / 2, -1 / 3)
     mean = np.mean([(*bdf2.weights, 0.0), bdf3], axis=0)
