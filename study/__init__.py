@@ -71,7 +71,8 @@ A scheme with other parameters
     ``WangAdamsTamma``, ``TchamwaWielgosz``, ``BackwardDifferences``, ``TwoStep``, ``AuxiliaryVariable``,
     ``DiagonallyImplicit``, ``RungeKutta4``, ``Nystrom4``, ``EmbeddedNystrom``, ``Gauss4``, ``Splitting``,
     ``KickDriftKick``, ``Composition``, ``Extrapolation``, ``Trigonometric``, ``MixedPade``,
-    ``EnergyMomentum``, ``AverageVectorField``, ``ImplicitMidpoint``, ``Compensated``, ``Relaxed``.
+    ``EnergyMomentum``, ``AverageVectorField``, ``ImplicitMidpoint``, ``Compensated``, ``Relaxed``. All parameters are
+    given by name.
 
 A scheme of your own
     ``Scheme``, or ``OneStep`` for one-step schemes, is the base class. ``building`` states what a scheme must return,

@@ -119,9 +119,8 @@ def test_wilson_has_its_polynomial():
 def test_the_generalized_alpha_family_meets_its_spectral_radius(rho_inf):
     """At infinite frequency both principal roots are −ρ∞; with Chung and Hulbert's method and KR-α all three are."""
     infinity, minus = np.array([1e7]), -rho_inf
-    (chung,), (kolay,) = (
-        _polynomials(make(rho_inf=rho_inf), infinity) for make in (study.GeneralizedAlpha.chung_hulbert, study.KolayRicles)
-    )
+    schemes = study.GeneralizedAlpha.chung_hulbert(rho_inf=rho_inf), study.KolayRicles(rho_inf=rho_inf)
+    (chung,), (kolay,) = (_polynomials(scheme, infinity) for scheme in schemes)
     np.testing.assert_allclose(chung, np.poly([minus] * 3), atol=1e-10)
     np.testing.assert_allclose(kolay, chung, atol=1e-8)
     if rho_inf >= 0.5:
