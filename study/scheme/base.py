@@ -126,10 +126,10 @@ class Scheme(KeywordsOnly, eqx.Module):
         return super().__new__(cls, *positional, **named)
 
     def __check_init__(self):
-        stated = not isinstance(inspect.getattr_static(type(self), "stability_limit"), property)
-        if stated or isinstance(self, Wrapper) or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(self)):
+        if isinstance(self, Wrapper) or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(self)):
             return
-        if self.stability_limit == 0:
+        computed = isinstance(inspect.getattr_static(type(self), "stability_limit"), property)
+        if computed and self.stability_limit == 0:
             warnings.warn(
                 f"{type(self).__name__}({self._parameters()}) has negative numerical damping: without physical damping "
                 "the amplitude grows, however small the step.",
