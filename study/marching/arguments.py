@@ -58,7 +58,7 @@ def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
         return registry[thing]
     if not isinstance(thing, kind):
         raise TypeError(f"{thing!r} is no {registry.kind}: give a name or a study.{kind.__name__}.")
-    return thing.current() if isinstance(thing, Problem) else thing
+    return thing.current() if isinstance(thing, Problem) else thing  # type: ignore[return-value]
 
 
 def _most_steps() -> int:

@@ -115,7 +115,7 @@ def final_state(
             f"{', '.join(fit[:3])}, or a Quantity with reduce=."
         )
     with reading(reads_of(march)):
-        end = _end(march, *starts, jnp.asarray(dt, float), count)
+        end = _end(march, starts[0], starts[1], jnp.asarray(dt, float), count)
     if any(isinstance(value, jax.core.Tracer) for value in end.values()):
         _check_derivatives(equation, dt, count)
     return end

@@ -4,6 +4,7 @@ import dataclasses
 import functools
 import types
 from collections import namedtuple
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -18,11 +19,12 @@ from study.mechanics.frequencies import frequencies
 from study.mechanics.loads import excited
 
 k = 1.0
-pairs = {"k": 1.0, "inner": {"k": 1.0}}
+pairs: dict[str, Any] = {"k": 1.0, "inner": {"k": 1.0}}
 listed = [1.0]
 array = np.ones(2)
-module = types.ModuleType("parameters")
+module: Any = types.ModuleType("parameters")
 module.k = 1.0
+of_jax = jnp.asarray(1.0)
 space = types.SimpleNamespace(k=1.0)
 Pair = namedtuple("Pair", "k other")
 pair = Pair(1.0, 0)
@@ -64,6 +66,7 @@ class Slotted:
     """A spring whose attribute is a slot."""
 
     __slots__ = ("k",)
+    k: float
 
     def __call__(self, u):
         return self.k * u
@@ -112,10 +115,10 @@ def with_keyword(u, *, k=1.0):
 
 
 def of_function(u):
-    return of_function.k * u
+    return of_function.k * u  # type: ignore[attr-defined]
 
 
-of_function.k = 1.0
+of_function.k = 1.0  # type: ignore[attr-defined]
 
 
 @jax.custom_jvp
@@ -175,7 +178,6 @@ WAYS = {
     "own derivative": (custom, set_global),
     "partial of JAX": (jax.tree_util.Partial(helper), set_global),
 }
-of_jax = jnp.asarray(1.0)
 
 
 @pytest.mark.parametrize("way", WAYS)
