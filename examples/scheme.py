@@ -37,7 +37,6 @@ class Heun(study.OneStep):
     order = 2
     explicit = True
     stability_limit = 0.0
-    forces_per_step = 2
 
     def start(self, problem, u0, v0, dt):
         return Phase(u0, v0), Effort()

@@ -6,6 +6,7 @@ import numpy as np
 from jax import lax
 
 from study.algebra.arrays import Full, Matrix, RightSides, Vector
+from study.algebra.counting import count_matrix
 from study.algebra.factorisation import factorisations
 from study.algebra.host import on_host
 from study.algebra.matrices import SMALL, Form, MatrixFree, form_of
@@ -170,7 +171,10 @@ def solve(matrix: Matrix, rhs: Vector, symmetric: bool = True) -> Vector:
     symmetric
         Whether the matrix is symmetric; used only for a matrix-free matrix.
     """
-    match form_of(matrix):
+    form = form_of(matrix)
+    if form in (Form.SPARSE, Form.FULL) or (form is Form.BAND and matrix.half_bandwidth):
+        count_matrix(matrix)
+    match form:
         case Form.BAND if matrix.half_bandwidth == 1:
             return _solve_tridiagonal(matrix.bands, rhs)
         case Form.BAND if matrix.half_bandwidth > 1:

@@ -45,10 +45,6 @@ class Estimator(eqx.Module):
         """Why the error of this scheme cannot be estimated, in one sentence; None if it can."""
         return None
 
-    def forces_per_step(self, scheme: Scheme) -> int:
-        """Number of internal forces that a trial step and its estimate evaluate outside of Newton's iterations."""
-        return scheme.forces_per_step
-
     def sizes(self, problem: Problem, state: Any) -> Sizes:
         """One norm of the motion per estimate; the run divides the estimate by the largest value of its norm so far."""
         return (size(state.u),)
@@ -108,9 +104,6 @@ class _OfAcceleration(Estimator):
         if problem.massless:
             return f"{self.title} needs a mass at every unknown, and the mass of '{problem.title}' is singular."
         return None
-
-    def forces_per_step(self, scheme):
-        return scheme.forces_per_step + (scheme.acceleration_offset is None)
 
     def start(self, scheme, problem, state):
         return acceleration(problem, 0.0, state.u, state.v)
@@ -246,9 +239,6 @@ class StepDoubling(Estimator):
     def exponent(self, scheme):
         return scheme.order_with_damping + 1
 
-    def forces_per_step(self, scheme):
-        return 3 * scheme.forces_per_step
-
     def sizes(self, problem, state):
         return size(state.u), size(state.v)
 
@@ -260,7 +250,7 @@ class StepDoubling(Estimator):
 
         # a loop over the whole step and both halves; without a loop, XLA would compute some of their work twice
         fine, (u, v, efforts) = lax.scan(take, state, jnp.arange(3))
-        effort = Effort(efforts.iterations.sum(), efforts.converged.all(), restarts=efforts.restarts.sum())
+        effort = jax.tree.map(jnp.sum, efforts)._replace(converged=efforts.converged.all())
         factor = 2**scheme.order_with_damping - 1
         return fine, effort, (size(u[2] - u[0]) / factor, size(v[2] - v[0]) / factor), carried
 

@@ -22,8 +22,5 @@ class ZienkiewiczXieOfBalance(ZienkiewiczXie):
 
     title = "Zienkiewicz-Xie, balance"
 
-    def forces_per_step(self, scheme):
-        return scheme.forces_per_step + 1
-
     def ends(self, scheme, problem, before, old, new, t, dt):
         return before, acceleration(problem, t + dt, new.u, new.v), 0.0

@@ -41,9 +41,6 @@ class HalfStepResidual(Estimator):
             return f"{self.title} needs a scheme that carries the acceleration, which '{scheme.title}' does not."
         return None
 
-    def forces_per_step(self, scheme):
-        return scheme.forces_per_step + 1
-
     def sizes(self, problem, state):
         return (jnp.max(jnp.abs(problem.momentum(carried_acceleration(state)))),)
 
@@ -83,9 +80,6 @@ class ApparentFrequency(Estimator):
 
     def exponent(self, scheme):
         return 1
-
-    def forces_per_step(self, scheme):
-        return scheme.forces_per_step + 1
 
     def sizes(self, problem, state):
         return (jnp.ones(()),)

@@ -9,10 +9,12 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from study.algebra.counting import counting
 from study.control.controllers import Controller
 from study.control.estimators import Estimator
 from study.marching.march import March
 from study.marching.result import NO_SOLUTION, NOT_FINITE, UNBOUNDED
+from study.mechanics.state import Effort
 from study.scheme.contract import started
 
 #: Status of a running march, and the two final statuses that runs with equal steps do not have.
@@ -57,6 +59,8 @@ class Trial(NamedTuple):
         States of the scheme, the reductions, the estimator and the controller.
     scales
         Largest value so far of each size of the motion that the estimator measures.
+    rejected
+        Effort since the last accepted step, of trial steps that were rejected.
     """
 
     status: jax.Array
@@ -72,6 +76,7 @@ class Trial(NamedTuple):
     estimator: Any
     controller: Any
     scales: tuple
+    rejected: Effort
 
 
 class AdaptiveMarch(eqx.Module):
@@ -98,8 +103,11 @@ class AdaptiveMarch(eqx.Module):
         march, problem = self.march, self.march.problem
         state, effort = started(march.scheme, problem, u0, v0, dt)
         here = problem.at(state)
-        carried = self.controller.start(here, state, tolerance)
-        dt = self.controller.first(carried, dt, tolerance)
+        with counting() as of_control:
+            carried = self.controller.start(here, state, tolerance)
+            dt = self.controller.first(carried, dt, tolerance)
+            estimator = self.estimator.start(march.scheme, here, state)
+        effort = effort.including(of_control)
         status = jnp.where(effort.converged, jnp.where(_finite(state), RUNNING, NOT_FINITE), NO_SOLUTION)
         none = jnp.zeros((), int)
         trial = Trial(
@@ -112,10 +120,11 @@ class AdaptiveMarch(eqx.Module):
             none,
             none,
             state,
-            tuple(reduction.start(here, state) for reduction in march.reductions),
-            self.estimator.start(march.scheme, here, state),
+            tuple(one.started(one.start(here, state), effort) for one in march.reductions),
+            estimator,
             carried,
             self.estimator.sizes(here, state),
+            Effort().of_trial(),
         )
         if not room:
             return trial, state, {}
@@ -138,14 +147,22 @@ class AdaptiveMarch(eqx.Module):
         dt = jnp.where(lands, way, jnp.where(halves, way / 2, trial.dt))
 
         problem = march.problem.at(trial.state)
-        state, effort, estimates, estimator = self.estimator.step(scheme, problem, trial.estimator, trial.state, t, dt)
         now = jnp.where(lands, self.times[trial.target], t + dt)
-        here = march.problem.at(state)
-        scales = tuple(map(jnp.maximum, trial.scales, self.estimator.sizes(here, state)))
-        estimate = jnp.max(jnp.stack([e / jnp.where(s > 0, s, 1.0) for e, s in zip(estimates, scales, strict=True)]))
+        with counting() as of_control:
+            state, effort, estimates, estimator = self.estimator.step(
+                scheme, problem, trial.estimator, trial.state, t, dt
+            )
+            here = march.problem.at(state)
+            scales = tuple(map(jnp.maximum, trial.scales, self.estimator.sizes(here, state)))
+            estimate = jnp.max(
+                jnp.stack([e / jnp.where(s > 0, s, 1.0) for e, s in zip(estimates, scales, strict=True)])
+            )
+            k = self.estimator.exponent(scheme)
+            decision = self.controller.decide(
+                trial.controller, estimate / tolerance, k, dt, here, state, now, tolerance
+            )
+        effort = effort.including(of_control)
         solved = jnp.asarray(effort.converged) & _finite(state) & jnp.isfinite(estimate)
-        k = self.estimator.exponent(scheme)
-        decision = self.controller.decide(trial.controller, estimate / tolerance, k, dt, here, state, now, tolerance)
         accepted = solved & decision.accepted
         # a step that was shortened because of a stated time does not reduce the size of the next step
         shortened = accepted & (dt < trial.dt) & (not self.controller.sizes_are_given)
@@ -163,13 +180,15 @@ class AdaptiveMarch(eqx.Module):
         status = jnp.where(too_small & ~jnp.asarray(effort.converged), NO_SOLUTION, status)
         status = jnp.where(accepted & ~bounded, UNBOUNDED, status)
 
+        with_rejected = effort.then(trial.rejected)._replace(converged=effort.converged)
         reduced = tuple(
-            reduction.update(c, here, state, now, effort)
+            reduction.update(c, here, state, now, with_rejected)
             for reduction, c in zip(march.reductions, trial.reduced, strict=True)
         )
-        old = trial.state, trial.reduced, trial.estimator, trial.controller, trial.scales, t
-        new = state, reduced, estimator, decision.carried, scales, now
-        state_, reduced, estimator, controller, scales, t = jax.tree.map(partial(jnp.where, kept), new, old)
+        rejected = trial.rejected.then(effort.of_trial())
+        old = trial.state, trial.reduced, trial.estimator, trial.controller, trial.scales, t, rejected
+        new = state, reduced, estimator, decision.carried, scales, now, Effort().of_trial()
+        state_, reduced, estimator, controller, scales, t, rejected = jax.tree.map(partial(jnp.where, kept), new, old)
         return Trial(
             status,
             t,
@@ -184,6 +203,7 @@ class AdaptiveMarch(eqx.Module):
             estimator,
             controller,
             scales,
+            rejected,
         ), self._sample(trial, initial, state, now, dt, estimate)
 
     def result(self, trial: Trial) -> dict[str, jax.Array]:

@@ -13,7 +13,7 @@ import xarray as xr
 from jax import lax
 
 from study.algebra.jit import jit
-from study.control.estimators import Estimator
+from study.control.estimators import Estimator, Sizes
 from study.io import flags
 from study.marching.adaptive import (
     OF_EACH_STEP,
@@ -32,7 +32,9 @@ from study.marching.program import PAUSE, ROOM, unlabelled
 from study.marching.result import COMPLETED, FAILED_AT_STEP_ATTRIBUTES, STATUSES, Labels, nan_where
 from study.marching.shapes import Displacements, PerRun
 from study.mechanics.definition import Problem
+from study.mechanics.state import Effort
 from study.observer.base import Observer, Reduction
+from study.observer.diagnostics import Evaluations
 from study.scheme.base import Scheme
 from study.scheme.newmark import average_acceleration
 from study.scheme.wrapper.unequal_steps import UnequalSteps
@@ -100,18 +102,20 @@ def _begin(of, lanes: bool, adaptive, arguments, starts, dt, tolerance, room: in
 
 
 @partial(jit, compiler=eqx.filter_jit)
-def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts):
-    """Largest value of each size of the motion in a run with equal steps, or zero if it is not finite."""
+def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts) -> tuple[Sizes, Effort]:
+    """Largest value of each size of the motion in a run with equal steps, or zero if not finite, and its effort."""
 
     def one(arguments, starts):
         march = of(adaptive, arguments)
         start = _start(march.march, starts)
         dt = march.times[-1] / OF_TRIAL
-        trial = March.of(march.march.problem, average_acceleration, [Scales(adaptive.estimator)])
+        observers = [Scales(adaptive.estimator), Evaluations()]
+        trial = March.of(march.march.problem, average_acceleration, observers)
         progress = trial.start(*start, dt, 0)[0]
         progress = lax.fori_loop(0, OF_TRIAL, lambda _, progress: trial.stepped(progress, dt), progress)
-        found = trial.result(progress)[1]["scale"]
-        return tuple(jnp.where(jnp.isfinite(found), found, 0.0))
+        found = trial.result(progress)[1]
+        scale, *counts = (found[name] for name in ("scale", "force_evaluations", "tangent_evaluations", "factorisations"))
+        return tuple(jnp.where(jnp.isfinite(scale), scale, 0.0)), Effort(0, True, None, 0, *counts).of_trial()
 
     return (jax.vmap(one) if lanes else one)(arguments, starts)
 
@@ -250,8 +254,8 @@ class Adaptive:
         trial, initial, stored = _begin(*begin, dt, tolerance, room)
         if control.estimator.relative and not all(np.all(np.asarray(one)) for one in trial.scales):
             # estimates are relative to sizes of the motion so far, and at least one size is zero at the start
-            scales = _scales_of_trial(*begin)
-            trial = trial._replace(scales=tuple(map(jnp.maximum, trial.scales, scales)))
+            scales, effort = _scales_of_trial(*begin)
+            trial = trial._replace(scales=tuple(map(jnp.maximum, trial.scales, scales)), rejected=effort)
         parts = []
         while True:
             trial, stored, values = _proceed(

@@ -111,7 +111,8 @@ class March(eqx.Module):
 
         def one(u0, v0, dt):
             state, effort = started(self.scheme, self.problem, u0, v0, dt)
-            carried = tuple(reduction.start(self.problem.at(state), state) for reduction in self.reductions)
+            here = self.problem.at(state)
+            carried = tuple(one.started(one.start(here, state), effort) for one in self.reductions)
             return (
                 state,
                 carried,

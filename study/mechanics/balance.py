@@ -36,6 +36,7 @@ import jax.numpy as jnp
 from jax import lax
 
 from study.algebra.arrays import Matrix, ScalarLike, Vector
+from study.algebra.counting import Counted, count
 from study.algebra.elimination import solve
 from study.algebra.matrices import Banded, add, dense, product, times
 from study.algebra.sparse import Sparse
@@ -216,6 +217,7 @@ def balance(
         velocity = v + times(c_v, a) if problem.takes_velocity else v
         return of(u + times(c_u, a), velocity)
 
+    @Counted
     def internal_and_effective(a):
         if problem.takes_velocity:
             value, tangent = force_and_tangent(partial(internal_force, force), a, _coupled(problem.tangent, c_u))
@@ -227,27 +229,42 @@ def balance(
             value = value + times(problem.stiffness, u + times(c_u, a))
         return weight * value, add(constant, tangent, n=n)
 
+    @Counted
     def residual(a):
         return times(inertia, a) + weight * internal_force(whole, a) - rhs
 
+    @Counted
     def solved(effective, x):
         return solve(effective, x, symmetric and not problem.takes_velocity)
 
+    def effort(iterations, residuals, **how):
+        of_iteration, of_residual = internal_and_effective.counts, residual.counts
+        count(forces_of_iteration=of_iteration.forces)
+        return Effort(
+            iterations,
+            forces=iterations * of_iteration.forces + residuals * of_residual.forces,
+            tangents=iterations * of_iteration.tangents,
+            factorisations=iterations,
+            **how,
+        )
+
     if problem.linear:
-        return guess - solved(constant, residual(guess)), Effort(jnp.ones((), int))
+        a = guess - solved(constant, residual(guess))
+        return a, Effort(jnp.ones((), int), forces=residual.counts.forces, fixed_factorisations=1)
 
     def iterate(a, before, halved=False):
         internal, effective = internal_and_effective(a)
         inertial = times(inertia, a)
         out_of_balance = inertial + internal - rhs
-        correction = solved(effective, out_of_balance)
+        correction, residuals = solved(effective, out_of_balance), 0
         if halved:
             # the whole correction is measured: one that was halved many times is short without convergence
             moved = norm(times(reach, correction))
-            a = a - backtracked(residual, a, correction, partial(solved, effective))
+            part, residuals = backtracked(residual, a, correction, partial(solved, effective))
+            a = a - part
         else:
             if problem.kinked and jnp.ndim(u):
-                correction = shortened(residual, a, correction, out_of_balance)
+                correction, residuals = shortened(residual, a, correction, out_of_balance)
             a = a - correction
             moved = norm(times(reach, correction))
         size = norm(start) + norm(times(reach, a))
@@ -258,7 +275,7 @@ def balance(
         else:
             predicted = moved**3 <= tolerances.predicted * size * before**2
             unfinished &= ~((moved <= tolerances.near * size) & predicted)
-        return a, unfinished, moved
+        return a, unfinished, moved, residuals
 
     def iterate_between(bracket, before):
         a = bracket[0]
@@ -266,7 +283,7 @@ def balance(
         out_of_balance = times(inertia, a) + internal - rhs
         bracket = narrowed(bracket, out_of_balance, solved(effective, out_of_balance))
         moved, size = norm(reach * (bracket[0] - a)), norm(start) + norm(reach * bracket[0])
-        return bracket, moved > tolerance * size, moved
+        return bracket, moved > tolerance * size, moved, 0
 
     def differentiable(a):
         opened, given = opened_closure(residual, a)
@@ -283,23 +300,25 @@ def balance(
             iterates, first = safeguarded, begin
     opened, given = opened_closure(iterates, first, nothing)
     given = lax.stop_gradient(given)
-    found, unfinished, iterations = first, jnp.ones((), bool), jnp.zeros((), int)
+    none = jnp.zeros((), int)
+    found, unfinished, iterations = first, jnp.ones((), bool), none
     if not jnp.ndim(first) and tolerances.near > 0:
         # Most steps need two iterations, one to correct and one to confirm. These two are written out before the loop.
         # With several unknowns this would double the program and save little.
-        once, _, moved = opened((first, nothing), given)
-        (found, unfinished, _), iterations = opened((once, moved), given), jnp.full((), 2)
-    found, unfinished, iterations = iterated(opened, given, (found, unfinished, iterations))
+        once, _, moved, _ = opened((first, nothing), given)
+        (found, unfinished, *_), iterations = opened((once, moved), given), jnp.full((), 2)
+    found, unfinished, iterations, residuals = iterated(opened, given, (found, unfinished, iterations, none))
     a = found if found.shape == u.shape else found[0]
     if not problem.safeguarded:
-        return differentiable(a), Effort(iterations, ~unfinished)
+        return differentiable(a), effort(iterations, residuals, converged=~unfinished)
 
     failed = unfinished | ~jnp.all(jnp.isfinite(a))
     opened, given = opened_closure(safeguarded, begin, nothing)
-    carry = begin, failed, jnp.zeros((), int)
-    found, unfinished, more = iterated(opened, lax.stop_gradient(given), carry, MAX_SAFEGUARDED)
+    carry = begin, failed, none, none
+    found, unfinished, more, tried = iterated(opened, lax.stop_gradient(given), carry, MAX_SAFEGUARDED)
     a = jnp.where(failed, found if jnp.ndim(u) else found[0], a)
-    return differentiable(a), Effort(iterations + more, ~unfinished, restarts=failed.astype(int))
+    how = {"converged": ~unfinished, "restarts": failed.astype(int)}
+    return differentiable(a), effort(iterations + more, residuals + tried, **how)
 
 
 def _coupled(form: FormOfTangent, c_u: Matrix) -> FormOfTangent:

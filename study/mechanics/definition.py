@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from study.algebra.arrays import Matrix, PositionsLike, Scalar, Vector, VectorLike, as_float64
+from study.algebra.counting import count
 from study.algebra.matrices import add, times
 from study.algebra.reads import Reads, reading, reads_of, reads_of_program
 from study.algebra.sparse import is_sparse
@@ -302,7 +303,7 @@ class Problem(eqx.Module):
 
     def committed(self, u: VectorLike, v: VectorLike) -> "Problem":
         """The problem with the history after a motion to u and u̇; a problem without a history is returned unchanged."""
-        return self if self.history is None else self.remembering(self.force(u, v, self.history)[1])
+        return self if self.history is None else self.remembering(self._force_and_history(u, v)[1])
 
     def stiffness_at(self, u: VectorLike) -> Matrix:
         """K + ∂p/∂u at displacement u and without velocity."""
@@ -348,7 +349,10 @@ class Problem(eqx.Module):
         if self.stiffness is None:
             return self.varying_force(u, v)
         elastic = times(self.stiffness, u)
-        return elastic if self.linear else elastic + self.varying_force(u, v)
+        if self.linear:
+            count(forces=1)
+            return elastic
+        return elastic + self.varying_force(u, v)
 
     def static_force(self, u: VectorLike) -> Vector:
         """The force K u + p at displacement u and without velocity, from the committed history."""
@@ -356,9 +360,14 @@ class Problem(eqx.Module):
 
     def varying_force(self, u: VectorLike, v: VectorLike) -> Vector:
         """The force p, without K u."""
+        return self._force_and_history(u, v)[0]
+
+    def _force_and_history(self, u: VectorLike, v: VectorLike) -> tuple[Vector, Any]:
+        """The force p, and the history after a motion to u and u̇; None without a history."""
+        count(forces=1)
         if self.history is not None:
-            return self.force(u, v, self.history)[0]
-        return self.force(u, v) if self.arguments == 2 else self.force(u)
+            return self.force(u, v, self.history)
+        return (self.force(u, v) if self.arguments == 2 else self.force(u)), None
 
     def momentum(self, v: VectorLike) -> Vector:
         """M u̇."""

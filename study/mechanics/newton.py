@@ -89,7 +89,7 @@ def norm(x: Vector | float) -> Scalar:
 
 
 def _goes_on(carry, most):
-    _, unfinished, iterations = carry
+    _, unfinished, iterations, _ = carry
     return unfinished & (iterations < most)
 
 
@@ -103,17 +103,19 @@ def _any(flags):
 
 
 def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS) -> tuple:
-    """Repeat ``a, unfinished, _ = iterate((a, 0), given)`` while ``unfinished``, up to ``most`` iterations.
+    """Repeat ``a, unfinished, _, more = iterate((a, 0), given)`` while ``unfinished``, up to ``most`` iterations.
 
-    ``carry`` is ``(a, unfinished, iterations)``, and the result is its final value. The zero in place of the size of
-    the last correction disables the prediction of the next correction: carrying this size costs more than it saves.
+    ``carry`` is ``(a, unfinished, iterations, residuals)``, and the result is its final value. ``residuals`` is the sum
+    of ``more``, the numbers of residuals that iterations evaluate to shorten a correction. The zero in place of the
+    size of the last correction disables the prediction of the next correction: carrying this size costs more than it
+    saves.
     """
     goes_on = partial(_goes_on, most=most)
 
     def again(carry, given):
-        a, _, iterations = carry
-        a, unfinished, _ = iterate((a, jnp.zeros((), a.dtype)), given)
-        return a, unfinished, iterations + 1
+        a, _, iterations, residuals = carry
+        a, unfinished, _, more = iterate((a, jnp.zeros((), a.dtype)), given)
+        return a, unfinished, iterations + 1, residuals + more
 
     @jax.custom_batching.custom_vmap
     def to_the_end(carry, given):
@@ -134,7 +136,7 @@ def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS)
 
             return jax.vmap(newest)(goes_on(carry), each(carry, given), carry)
 
-        return lax.while_loop(lambda carry: _any(goes_on(carry)), those_that_go_on, carry), (True,) * 3
+        return lax.while_loop(lambda carry: _any(goes_on(carry)), those_that_go_on, carry), (True,) * 4
 
     return to_the_end(carry, given)
 
@@ -158,8 +160,10 @@ def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
     return jnp.stack([new, negative, positive, new - a])
 
 
-def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Callable) -> Vector:
+def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Callable) -> tuple[Vector, jax.Array]:
     """A Newton correction of several unknowns, halved until the next correction with the same tangent is shorter.
+
+    The number of residuals evaluated is returned too.
 
     After a part λ of the correction, the next correction must be at most 1 − λ/4 times as long as the whole one. There
     are at most ``HALVINGS`` halvings. This natural monotonicity test depends neither on units nor on how stiff a member
@@ -176,12 +180,16 @@ def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Calla
         return ~(norm(following) <= (1 - part / 4) * norm(correction)) & (halvings < HALVINGS)
 
     whole = jnp.ones((), a.dtype), jnp.zeros((), int)
-    part, _ = lax.while_loop(too_long, lambda carry: (carry[0] / 2, carry[1] + 1), whole)
-    return part * correction
+    part, halvings = lax.while_loop(too_long, lambda carry: (carry[0] / 2, carry[1] + 1), whole)
+    return part * correction, halvings + 1
 
 
-def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:
+def shortened(
+    residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector
+) -> tuple[Vector, jax.Array]:
     """A Newton correction of several unknowns, shortened until the component of the residual along it nearly vanishes.
+
+    The number of residuals evaluated is returned too.
 
     A correction that is short enough (``OVERSHOOT``) is returned unchanged. If the tangent is symmetric and positive
     definite, a shortened correction ends where the energy along it is least, and every correction reduces the distance
@@ -209,8 +217,8 @@ def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance:
     before, whole = jnp.vdot(correction, out_of_balance), along(jnp.ones((), a.dtype))
     found = ~((whole * before < 0) & (jnp.abs(whole) > OVERSHOOT * jnp.abs(before)))
     ends = jnp.zeros((), a.dtype), before, jnp.ones((), a.dtype), whole
-    _, _, part, *_ = lax.while_loop(searches, evaluate, (*ends, found, jnp.zeros((), int)))
-    return part * correction
+    _, _, part, *_, evaluations = lax.while_loop(searches, evaluate, (*ends, found, jnp.zeros((), int)))
+    return part * correction, evaluations + 1
 
 
 def opened_closure(function: Callable, *examples) -> tuple[Callable, list]:

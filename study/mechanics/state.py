@@ -3,8 +3,10 @@
 from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 
 from study.algebra.arrays import Vector
+from study.algebra.counting import Counts
 
 
 class Effort(NamedTuple):
@@ -20,12 +22,22 @@ class Effort(NamedTuple):
         :class:`study.scheme.wrapper.with_history.WithHistory`.
     restarts
         How often Newton's iteration failed and was started again with a safeguard.
+    forces, tangents
+        Numbers of internal forces and of tangents that the iterations evaluated. What a step evaluates outside of its
+        iterations is counted when the step is traced, and added by :mod:`study.scheme.contract`.
+    factorisations, fixed_factorisations
+        Numbers of matrices that were factorised: of iterations, and of systems whose matrix depends on the step size
+        alone.
     """
 
     iterations: jax.Array | int = 0
     converged: jax.Array | bool = True
     committed: Any = None
     restarts: jax.Array | int = 0
+    forces: jax.Array | int = 0
+    tangents: jax.Array | int = 0
+    factorisations: jax.Array | int = 0
+    fixed_factorisations: jax.Array | int = 0
 
     def then(self, other: "Effort", committed: Any = None) -> "Effort":
         """Sum of the efforts of two balances, one after the other, with the history that was committed between them."""
@@ -34,6 +46,24 @@ class Effort(NamedTuple):
             self.converged & other.converged,
             committed,
             self.restarts + other.restarts,
+            self.forces + other.forces,
+            self.tangents + other.tangents,
+            self.factorisations + other.factorisations,
+            self.fixed_factorisations + other.fixed_factorisations,
+        )
+
+    def of_trial(self) -> "Effort":
+        """The evaluations of a trial step of its own size, as arrays, without its iterations."""
+        none = jnp.zeros((), int)
+        counts = self.forces, self.tangents, self.factorisations + self.fixed_factorisations
+        return Effort(none, jnp.ones((), bool), None, none, *(none + one for one in counts), none)
+
+    def including(self, counts: Counts) -> "Effort":
+        """The effort with the evaluations that were counted outside of iterations."""
+        return self._replace(
+            forces=self.forces + counts.forces,
+            tangents=self.tangents + counts.tangents,
+            fixed_factorisations=self.fixed_factorisations + len(counts.matrices),
         )
 
 

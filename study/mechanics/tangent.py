@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from study.algebra.arrays import Matrix, Vector
+from study.algebra.counting import count, counting
 from study.algebra.matrices import Banded, MatrixFree, times
 from study.algebra.scalars import is_whole
 from study.mechanics.sparse_tangent import SparseTangent
@@ -70,6 +71,13 @@ def force_and_tangent(force: Callable, u: Vector, form: FormOfTangent) -> tuple[
     form
         Half bandwidth, ``"dense"``, ``"matrix_free"`` or sparse; None for one unknown.
     """
+    with counting() as made:
+        value, tangent = _force_and_tangent(force, u, form)
+    count(forces=made.forces, tangents=made.forces)
+    return value, tangent
+
+
+def _force_and_tangent(force: Callable, u: Vector, form: FormOfTangent) -> tuple[Vector, Matrix]:
     if jnp.ndim(u) == 0:
         return jax.jvp(force, (u,), (jnp.ones_like(u),))
     if isinstance(form, SparseTangent):

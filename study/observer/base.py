@@ -53,6 +53,10 @@ class Reduction(Observer):
     def start(self, problem: Problem, state: Any) -> Any:
         """State of the reduction at t = 0: any arrays, whose shapes and types stay the same."""
 
+    def started(self, carried: Any, effort: Effort) -> Any:
+        """State of the reduction after the start of the scheme, which took the given effort; unchanged by default."""
+        return carried
+
     @abc.abstractmethod
     def update(self, carried: Any, problem: Problem, state: Any, t: Any, effort: Effort) -> Any:
         """State of the reduction after a step of the given effort, which ends with ``state`` at the time ``t``."""

@@ -41,6 +41,47 @@ class Restarts(Reduction):
         return {"newton_restarts": carried}
 
 
+class Evaluations(Reduction):
+    """Numbers of forces, tangents and factorisations of a run, with its start.
+
+    Every evaluation of p(u, ...) that the scheme makes is counted: in Newton's iterations, when a correction is
+    shortened, and when a history is committed. K u of a linear problem counts as a force, and so does a potential that
+    takes the place of a force. Where a force is evaluated together with its tangent, both are counted. The model of the
+    structure at rest, which some explicit schemes use in every step, is not counted.
+
+    A factorisation is a linear system with a new matrix: one per Newton iteration. A matrix that depends on the step
+    size alone is new when the step size changes, and counts unless it is diagonal or matrix-free. A linear problem
+    takes one such matrix for each balance of a step.
+
+    With controlled steps, the trial steps that were rejected, the estimates, and a trial run that measures the sizes of
+    the motion are counted too. A run that starts again with a safeguard is counted alone.
+    """
+
+    variables = {
+        "force_evaluations": {"long_name": "internal forces evaluated", "units": "1"},
+        "tangent_evaluations": {"long_name": "tangents of the internal force evaluated", "units": "1"},
+        "factorisations": {"long_name": "linear systems with a new matrix", "units": "1"},
+    }
+
+    def start(self, problem, state):
+        return (jnp.zeros((), int),) * 3, (jnp.zeros(()), jnp.zeros(()))
+
+    def started(self, carried, effort):
+        counts = effort.forces, effort.tangents, effort.factorisations + effort.fixed_factorisations
+        return tuple(map(jnp.add, carried[0], counts)), carried[1]
+
+    def update(self, carried, problem, state, t, effort):
+        (forces, tangents, factorisations), (before, dt_before) = carried
+        dt = t - before
+        # the difference of two times has their round-off
+        is_new = jnp.abs(dt - dt_before) > 8 * jnp.finfo(dt.dtype).eps * t
+        factorisations += effort.factorisations + jnp.where(is_new, effort.fixed_factorisations, 0)
+        return (forces + effort.forces, tangents + effort.tangents, factorisations), (t, dt)
+
+    def result(self, carried, problem, state):
+        return dict(zip(self.variables, carried[0], strict=True))
+
+
 #: log₂ of the growth that lifts round-off to the size of the motion.
 APART = 33
 

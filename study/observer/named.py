@@ -2,7 +2,7 @@
 
 from study.observer.base import Observer
 from study.observer.crossings import Oscillations
-from study.observer.diagnostics import LyapunovExponent, MomentumErrors, NewtonIterations
+from study.observer.diagnostics import Evaluations, LyapunovExponent, MomentumErrors, NewtonIterations
 from study.observer.energy import EnergyBalance, EnergyDrift, EnergyError, MaxEnergyError, MeanEnergyError
 from study.observer.motion import AbsoluteAcceleration, AbsoluteMotion, InternalForce, Trajectory
 from study.observer.peak import Peak
@@ -22,6 +22,7 @@ observers: Registry[Observer] = Registry(
         "peak": Peak(),
         "oscillations": Oscillations(),
         "newton_iterations": NewtonIterations(),
+        "effort": Evaluations(),
         "lyapunov_exponent": LyapunovExponent(),
         "absolute_acceleration": AbsoluteAcceleration(),
         "absolute_motion": AbsoluteMotion(),

@@ -71,7 +71,6 @@ class HHTAlpha1996(OneStep):
     source: ClassVar[str] = "Hilber et al. (1977)"
     doi: ClassVar[str] = "10.1002/eqe.4290050306"
     explicit = False
-    forces_per_step = 1
 
     def __post_init__(self):
         if self.beta is None:

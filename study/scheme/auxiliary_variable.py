@@ -7,6 +7,7 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from study.algebra.arrays import Matrix, Scalar, Vector
+from study.algebra.counting import count
 from study.algebra.elimination import solve
 from study.algebra.matrices import add, product, times
 from study.mechanics.balance import load
@@ -70,7 +71,6 @@ class AuxiliaryVariable(Scheme):
     order = 2
     explicit = True
     stability_limit = math.inf
-    forces_per_step = 2
 
     def __check_init__(self):
         check_ranges(self, shift=(0.0, math.inf))
@@ -81,7 +81,8 @@ class AuxiliaryVariable(Scheme):
         return super().refusal(problem)
 
     def _root(self, problem: Problem, u: Vector) -> Scalar:
-        """The square root of V + c, where V is the potential of p."""
+        """The square root of V + c, where V is the potential of p, which counts as a force."""
+        count(forces=1)
         return jnp.sqrt(problem.potential(u) + self.shift)  # type: ignore[misc]
 
     def start(self, problem, u0, v0, dt):

@@ -84,16 +84,6 @@ class Scheme(KeywordsOnly, eqx.Module):
         """
 
     @property
-    def forces_per_step(self) -> int:
-        """Number of internal forces that a step evaluates in addition to the forces of its Newton iterations."""
-        return 0
-
-    @property
-    def forces_per_iteration(self) -> int:
-        """Number of internal forces that one Newton iteration evaluates."""
-        return 1
-
-    @property
     def needs_equal_steps(self) -> bool:
         """Whether all steps must have one size, because the values that the scheme carries depend on this size."""
         return True
@@ -148,14 +138,12 @@ class Scheme(KeywordsOnly, eqx.Module):
         named = {None: "", 0.0: ", unstable without damping", np.inf: ", unconditionally stable for linear systems"}
         limit = self.stability_limit
         stable = named[limit] if limit in named else f", stable for ωΔt ≤ {limit:.4g}"
-        forces = [f"{self.forces_per_step} per step"] if self.forces_per_step else []
-        forces += [] if self.explicit else [f"{self.forces_per_iteration} per Newton iteration"]
         lines = [
             # a dataclass without a docstring gets its signature as docstring
             self.title if summary.startswith(f"{kind}(") else f"{self.title}: {summary}",
             textwrap.shorten(f"{kind}({self._parameters()})", 120, placeholder=" ...)"),
             f"{'explicit' if self.explicit else 'implicit'}, order {self.order}{damped}{stable}",
-            f"source: {self.source}" + (f"; forces: {' and '.join(forces)}" if forces else ""),
+            f"source: {self.source}",
         ]
         return "\n".join(lines)
 
@@ -231,14 +219,6 @@ class Wrapper(Scheme):
     @property
     def explicit(self) -> bool:
         return self.scheme.explicit
-
-    @property
-    def forces_per_step(self) -> int:
-        return self.scheme.forces_per_step
-
-    @property
-    def forces_per_iteration(self) -> int:
-        return self.scheme.forces_per_iteration
 
     @property
     def needs_equal_steps(self) -> bool:

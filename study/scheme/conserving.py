@@ -11,6 +11,7 @@ import numpy as np
 from jax import lax
 
 from study.algebra.arrays import Vector
+from study.algebra.counting import count
 from study.algebra.scalars import is_whole
 from study.mechanics.balance import balance, load
 from study.mechanics.definition import Problem
@@ -71,8 +72,10 @@ def _of_strains(potential: StrainEnergy, u0: Vector) -> Callable:
     slope = jax.grad(lambda strain: jnp.sum(density(strain)))
     before = strains(u0)
     energy = density(before)
+    count(forces=1)
 
     def mean_force(u1):
+        count(forces=2)
         after = strains(u1)
         change = after - before
         sizes = jnp.abs(before) + jnp.abs(after)
@@ -85,24 +88,29 @@ def _of_strains(potential: StrainEnergy, u0: Vector) -> Callable:
 
 
 def discrete_gradient(problem: Problem, u0: Vector) -> Callable:
-    """Gonzalez's mean force p̄ from u₀ to u₁, with p̄ᵀ (u₁ − u₀) = V(u₁) − V(u₀), as a function of u₁."""
+    """Gonzalez's mean force p̄ from u₀ to u₁, with p̄ᵀ (u₁ − u₀) = V(u₁) − V(u₀), as a function of u₁.
+
+    A potential counts as a force.
+    """
     potential = problem.potential
     if potential is None:
         raise ValueError("a discrete gradient needs a potential: give Problem(potential=...).")
     if isinstance(potential, StrainEnergy):
         return _of_strains(potential, u0)
+    count(forces=1)
     energy = potential(u0)
 
     def mean_force(u1):
         middle, change = (u0 + u1) / 2, u1 - u0
         length = jnp.vdot(change, change)
         moves = length > STANDSTILL[u0.dtype] ** 2 * (jnp.vdot(u0, u0) + jnp.vdot(u1, u1))
-        gain = potential(u1) - energy
         if jnp.ndim(u0) == 0:
             # with one unknown, p(u_m) cancels from the formula
-            return lax.cond(moves, lambda: gain / change, lambda: problem.force(middle))
+            count(forces=1)
+            return lax.cond(moves, lambda: (potential(u1) - energy) / change, lambda: problem.force(middle))
+        count(forces=2)
         force = problem.force(middle)
-        missing = (gain - jnp.vdot(force, change)) / jnp.where(moves, length, 1.0)
+        missing = (potential(u1) - energy - jnp.vdot(force, change)) / jnp.where(moves, length, 1.0)
         return force + jnp.where(moves, missing, 0.0) * change
 
     return mean_force
@@ -147,8 +155,6 @@ class EnergyMomentum(OneStep):
     order = 2
     explicit = False
     stability_limit = math.inf
-    forces_per_step = 1
-    forces_per_iteration = 2
 
     def refusal(self, problem):
         if problem.dissipative:
@@ -226,10 +232,6 @@ class AverageVectorField(OneStep):
     def __check_init__(self):
         if not is_whole(self.points, 1):
             raise ValueError(f"AverageVectorField(points={self.points}): points must be a whole number of at least 1.")
-
-    @property
-    def forces_per_iteration(self) -> int:
-        return self.points
 
     def refusal(self, problem):
         return _with_stiffness(self, problem) if problem.stiffness is not None else super().refusal(problem)

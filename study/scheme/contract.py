@@ -5,16 +5,15 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from study.algebra.counting import counting
 from study.algebra.scalars import is_number, is_whole
 from study.mechanics.function_checks import NOT_TRACEABLE
 from study.mechanics.state import Effort
 
-#: Integer attributes of a scheme, and their minima.
-_MINIMA = {"order": 1, "order_with_damping": 1, "forces_per_step": 0, "forces_per_iteration": 0}
 
 
 def check_attributes(scheme: Any) -> None:
-    """Refuse a scheme whose title, orders, stability limit or numbers of forces are invalid.
+    """Refuse a scheme whose title, orders or stability limit are invalid.
 
     Raises
     ------
@@ -24,13 +23,13 @@ def check_attributes(scheme: Any) -> None:
     of = type(scheme).__name__
     if not isinstance(scheme.title, str) or not scheme.title.strip():
         raise TypeError(f"title of {of} must be a non-blank string, not {scheme.title!r}.")
-    for name, least in _MINIMA.items():
+    for name in ("order", "order_with_damping"):
         try:
             value = getattr(scheme, name)
         except Exception as error:  # a property of a user's scheme may raise any exception
             raise TypeError(f"{name} of {of} raises {type(error).__name__}: {error}") from error
-        if not is_whole(value, least):
-            raise TypeError(f"{name} of {of} must be a whole number of at least {least}, not {value!r}.")
+        if not is_whole(value, 1):
+            raise TypeError(f"{name} of {of} must be a whole number of at least 1, not {value!r}.")
     limit = scheme.stability_limit
     if limit is not None and not (is_number(limit) and limit >= 0):
         raise TypeError(f"stability_limit of {of} must be a number of at least 0 or None, not {limit!r}.")
@@ -63,6 +62,13 @@ def _check_motion(of: str, state: Any, u: Any) -> None:
             raise TypeError(f"{of} must return '{name}' in {u.dtype}, not in {kind}.")
 
 
+def _counted(scheme: Any, method: str, *arguments: Any) -> tuple[Any, Effort]:
+    """As :func:`_returned`, with an effort that includes what the method evaluates outside of iterations."""
+    with counting() as counts:
+        state, effort = _returned(scheme, method, *arguments)
+    return state, effort.including(counts)
+
+
 def started(scheme: Any, problem: Any, u0: Any, v0: Any, dt: Any) -> tuple[Any, Effort]:
     """The first state of a scheme, and the effort to find it.
 
@@ -71,7 +77,7 @@ def started(scheme: Any, problem: Any, u0: Any, v0: Any, dt: Any) -> tuple[Any, 
     TypeError
         If ``start`` returns something other than a state and an effort.
     """
-    returned = _returned(scheme, "start", problem, u0, v0, dt)
+    returned = _counted(scheme, "start", problem, u0, v0, dt)
     _check_motion(f"start of {type(scheme).__name__}", returned[0], u0)
     return returned
 
@@ -84,7 +90,7 @@ def stepped(scheme: Any, problem: Any, state: Any, t: Any, dt: Any) -> tuple[Any
     TypeError
         If ``step`` returns something other than a state like the previous one and an effort.
     """
-    returned = _returned(scheme, "step", problem, state, t, dt)
+    returned = _counted(scheme, "step", problem, state, t, dt)
     of = f"step of {type(scheme).__name__}"
     _check_motion(of, returned[0], state.u)
     new, old = (jax.tree.flatten(one) for one in (returned[0], state))

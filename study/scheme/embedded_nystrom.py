@@ -102,10 +102,6 @@ class EmbeddedNystrom(OneStep):
     def order_with_damping(self) -> int:
         return self.with_damping
 
-    @property
-    def forces_per_step(self) -> int:
-        return len(self.tableau.c) - 1
-
     def increment(self, problem, state, t, dt):
         return self.pair(problem, state, t, dt)[0], Effort()
 

@@ -60,7 +60,6 @@ class ExplicitAlpha(OneStep):
 
     family: ClassVar[str] = "Explicit with dissipation"
     explicit = True
-    forces_per_step = 1
 
     def __check_init__(self):
         check_ranges(self, alpha_m=(-1.0, 0.5), beta=(0.0, 5.0), gamma=(0.0, 2.5))

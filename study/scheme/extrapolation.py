@@ -68,10 +68,6 @@ class Extrapolation(OneStep):
     def order(self) -> int:
         return 2 * len(self.sequence)
 
-    @property
-    def forces_per_step(self) -> int:
-        return sum(self.sequence) + 1
-
     def increment(self, problem, state, t, dt):
         du: VectorLike = 0.0
         dv: VectorLike = 0.0

@@ -12,6 +12,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.state import Effort, Phase
 from study.registry import did_you_mean
 from study.scheme.base import Scheme
+from study.scheme.contract import stepped
 from study.scheme.newmark import Newmark, central_difference
 from study.scheme.runge_kutta import RungeKutta4
 
@@ -67,12 +68,14 @@ def _exact(problem: Problem, u0, v0, dt):
     substeps = 1024
     h = -dt / substeps
 
-    def back(i, phase):
-        return RungeKutta4().step(problem, phase, i.astype(float) * h, h)[0]
+    def back(i, carry):
+        phase, forces = carry
+        phase, effort = stepped(RungeKutta4(), problem, phase, i.astype(float) * h, h)
+        return phase, forces + effort.forces
 
-    once = lax.fori_loop(0, substeps, back, Phase(u0, v0))
-    twice = lax.fori_loop(substeps, 2 * substeps, back, once)
-    return once.u, twice.u, Effort()
+    once, forces = lax.fori_loop(0, substeps, back, (Phase(u0, v0), 0))
+    twice, forces = lax.fori_loop(substeps, 2 * substeps, back, (once, forces))
+    return once.u, twice.u, Effort(forces=forces)
 
 
 #: Ways to find the two displacements before t = 0, by name.

@@ -65,10 +65,6 @@ class KickDriftKick(Alternating):
                 f"KickDriftKick needs one kick more than drifts, not {len(self.kicks)} for {len(self.drifts)}."
             )
 
-    @property
-    def forces_per_step(self) -> int:
-        return len(self.drifts)
-
     def increment(self, problem, state, t, dt):
         u, v, a = state
         first, *rest = self.kicks

@@ -73,7 +73,6 @@ class KolayRicles(OneStep):
     order = 1
     explicit = True
     stability_limit = math.inf
-    forces_per_step = 1
 
     def __check_init__(self):
         check_ranges(self, rho_inf=(0.0, 1.0))

@@ -7,6 +7,7 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from study.algebra.arrays import Matrix, ScalarLike, Vector
+from study.algebra.counting import counting
 from study.algebra.elimination import solve
 from study.algebra.matrices import add, product, times
 from study.mechanics.balance import acceleration, acceleration_within
@@ -26,7 +27,8 @@ def viscous(problem: Problem, u: Vector, factor: ScalarLike) -> Matrix:
     terms = [] if problem.damping is None else [product(factor, problem.damping, u.size)]
     if problem.takes_velocity:
         at_rest, undeformed = jnp.zeros_like(u), problem.at_rest()
-        _, viscosity = force_and_tangent(lambda v: undeformed.varying_force(at_rest, v), at_rest, problem.tangent)
+        with counting():  # not counted: the model is the same in every step
+            _, viscosity = force_and_tangent(lambda v: undeformed.varying_force(at_rest, v), at_rest, problem.tangent)
         terms.append(product(factor, viscosity, u.size))
     return add(*terms, n=u.size) if terms else None
 
@@ -36,7 +38,8 @@ def model(problem: Problem, u: Vector, of_damping: ScalarLike, of_stiffness: Sca
 
     Of ``u`` only the shape matters.
     """
-    stiffness = product(of_stiffness, problem.at_rest().stiffness_at(jnp.zeros_like(u)), u.size)
+    with counting():  # not counted: the model is the same in every step
+        stiffness = product(of_stiffness, problem.at_rest().stiffness_at(jnp.zeros_like(u)), u.size)
     damping = viscous(problem, u, of_damping)
     return stiffness if damping is None else add(stiffness, damping, n=u.size)
 
@@ -74,7 +77,6 @@ class ChenRicles(OneStep):
     explicit = True
     acceleration_offset = 0.0
     stability_limit = math.inf
-    forces_per_step = 1
 
     def increment(self, problem, state, t, dt):
         u, v, a = state
@@ -117,7 +119,6 @@ class Chang(OneStep):
     order = 2
     explicit = True
     stability_limit = math.inf
-    forces_per_step = 1
 
     def increment(self, problem, state, t, dt):
         u, v, a = state

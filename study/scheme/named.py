@@ -63,8 +63,7 @@ def register_scheme(name: str, scheme: Scheme) -> None:
     Raises
     ------
     TypeError
-        If ``scheme`` is not a :class:`study.Scheme`, or its title, orders, stability limit or numbers of forces are
-        invalid.
+        If ``scheme`` is not a :class:`study.Scheme`, or its title, orders or stability limit are invalid.
     ValueError
         If the name is taken or invalid, or the scheme has no class variable ``family``, by which figures group schemes.
     """

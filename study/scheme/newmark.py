@@ -121,10 +121,6 @@ class Newmark(OneStep):
         return isinstance(self.beta, float | int) and self.beta == 0
 
     @property
-    def forces_per_step(self) -> int:
-        return 1 if self.explicit else 0
-
-    @property
     def needs_mass(self) -> bool:
         return not bounded_at_infinite_frequency(self.beta, self.gamma)
 

@@ -54,7 +54,6 @@ class NohBathe(OneStep):
     order = 2
     explicit = True
     acceleration_offset = 0.0
-    forces_per_step = 2
 
     def __check_init__(self):
         check_ranges(self, p=(0.5, 0.9))

@@ -42,10 +42,6 @@ class Rederived(Wrapper):
     needs_mass = True
     acceleration_offset = 0.0
 
-    @property
-    def forces_per_step(self) -> int:
-        return self.scheme.forces_per_step + 1
-
     def start(self, problem, u0, v0, dt):
         return self.scheme.start(problem, u0, v0, dt)
 

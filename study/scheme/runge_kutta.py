@@ -46,7 +46,6 @@ class RungeKutta4(OneStep):
     order = 4
     explicit = True
     stability_limit = 2 * math.sqrt(2)
-    forces_per_step = 4
 
     def start(self, problem, u0, v0, dt):
         return Phase(u0, v0), Effort()
@@ -92,7 +91,6 @@ class Nystrom4(OneStep):
     order = 4
     explicit = True
     stability_limit = math.sqrt(8 + 2 ** (7 / 3) - 2 ** (8 / 3))
-    forces_per_step = 3
 
     def start(self, problem, u0, v0, dt):
         return Phase(u0, v0), Effort()
@@ -211,7 +209,6 @@ class Gauss4(OneStep):
     order = 4
     explicit = False
     stability_limit = math.inf
-    forces_per_iteration = 2
 
     def refusal(self, problem):
         if isinstance(problem.tangent, SparseTangent):

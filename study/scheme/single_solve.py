@@ -64,7 +64,6 @@ class SingleSolve(OneStep):
     doi: ClassVar[str] = "10.1002/nme.6574"
     order = 2
     explicit = True
-    forces_per_step = 1
 
     def __check_init__(self):
         check_ranges(self, rho_b=(0.0, 1.0), rho_s=(0.0, self.rho_b))

@@ -106,10 +106,6 @@ class Splitting(Alternating):
                 f"Splitting needs one drift more than kicks, not {len(self.drifts)} for {len(self.kicks)}."
             )
 
-    @property
-    def forces_per_step(self) -> int:
-        return len(self.kicks)
-
     def start(self, problem, u0, v0, dt):
         return Phase(u0, v0), Effort()
 
@@ -187,10 +183,6 @@ class Composition(OneStep):
     @property
     def order(self) -> int:
         return self.of_order
-
-    @property
-    def forces_per_step(self) -> int:
-        return len(self.weights)
 
     def increment(self, problem, state, t, dt):
         u, v, a = state

@@ -48,7 +48,6 @@ class TchamwaWielgosz(OneStep):
     order = 1
     explicit = True
     acceleration_offset = 0.0
-    forces_per_step = 1
 
     def __check_init__(self):
         check_ranges(self, phi=(1.0, 2.0))

@@ -105,7 +105,6 @@ class Trigonometric(OneStep):
     order = 2
     explicit = True
     needs_equal_steps = True
-    forces_per_step = 1
 
     def __check_init__(self):
         if self.member not in filters:

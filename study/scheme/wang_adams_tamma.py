@@ -61,7 +61,6 @@ class WangAdamsTamma(OneStep):
     doi: ClassVar[str] = "10.1002/nme.7658"
     order = 3
     explicit = True
-    forces_per_step = 2
 
     def __check_init__(self):
         check_ranges(self, c1=(0.3, 0.4))

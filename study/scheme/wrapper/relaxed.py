@@ -22,7 +22,7 @@ class Late(WrapperState):
 
 
 def _relaxation(energy: Callable) -> tuple[Scalar, Effort]:
-    """The γ near one with E(γ) = E(0), and whether Newton's iteration found it.
+    """The γ near one with E(γ) = E(0), and whether Newton's iteration found it, with the energies evaluated.
 
     The iteration solves (E(γ) − E(0))/γ = 0. This quotient does not have the root γ = 0 of the energy difference, and
     is a straight line for a linear system.
@@ -38,13 +38,14 @@ def _relaxation(energy: Callable) -> tuple[Scalar, Effort]:
     def iterate(gamma, last):
         new = corrected(gamma)
         # the convergence is quadratic, so one correction after the loop reduces the error to round-off
-        return new, jnp.abs(new - gamma) > jnp.finfo(one.dtype).eps ** (1 / 3), last
+        return new, jnp.abs(new - gamma) > jnp.finfo(one.dtype).eps ** (1 / 3), last, 0
 
     opened, given = opened_closure(iterate, one, one)
-    first = one, jnp.ones((), bool), jnp.zeros((), int)
-    gamma, unfinished, _ = iterated(opened, lax.stop_gradient(given), first)
+    first = one, jnp.ones((), bool), jnp.zeros((), int), jnp.zeros((), int)
+    gamma, unfinished, iterations, _ = iterated(opened, lax.stop_gradient(given), first)
     # outside the loop, so that JAX can differentiate this correction
-    return corrected(gamma), Effort(converged=~unfinished)
+    # the energies before, of each iteration and of this correction; an energy counts as a force
+    return corrected(gamma), Effort(converged=~unfinished, forces=iterations + 2)
 
 
 class Relaxed(Wrapper):

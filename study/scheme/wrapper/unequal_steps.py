@@ -74,10 +74,6 @@ class UnequalSteps(Wrapper):
         if self.correction not in CORRECTIONS:
             raise ValueError(f"correction must be one of {', '.join(map(repr, CORRECTIONS))}, not {self.correction!r}.")
 
-    @property
-    def forces_per_step(self) -> int:
-        return self.scheme.forces_per_step + (self.correction == "balance")
-
     def start(self, problem, u0, v0, dt):
         inner, effort = self.scheme.start(problem, u0, v0, dt)
         return StateOfStep(inner, inner.a, jnp.asarray(dt, float)), effort

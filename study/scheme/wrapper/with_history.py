@@ -46,10 +46,6 @@ class WithHistory(Wrapper):
     source: ClassVar[str] = "Simo and Hughes (1998)"
     doi: ClassVar[str] = "10.1007/b98904"
 
-    @property
-    def forces_per_step(self) -> int:
-        return self.scheme.forces_per_step + 1
-
     def start(self, problem, u0, v0, dt):
         problem = problem.committed(u0, v0)
         inner, effort = self.scheme.start(problem, u0, v0, dt)
