@@ -18,6 +18,7 @@ from docs.docstrings import parsed
 from docs.scheme_curves import linear_theory
 from docs.text import definitions, described, found_by
 from docs.theory import PARTS, STEPS, Theory, theory_of
+from study.analysis.forces import forces_of
 from study.words import number
 
 #: Fields of a scheme that are labels, not parameters.
@@ -119,9 +120,10 @@ def overshoot(theory: Theory) -> str:
 
 def forces(scheme: study.Scheme) -> str:
     """Numbers of forces that a step and a Newton iteration evaluate, in a phrase."""
-    counted = [f"{scheme.forces_per_step} per step"] if scheme.forces_per_step else []
-    counted += [] if scheme.explicit else [f"{scheme.forces_per_iteration} per Newton iteration"]
-    return " and ".join(counted)
+    counted = forces_of(scheme)
+    phrases = [f"{counted.per_step} per step"] if counted.per_step else []
+    phrases += [f"{counted.per_iteration} per Newton iteration"] if counted.per_iteration else []
+    return " and ".join(phrases)
 
 
 def _facts(subject: Subject, aliases: list[str]) -> str:

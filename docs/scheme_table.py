@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from docs.scheme_page import Library, Subject
 from docs.text import described, narrowed
 from docs.theory import ROUND_OFF, STEPS
+from study.analysis.forces import forces_of
 from study.scheme.codes import names_in_codes
 from study.words import number
 
@@ -36,7 +37,7 @@ def _time(subject: Subject, library: Library) -> float:
 
 def _cells(subject: Subject, library: Library) -> list[str | float]:
     scheme, theory = subject.scheme, subject.theory
-    decay = theory.decay_of_rule
+    decay, forces = theory.decay_of_rule, forces_of(scheme)
     return [
         scheme.title,
         scheme.family,
@@ -46,7 +47,7 @@ def _cells(subject: Subject, library: Library) -> list[str | float]:
         theory.at_infinity,
         100 * theory.elongation_of_rule,
         0.0 if abs(decay) < ROUND_OFF else 100 * decay,
-        scheme.forces_per_step if scheme.explicit else scheme.forces_per_iteration,
+        forces.per_step if scheme.explicit else forces.per_iteration,
         theory.memory,
         _time(subject, library),
     ]

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 import study
+from study.analysis.forces import forces_of
 
 #: Step sizes divided by the period, for the curves and for the measured order. The order needs the fine steps.
 PARTS = np.logspace(-3, 3, 601)
@@ -78,10 +79,9 @@ _LINEAR = study.Problem(force=lambda u: u, potential=lambda u: u * u / 2, u0=1.0
 
 
 def _forces(scheme: study.Scheme) -> float:
-    if scheme.explicit:
-        return scheme.forces_per_step
+    counted = forces_of(scheme)
     run = study.run(_LINEAR, scheme, dt=2 * math.pi / STEPS, steps=STEPS, observe=["newton_iterations"])
-    return scheme.forces_per_step + scheme.forces_per_iteration * run.newton_iterations.item() / STEPS
+    return counted.per_step + counted.per_iteration * run.newton_iterations.item() / STEPS
 
 
 def _error(scheme: study.Scheme) -> np.ndarray:

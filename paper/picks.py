@@ -105,7 +105,7 @@ def fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> tupl
     dims, steps = ("scheme", "steps_per_period"), runs.steps_per_period.values
     kept = ((error <= allowed) & sound).transpose(*dims).values
     keeps = np.logical_and.accumulate(kept[:, ::-1], axis=1)[:, ::-1]
-    per_step = (runs.forces_per_step + runs.forces_per_iteration * runs.iterations_per_step).transpose(*dims).values
+    per_step = runs.force_evaluations_per_step.transpose(*dims).values
     forces = np.where(keeps, per_step * steps, np.inf)
     best = forces.argmin(axis=1)
     return np.where(keeps.any(axis=1), forces[np.arange(len(best)), best], np.nan), best

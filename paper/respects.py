@@ -12,9 +12,8 @@ EQUAL = 1e-6
 def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
     """Fewest force evaluations per period with a step at and below which all steps tried keep the allowed error."""
     fine = runs.sortby("steps_per_period", ascending=False)
-    of_step = fine.forces_per_step + fine.forces_per_iteration * fine.iterations_per_step
     kept = (fine[error] <= ALLOWED).astype(int).cumprod("steps_per_period")
-    return (fine.steps_per_period * of_step).where(kept == 1).min("steps_per_period")
+    return (fine.steps_per_period * fine.force_evaluations_per_step).where(kept == 1).min("steps_per_period")
 
 
 def costs(kinks: xr.Dataset, structures: xr.Dataset) -> xr.DataArray:

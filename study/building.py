@@ -11,8 +11,10 @@ differentiates.
   :class:`study.Compensated` adds these increments by compensated sums. A :class:`study.OneStep` without its own
   ``start`` begins with the acceleration of the equation of motion.
 - ``title``, ``source``, ``doi``, ``order``, ``explicit`` and ``stability_limit`` describe the scheme.
-  ``order_with_damping``, ``forces_per_step`` and ``forces_per_iteration`` have defaults, to be replaced where they do
-  not fit. ``family`` names the panel in which figures of the study draw the scheme.
+  ``order_with_damping`` has a default, to be replaced where it does not fit. ``family`` names the panel in which
+  figures of the study draw the scheme.
+- The observer ``effort`` counts the forces that a step evaluates by the functions below or by the problem. A scheme
+  that evaluates them in a loop of its own adds the passes of the loop to the ``forces`` of its :class:`Effort`.
 
 An explicit step solves the equation of motion for ü by :func:`acceleration`. An implicit step needs the
 acceleration that balances the forces; :func:`balance` finds it by Newton's iteration. :func:`load` is f(t).

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import study
 from paper.published import printed_energy_errors
+from study.analysis.forces import forces_of
 from study.problem.named import printed_periods
 
 PROJECT = Path(__file__).parent.parent
@@ -42,8 +43,8 @@ def test_every_scheme_explains_itself(scheme):
 
 def test_the_text_of_a_scheme_states_its_order_and_its_number_of_forces(scheme):
     text = " ".join((type(scheme).__doc__ or "").split())
-    per_step, per_iteration = ("step", scheme.forces_per_step), ("Newton iteration", scheme.forces_per_iteration)
-    unit, forces = per_step if scheme.explicit else per_iteration
+    counted = forces_of(scheme)
+    unit, forces = ("step", counted.per_step) if scheme.explicit else ("Newton iteration", counted.per_iteration)
     stated = [(word, scheme.order) for word in re.findall(r"\b(First|Second|Third|Fourth) order(?! for)", text)]
     stated += [(word, forces) for word in re.findall(rf"\b(one|two|three|four) forces? per {unit}", text)]
     assert all(IN_WORDS[word.lower()] == value for word, value in stated)

@@ -176,7 +176,7 @@ def _under_records(spectrum: xr.Dataset, error: float, limits: Mapping[str, floa
     found = spectrum.isel(scheme=np.flatnonzero(largest.notnull()))
     largest = largest.sel(scheme=found.scheme)
     made = found.sel(step_size=largest)
-    forces = (found.forces_per_step + found.forces_per_iteration * made.iterations_per_step.mean(runs)) / largest
+    forces = made.force_evaluations_per_step.mean(runs) / largest
     omega = 2 * np.pi / spectrum.period.min().item()
     picks = []
     for k in tied(forces.values, made.error.max(runs).values):

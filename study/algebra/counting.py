@@ -1,8 +1,8 @@
 """Counts of the forces, the tangents and the matrices of linear systems that a traced function evaluates.
 
-JAX runs a function once to trace it, and the compiled program evaluates what the function calls in this one pass. So the
-counts of a step are numbers that are known before the step is computed. A loop is the exception: its passes are counted
-as data, in the :class:`study.mechanics.state.Effort` of the step.
+JAX runs a function once to trace it, and the compiled program evaluates what the function calls in this one pass. The
+counts of a step are therefore known before the step is computed. Loops are the exception: their passes are counted as
+data, in the :class:`study.mechanics.state.Effort` of the step.
 """
 
 from collections.abc import Callable, Iterator

@@ -16,7 +16,6 @@ from study.marching.timing import Timed
 from study.mechanics.definition import Problem
 from study.program.confirmation import Limit
 from study.scheme.base import Scheme
-from study.scheme.wrapper.with_history import WithHistory
 
 #: Timing of a recommended step: number of timed runs, time in s that a timed run should take, and largest number of
 #: steps of a timed run.
@@ -118,16 +117,14 @@ def dataset_of(
     tried = pd.concat(own, names=["scheme"]).to_xarray().sel(scheme=list(found)).sortby("dt", ascending=False)
     rows = []
     for name, one in found.items():
-        scheme, times = schemes[name], of_scheme.get(name, {})
-        marched = scheme if problem.history is None else WithHistory(scheme=scheme)
+        times = of_scheme.get(name, {})
         for limit in ((quantity, error) for quantity in names for error in allowed):
             verdict = one.verdicts.get(limit, Recommendation(UNCERTAIN))
             time, spread, forces, error = (np.nan,) * 4
             if verdict.recommended > 0:
                 run = own[name].loc[verdict.recommended]
                 time, spread = times.get(verdict.recommended, (np.nan,) * 2)
-                forces = run.steps * (marched.forces_per_step + marched.forces_per_iteration * run.iterations)
-                error = run[limit[0]]
+                forces, error = run.forces, run[limit[0]]
             rows.append((name, *limit, *verdict, error, time, spread, forces))
     index = ["scheme", "quantity", "allowed_error"]
     variables = ["verdict", "largest_dt", "recommended_dt", "steps_tried", "worst_error", "recommended_error"]

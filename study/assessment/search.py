@@ -95,7 +95,13 @@ class Case:
         """The observers of a run."""
         of_energy = ["energy_balance"] if self.problem.potential is not None else []
         of_oscillation = [OscillationErrors(self.oscillation)] if self.oscillation else []
-        return [*errors.observers(list(self.targets.values())), "newton_iterations", *of_energy, *of_oscillation]
+        return [
+            *errors.observers(list(self.targets.values())),
+            "newton_iterations",
+            "effort",
+            *of_energy,
+            *of_oscillation,
+        ]
 
 
 def sentence_on_starts(cases: dict[float, Case]) -> str:
@@ -165,8 +171,8 @@ class Search:
     late
         Whether ``end`` had passed when the last runs ended.
     runs
-        A row for each run: ``start``, ``dt``, ``steps``, ``status``, ``imbalance``, ``iterations``, and the error of
-        each quantity.
+        A row for each run: ``start``, ``dt``, ``steps``, ``status``, ``imbalance``, ``iterations``, ``forces``, and the
+        error of each quantity.
     """
 
     def __init__(
@@ -199,6 +205,7 @@ class Search:
             "status": ds.status.values,
             "imbalance": imbalance,
             "iterations": ds.newton_iterations.values / steps,
+            "forces": ds.force_evaluations.values,
         }
         rows: dict[str, Any] = {"start": start, "dt": dt, "steps": steps} | how | found
         return pd.DataFrame({name: np.broadcast_to(values, len(ends)) for name, values in rows.items()})

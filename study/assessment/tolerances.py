@@ -29,7 +29,6 @@ from study.marching.control import usual_estimator
 from study.marching.run import run
 from study.program.confirmation import Limit, largest_with_margin
 from study.scheme.base import Scheme
-from study.scheme.wrapper.with_history import WithHistory
 
 #: Largest and smallest tolerance of a search.
 LOOSEST, TIGHTEST = 0.1, 1e-12
@@ -117,9 +116,8 @@ class ToleranceSearch:
 
     def __post_init__(self):
         problem = self.cases[1.0].problem
-        self._marched = self.scheme if problem.history is None else WithHistory(scheme=self.scheme)
-        self._estimator = estimators[usual_estimator(self._marched, problem)]
-        self._power = self._estimator.exponent(self._marched)
+        self._estimator = estimators[usual_estimator(self.scheme, problem)]
+        self._power = self._estimator.exponent(self.scheme)
         self._random = np.random.default_rng(0)
 
     def _run(self, start: float, tolerance: np.ndarray) -> None:
@@ -137,13 +135,10 @@ class ToleranceSearch:
             on_failure="ignore",
         )
         steps = ds.steps.values
-        trials = steps + ds.steps_rejected_by_estimate.values + ds.steps_rejected_by_solver.values
-        of_step = self._estimator.forces_per_step(self._marched)
-        of_step = of_step + self._marched.forces_per_iteration * ds.newton_iterations.values / np.maximum(steps, 1)
         ends = np.full(len(tolerance), self.duration)
         found: dict[str, Any] = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
         found |= {ENERGY: ds.max_energy_imbalance.values} if self.of_energy else {}
-        rows = {"start": start, "tolerance": tolerance, "steps": steps, "forces": trials * of_step} | found
+        rows = {"start": start, "tolerance": tolerance, "steps": steps, "forces": ds.force_evaluations.values} | found
         self.runs = pd.concat([self.runs, pd.DataFrame(rows)], ignore_index=True)
         self.late = time.monotonic() > self.end
 

@@ -13,7 +13,7 @@ from study.declaration.options import RisingCounts, Schemes, Springs
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.observer.diagnostics import NewtonIterations
+from study.observer.diagnostics import Evaluations, NewtonIterations
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.problem.named import problems as problems_by_name
 
@@ -55,7 +55,7 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
         for s, scheme in enumerate(schemes):
             progress(f"accuracy of {scheme} on {problem.title}")
             for k, (steps, (dt, observers)) in enumerate(zip(steps_per_period, compared, strict=True)):
-                observe = [*observers, MaxEnergyError(), EnergyDrift(), NewtonIterations()]
+                observe = [*observers, MaxEnergyError(), EnergyDrift(), NewtonIterations(), Evaluations()]
                 for n, length in enumerate(periods):
                     ds = run(problem, scheme, dt=dt, steps=steps * length, observe=observe, on_failure="ignore")
                     for name, value in ds.data_vars.items():

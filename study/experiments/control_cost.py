@@ -19,7 +19,6 @@ from study.mechanics.definition import Problem
 from study.problem.named import problems as problems_by_name
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
-from study.scheme.wrapper.with_history import WithHistory
 
 #: Largest number of steps of a controlled run, as a multiple of the largest number of equal steps.
 MOST = 4
@@ -83,7 +82,7 @@ def control_cost(
             progress(f"control of {name} on {problem}")
             runs = [(equal, k, _equal(definition, scheme, exact, parts)) for k, parts in enumerate(steps_per_sample)]
             if not scheme.needs_equal_steps:
-                estimator = estimators[usual_estimator(_marched(definition, scheme), definition)]
+                estimator = estimators[usual_estimator(scheme, definition)]
                 used[p, s] = estimator.title
                 most = MOST * max(steps_per_sample) * len(exact.t)
                 for k, tolerance in enumerate(tolerances):
@@ -127,16 +126,18 @@ def control_cost(
 
 
 #: Observers of every run.
-OBSERVED = ["trajectory", "newton_iterations"]
+OBSERVED = ["trajectory", "effort"]
 
 
 def _equal(problem: Problem, scheme: Scheme, exact: Known, parts: int) -> dict[str, float]:
     """Error, number of force evaluations, and status of a run with ``parts`` equal steps between two samples."""
     steps = parts * len(exact.t)
     ds = run(problem, scheme, dt=exact.t[-1] / steps, steps=steps, every=parts, observe=OBSERVED, on_failure="ignore")
-    marched = _marched(problem, scheme)
-    forces = _forces(marched, marched.forces_per_step, ds, steps, steps)
-    return {"error": exact.error(ds.u.values[1:]), "forces": forces, "status": ds.status.item()}
+    return {
+        "error": exact.error(ds.u.values[1:]),
+        "forces": ds.force_evaluations.item(),
+        "status": ds.status.item(),
+    }
 
 
 def _controlled(
@@ -162,23 +163,11 @@ def _controlled(
         on_failure="ignore",
     )
     steps, rejected = ds.steps.item(), (ds.steps_rejected_by_estimate + ds.steps_rejected_by_solver).item()
-    marched = _marched(problem, scheme)
     completed = ds.status == ENDS.index("completed")
     return {
         "error": exact.error(ds.u.sel(t=exact.t, method="nearest").values) if completed else np.nan,
-        "forces": _forces(marched, estimator.forces_per_step(marched), ds, steps, steps + rejected),
+        "forces": ds.force_evaluations.item(),
         "steps": steps,
         "rejected": rejected,
         "status": ds.status.item(),
     }
-
-
-def _marched(problem: Problem, scheme: Scheme) -> Scheme:
-    """The scheme as it is marched; if the problem has a history, further forces are evaluated to commit it."""
-    return scheme if problem.history is None else WithHistory(scheme=scheme)
-
-
-def _forces(scheme: Scheme, per_step: int, ds: xr.Dataset, steps: int, trials: int) -> float:
-    """Number of force evaluations of a run, if every trial step takes the mean number of iterations per step."""
-    of_iterations = 0 if scheme.explicit else scheme.forces_per_iteration * ds.newton_iterations.item() / max(steps, 1)
-    return trials * (per_step + of_iterations)

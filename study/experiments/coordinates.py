@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 from study import io
+from study.analysis.forces import forces_of
 from study.control.controllers import Reversible
 from study.control.named import controllers, estimators
 from study.problem.named import approximate_periods, problems
@@ -20,8 +21,7 @@ def problem_coordinates(names: Sequence[str]) -> dict:
 def scheme_coordinates(names: Sequence[str]) -> dict:
     """Names of schemes along ``scheme``, with their properties.
 
-    The properties are title, family, place in the family, order of accuracy, kind (explicit or implicit), number of
-    force evaluations, and source.
+    The properties are title, family, place in the family, order of accuracy, kind (explicit or implicit), and source.
     """
     families = [[name for name, s in schemes.items() if s.family == schemes[one].family] for one in names]
     chosen = [schemes[name] for name in names]
@@ -41,18 +41,25 @@ def scheme_coordinates(names: Sequence[str]) -> dict:
             {"long_name": "order of accuracy with damping or a load", "units": "1"},
         ),
         "explicit": ("scheme", [int(s.explicit) for s in chosen], {"long_name": "1 where explicit", "units": "1"}),
+        "scheme_source": ("scheme", [s.source for s in chosen], {"long_name": "source of the scheme"}),
+        "doi": ("scheme", [s.doi for s in chosen], {"long_name": "digital object identifier of the source"}),
+    }
+
+
+def forces_coordinates(names: Sequence[str]) -> dict:
+    """Numbers of forces along ``scheme``, on springs without a velocity-dependent force."""
+    counted = [forces_of(schemes[name]) for name in names]
+    return {
         "forces_per_step": (
             "scheme",
-            [s.forces_per_step for s in chosen],
+            [one.per_step for one in counted],
             {"long_name": "forces that a step evaluates in addition to Newton's iterations", "units": "1"},
         ),
         "forces_per_iteration": (
             "scheme",
-            [0 if s.explicit else s.forces_per_iteration for s in chosen],
+            [one.per_iteration for one in counted],
             {"long_name": "forces that one Newton iteration evaluates", "units": "1"},
         ),
-        "scheme_source": ("scheme", [s.source for s in chosen], {"long_name": "source of the scheme"}),
-        "doi": ("scheme", [s.doi for s in chosen], {"long_name": "digital object identifier of the source"}),
     }
 
 

@@ -66,7 +66,7 @@ def kinks(
     """
     reference = io.open_dataset("reference/inelastic")
     shape = (len(problems), len(schemes), len(steps_per_period))
-    error, imbalance, iterations = (np.full(shape, np.nan) for _ in range(3))
+    error, imbalance, iterations, forces = (np.full(shape, np.nan) for _ in range(4))
     highest = np.empty(len(problems))
     order, status = np.full(shape[:2], np.nan), np.full(shape, STATUSES_OR_NOT_RUN.index("not_run"), np.int8)
     for p, problem in enumerate(problems):
@@ -83,7 +83,7 @@ def kinks(
                     scheme,
                     dt=scale / steps,
                     steps=periods * steps,
-                    observe=["trajectory", "energy_balance", "newton_iterations"],
+                    observe=["trajectory", "energy_balance", "newton_iterations", "effort"],
                     every=steps // samples_per_period,
                     on_failure="ignore",
                 )
@@ -91,6 +91,7 @@ def kinks(
                 error[p, s, k] = np.abs(ds.u.values[1:] - known.u.values).max() / size
                 imbalance[p, s, k] = ds.max_energy_imbalance
                 iterations[p, s, k] = ds.newton_iterations / (periods * steps)
+                forces[p, s, k] = ds.force_evaluations / (periods * steps)
             order[p, s] = _order(np.array(steps_per_period), error[p, s], known.u_uncertainty.item() / size)
     dims = ("problem", "scheme", "steps_per_period")
     return xr.Dataset(
@@ -103,6 +104,7 @@ def kinks(
             ),
             "status": (dims, status, flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8)),
             "iterations_per_step": (dims, iterations, {"long_name": "Newton iterations per step", "units": "1"}),
+            "force_evaluations_per_step": (dims, forces, {"long_name": "forces evaluated per step", "units": "1"}),
             "observed_order": (dims[:2], order, {"long_name": "observed order of the errors", "units": "1"}),
             "period": (
                 "problem",

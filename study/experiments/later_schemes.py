@@ -11,6 +11,7 @@ from jax.flatten_util import ravel_pytree
 from scipy.integrate import solve_ivp
 
 from study.analysis.eigenvalues import eigenvalues
+from study.analysis.forces import forces_of
 from study.analysis.linear_theory import LinearTheory
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Counts, Length, RisingCounts, Sizes
@@ -190,7 +191,7 @@ def _radius_of_mixed_pade(terms: int) -> float:
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
     waves = sum(REACHED * options["elements"] / courant for courant in options["courant"]) * len(OF_WAVES)
     trigonometric, auxiliary = (number * sum(options["steps"]) for number in (len(PHASES) * len(filters), 2))
-    fourth = sum(options["forces"]) * sum(1 / scheme.forces_per_step for scheme in OF_FOURTH_ORDER.values())
+    fourth = sum(options["forces"]) * sum(1 / forces_of(scheme).per_step for scheme in OF_FOURTH_ORDER.values())
     return trigonometric + waves + 1000 * len(options["long_steps"]) + len(SPEEDS) * (auxiliary + fourth)
 
 
@@ -225,7 +226,7 @@ def later_schemes(
         for dt in long_steps
     ]
     fourth = [
-        plain.errors(scheme, [count // scheme.forces_per_step for count in forces])
+        plain.errors(scheme, [count // forces_of(scheme).per_step for count in forces])
         for scheme in OF_FOURTH_ORDER.values()
     ]
     error = {"long_name": "error of the displacement over the motion", "units": "1"}

@@ -142,6 +142,7 @@ def spectral(
         },
         coords={
             **coordinates.scheme_coordinates(schemes),
+            **coordinates.forces_coordinates(schemes),
             "dt_over_period": ("dt_over_period", dt_over_period, {"long_name": "step size over period", "units": "1"}),
             "damping_ratio": (
                 "damping_ratio",

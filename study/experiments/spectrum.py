@@ -92,7 +92,7 @@ def spectrum(
     lanes = xr.broadcast(step_size, number, exact.period, exact.yield_force)
     dt, record, period, strength = (lane.transpose(*dims).values.ravel() for lane in lanes)
     error = np.full((len(schemes), len(steps), *exact.peak_drift.shape), np.nan)
-    iterations = np.full(error.shape, np.nan)
+    iterations, forces = np.full(error.shape, np.nan), np.full(error.shape, np.nan)
     for s, scheme in enumerate(schemes):
         if schemes_by_name[scheme].refusal(yielding_under_record(GroundMotion.el_centro(), 1.0, 1.0)):
             continue
@@ -103,12 +103,14 @@ def spectrum(
             over={"record": record, "period": period, "yield_force": strength},
             dt=dt,
             steps=_counts(duration, dt),
-            observe=[Peak(), "newton_iterations"],
+            observe=[Peak(), "newton_iterations", "effort"],
             on_failure="ignore",
         )
         found = ds.peak.where(ds.status == 0).values.reshape(error.shape[1:])
         error[s] = np.abs(found / exact.peak_drift.values - 1)
-        iterations[s] = (ds.newton_iterations.values / _counts(duration, dt)).reshape(found.shape)
+        steps_of_run = _counts(duration, dt)
+        iterations[s] = (ds.newton_iterations.values / steps_of_run).reshape(found.shape)
+        forces[s] = (ds.force_evaluations.values / steps_of_run).reshape(found.shape)
     of_error = {"long_name": "relative error of the peak drift, at the steps and between them", "units": "1"}
     of_runs = xr.Dataset(
         {
@@ -117,6 +119,11 @@ def spectrum(
                 ("scheme", *dims),
                 iterations,
                 {"long_name": "Newton iterations per step", "units": "1"},
+            ),
+            "force_evaluations_per_step": (
+                ("scheme", *dims),
+                forces,
+                {"long_name": "forces evaluated per step", "units": "1"},
             ),
         },
         coords={

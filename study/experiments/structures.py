@@ -27,7 +27,7 @@ from study.observer.energy import EnergyBalance
 from study.problem.named import problems as problems_by_name
 
 #: Observers of every run; structures with positions also have their momenta observed.
-OBSERVERS = ["trajectory", "energy_balance", "newton_iterations"]
+OBSERVERS = ["trajectory", "energy_balance", "newton_iterations", "effort"]
 ATTRIBUTES = {
     "displacement_error": {"long_name": "largest error of the displacement over its largest size", "units": "1"},
     "velocity_error": {"long_name": "largest error of the velocity over its largest size", "units": "1"},
@@ -36,6 +36,7 @@ ATTRIBUTES = {
     # a support changes the linear momentum, so the error of the linear momentum is NaN for structures that are held
     **MomentumErrors.variables,
     "iterations_per_step": {"long_name": "Newton iterations per step", "units": "1"},
+    "force_evaluations_per_step": {"long_name": "forces evaluated per step", "units": "1"},
     "max_newton_iterations": NewtonIterations.variables["max_newton_iterations"],
     "status": STATUS_ATTRIBUTES,
     "failed_at_step": FAILED_AT_STEP_ATTRIBUTES,
@@ -91,6 +92,7 @@ def _measured(problem: str, scheme: str, steps_per_period: int, periods: float, 
         for name, values in _motion(problem, ds.isel(t=slice(1, None))).items()
     } | {
         "iterations_per_step": ds.newton_iterations / round(periods * steps_per_period),
+        "force_evaluations_per_step": ds.force_evaluations / round(periods * steps_per_period),
     }
     return {name: derived.get(name, ds.get(name, np.nan)) for name in ATTRIBUTES}
 

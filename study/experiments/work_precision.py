@@ -88,9 +88,7 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
     dims = ("problem", "scheme", "steps_per_period")
     steps_of_run = accuracy.steps_per_period * accuracy.periods
     iterations = (accuracy.newton_iterations / steps_of_run).sel(periods=100).transpose(*dims).values
-    of_step = np.array([[scheme.forces_per_step] for scheme in chosen])
-    of_iteration = np.array([[scheme.forces_per_iteration] for scheme in chosen])
-    evaluations = of_step + of_iteration * iterations
+    evaluations = (accuracy.force_evaluations / steps_of_run).sel(periods=100).transpose(*dims).values
     median, quartiles = np.median(per_step, axis=-1), np.quantile(per_step, [0.25, 0.75], axis=-1)
     ds = accuracy.assign(
         time_per_step=((*dims, "repeat"), per_step, {"long_name": "time of one step, by repeat", "units": "ns"}),
@@ -110,9 +108,6 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
     ds = ds.assign(
         time_per_run=(1e-9 * ds.median_time_per_step * steps_of_run).assign_attrs(
             long_name="median time of a step times the number of steps", units="s"
-        ),
-        force_evaluations=(ds.force_evaluations_per_step * steps_of_run).assign_attrs(
-            long_name="forces evaluated in a run", units="1"
         ),
     )
     numbered = ("repeat", np.arange(repeats), {"long_name": "repeat", "units": "1"})

@@ -114,7 +114,7 @@ def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts) -> tuple[Size
         progress = trial.start(*start, dt, 0)[0]
         progress = lax.fori_loop(0, OF_TRIAL, lambda _, progress: trial.stepped(progress, dt), progress)
         found = trial.result(progress)[1]
-        scale, *counts = (found[name] for name in ("scale", "force_evaluations", "tangent_evaluations", "factorisations"))
+        scale, counts = found.pop("scale"), (found[name] for name in Evaluations.variables)
         return tuple(jnp.where(jnp.isfinite(scale), scale, 0.0)), Effort(0, True, None, 0, *counts).of_trial()
 
     return (jax.vmap(one) if lanes else one)(arguments, starts)

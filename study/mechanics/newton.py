@@ -184,9 +184,7 @@ def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Calla
     return part * correction, halvings + 1
 
 
-def shortened(
-    residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector
-) -> tuple[Vector, jax.Array]:
+def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> tuple[Vector, jax.Array]:
     """A Newton correction of several unknowns, shortened until the component of the residual along it nearly vanishes.
 
     The number of residuals evaluated is returned too.

@@ -138,10 +138,6 @@ class _SecondOrder(_Plain):
     order = "two"  # type: ignore[assignment]
 
 
-class _LessThanNoForce(_Plain):
-    forces_per_step = -1
-
-
 class _NegativeLimit(_Plain):
     stability_limit = -1.0
 
@@ -160,7 +156,6 @@ class _RaisingOrder(_Plain):
     "scheme, sentence",
     [
         (_SecondOrder(), "order of _SecondOrder must be a whole number of at least 1, not 'two'."),
-        (_LessThanNoForce(), "forces_per_step of _LessThanNoForce must be a whole number of at least 0, not -1."),
         (_NegativeLimit(), "stability_limit of _NegativeLimit must be a number of at least 0 or None, not -1.0."),
         (_NoTitle(), "title of _NoTitle must be a non-blank string, not ' '."),
         (_RaisingOrder(), "order of _RaisingOrder raises ZeroDivisionError: integer division or modulo by zero"),

@@ -96,15 +96,13 @@ def _kinks(*needed, first_order=0):
         {
             "error": (dims, error),
             "max_energy_imbalance": (dims, 0 * error),
-            "iterations_per_step": (dims, 0 * error),
+            "force_evaluations_per_step": (dims, 0 * error + [[1.0], [4.0]]),
             "observed_order": (dims[:2], order),
         },
         coords,
     ).assign_coords(
         problem_title=("problem", ["yielding oscillator"]),
         explicit=("scheme", [1, 1]),
-        forces_per_step=("scheme", [1, 4]),
-        forces_per_iteration=("scheme", [1, 1]),
     )
 
 

@@ -13,10 +13,9 @@ def _runs(problem, name, errors, schemes=("one", "two")):
     """Runs with errors by scheme and step; the first scheme takes one force evaluation a step, the second two."""
     data = filled(0.0, problem=[problem], scheme=list(schemes), steps_per_period=STEPS).to_dataset(name=name)
     data[name][0] = errors
-    data["iterations_per_step"] = data[name] * 0 + [[0.0], [2.0]]
-    of = {"forces_per_step": ("scheme", [1, 0]), "forces_per_iteration": ("scheme", [0, 1])}
+    data["force_evaluations_per_step"] = data[name] * 0 + [[1.0], [2.0]]
     titles = {"problem_title": ("problem", [problem]), "scheme_title": ("scheme", list(schemes))}
-    return data.assign_coords({**of, **titles})
+    return data.assign_coords(titles)
 
 
 def test_the_cost_is_that_of_the_coarsest_step_from_which_all_finer_ones_keep_the_error():

@@ -48,7 +48,9 @@ def _problem(kind: str, calls: list[float]) -> study.Problem:
     return study.Problem(lambda u: called(u)(u), u0, potential=(lambda u: potential(u)(u)) if "p(u)" in kind else None)
 
 
-def _check(scheme: study.Scheme, kind: str, dt: float = 0.01, prepared=lambda problem: problem) -> study.building.Effort:
+def _check(
+    scheme: study.Scheme, kind: str, dt: float = 0.01, prepared=lambda problem: problem
+) -> study.building.Effort:
     calls: list[float] = []
     problem = prepared(_problem(kind, calls))
     if reason := scheme.refusal(problem):
@@ -64,3 +66,14 @@ def _check(scheme: study.Scheme, kind: str, dt: float = 0.01, prepared=lambda pr
     # the model of some explicit schemes is the tangent at u = 0, which is the same in every step
     assert sum(x > 0 for x in calls) == int(effort.forces) > 0
     return effort
+
+
+@pytest.mark.parametrize("scheme", [study.schemes[name] for name in ("bathe", "central_difference", "kr_alpha")])
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_forces_of_every_kind_are_counted(scheme, kind):
+    _check(scheme, kind)
+
+
+@pytest.mark.parametrize("kind", ["p(u, v)"])
+def test_the_forces_of_every_scheme_are_counted(scheme, kind):
+    _check(scheme, kind)

@@ -8,6 +8,7 @@ from case import STEPS, Case, step_size, timed
 
 import study
 from reference import exact, taylor
+from study.analysis.forces import forces_of
 from study.marching.timing import Timed
 from study.observer.base import Reduction
 from study.observer.energy import EnergyDrift, MaxEnergyError
@@ -81,10 +82,11 @@ def forces() -> Iterator[Case]:
         baseline = Timed(study.problems[spring], study.schemes["central_difference"], (EnergyDrift(),))
         for name, scheme in study.schemes.items():
             if scheme.explicit and name != "central_difference":
+                forces = forces_of(scheme).per_step
                 run = Timed(study.problems[spring], scheme, (EnergyDrift(),))
                 yield Case(
                     f"{name}, {spring}, a force : central difference",
-                    lambda run=run, dt=dt, n=scheme.forces_per_step: run.run(dt, STEPS)[0] / n,
+                    lambda run=run, dt=dt, n=forces: run.run(dt, STEPS)[0] / n,
                     lambda dt=dt, baseline=baseline: baseline.run(dt, STEPS)[0],
                     1.5,
                     STEPS,

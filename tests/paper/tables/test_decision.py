@@ -80,7 +80,7 @@ def _runs(
     return xr.Dataset(
         {
             name: (dims, error),
-            "iterations_per_step": (dims, np.full(error.shape, 2.0)),
+            "force_evaluations_per_step": (dims, np.array([[[2.0] * 2, [5.0] * 2, [5.0] * 2]])),
             "observed_order": (dims[:2], [[2.0, 1.2, np.nan]]),
             "max_energy_imbalance": (dims, np.full(error.shape, imbalance)),
             "velocity_error": (dims, np.full(error.shape, velocity)),
@@ -97,8 +97,6 @@ def _runs(
             "scheme_title": TITLES,
             "explicit": ("scheme", [0, 0, 0]),
             "order": ("scheme", [2, 4, 4]),
-            "forces_per_step": ("scheme", [0, 1, 1]),
-            "forces_per_iteration": ("scheme", [1, 2, 2]),
             "steps_per_period": [20, 80],
         },
     )
@@ -111,10 +109,11 @@ def _spectrum() -> xr.Dataset:
     """
     error = np.array([[0.5, 0.02, 0.8, 0.009], [0.001, 0.2, 0.8, 0.008], [1e-9, 1e-9, 1e-9, 1e-9]])
     dims = ("scheme", "step_size", "record", "period", "reduction")
+    of_runs = error[:, :, None, None, None] * [1, 0.1]
     return xr.Dataset(
         {
-            "error": (dims, error[:, :, None, None, None] * [1, 0.1]),
-            "iterations_per_step": (dims, np.full((*error.shape, 1, 1, 2), 3.0)),
+            "error": (dims, of_runs),
+            "force_evaluations_per_step": (dims, np.array([1.0, 3.0, 3.0])[:, None, None, None, None] + 0 * of_runs),
             "spacing": 0.02,
             "allowed_error": 0.01,
         },
@@ -122,8 +121,6 @@ def _spectrum() -> xr.Dataset:
             "scheme": ["cheap", "dear", "fails"],
             "scheme_title": TITLES,
             "explicit": ("scheme", [1, 1, 0]),
-            "forces_per_step": ("scheme", [1, 3, 0]),
-            "forces_per_iteration": ("scheme", [0, 0, 1]),
             "step_size": [0.04, 0.02, 0.015, 0.01],
             "commensurate": ("step_size", [1, 1, 0, 1]),
             "record": ["quake"],
@@ -213,7 +210,7 @@ def test_elsewhere_the_fewest_forces_decide(rows):
 def test_of_schemes_that_tie_a_step_that_a_finer_one_confirms_comes_first():
     runs = _runs("error", "swinging thing").isel(problem=0)
     # 20 steps of eight force evaluations, and 80 steps of two with a smaller error
-    runs["iterations_per_step"].loc["dear"] = 3.5
+    runs["force_evaluations_per_step"].loc["dear"] = 8.0
     picks = picks_of(runs, runs.error, 0.1, dict.fromkeys(runs.scheme.values, np.inf))
     assert [(pick.title, pick.step, pick.forces) for pick in picks] == [
         ("Dear", "≤\u00a020", "160 forces"),
