@@ -7,6 +7,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import study
+from study.analysis.forces import forces_of
 from study.analysis.linear_theory import LinearTheory
 from study.scheme.houbolt import starts
 from study.scheme.rederived import Rederived
