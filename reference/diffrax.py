@@ -107,10 +107,10 @@ def _solve_with_history(problem: Problem, t, rtol, method: str, max_steps: int):
         )
         y = solution.ys[-1]
         result = diffrax.RESULTS.where(diffrax.is_okay(before), solution.result, before)
-        return (y, committed.committed(*y).history, result), (y, solution.stats["num_steps"])
+        return (y, committed.at_time(ends[1]).committed(*y).history, result), (y, solution.stats["num_steps"])
 
     start = jnp.stack([jnp.asarray(problem.u0), jnp.asarray(problem.v0)])
-    begin = start, problem.committed(*start).history, diffrax.RESULTS.successful
+    begin = start, problem.at_time(0.0).committed(*start).history, diffrax.RESULTS.successful
     (*_, result), (states, steps) = jax.lax.scan(stretch, begin, (jnp.append(0.0, t[:-1]), t))
     return states, steps.sum(), result
 

@@ -41,14 +41,16 @@ class _Motion:
         shape = (2, *np.shape(problem.u0))
         self.problem, self.start = problem, np.concatenate([np.ravel(problem.u0), np.ravel(problem.v0)])
         self.rate = jax.jit(lambda t, y, h: right_side(t, y.reshape(shape), problem.remembering(h)).ravel())
-        self._committed = jax.jit(lambda y, h: problem.remembering(h).committed(*y.reshape(shape)).history)
+        self._committed = jax.jit(
+            lambda t, y, h: problem.remembering(h).at_time(t).committed(*y.reshape(shape)).history
+        )
         self.history = problem.history
-        self.commit(self.start)
+        self.commit(0.0, self.start)
 
-    def commit(self, y: np.ndarray) -> None:
-        """Commit the history of the motion up to a state."""
+    def commit(self, t: float, y: np.ndarray) -> None:
+        """Commit the history of the motion up to a state at the time t."""
         if self.history is not None:
-            self.history = self._committed(y, self.history)
+            self.history = self._committed(t, y, self.history)
 
 
 def _right_side_of(motion: _Motion):
@@ -151,19 +153,26 @@ def trajectory(
             solution = solver.step(until, tstop=float(stop) if np.isfinite(stop) else None)
             _check(problem, method, solution)
         y[i] = solution.y.reshape(y[i].shape)
-        motion.commit(solution.y)
+        motion.commit(until, solution.y)
         if restarted[i]:
             evaluations += solution.nfev
             solution = solver.init_step(until, solution.y)
     return Solution(y[:, 0], y[:, 1], int(evaluations + solution.nfev), time.perf_counter() - start)
 
 
-def _events_of_history(problem: Problem, ahead: float, u, v):
+def _switches(problem: Problem, t, u, v):
+    """The switches of the force, and those of the time if the force takes it."""
+    if not problem.takes_time:
+        return switches(problem.varying_force, u, v)
+    return switches(lambda t, u, v: problem.at_time(t).varying_force(u, v), t, u, v)
+
+
+def _events_of_history(problem: Problem, ahead: float, t, u, v):
     """Numbers whose sign changes where the force has a kink or where one of the numbers of its history reverses."""
     # evaluated ahead of the motion, because right after a commit a yield point is reached only up to round-off
     u = u + ahead * v
-    rates = jax.tree.leaves(jax.jvp(lambda u: problem.committed(u, v).history, (u,), (v,))[1])
-    events = jnp.concatenate([switches(problem.varying_force, u, v), *map(jnp.ravel, rates)])
+    rates = jax.tree.leaves(jax.jvp(lambda u: problem.at_time(t).committed(u, v).history, (u,), (v,))[1])
+    events = jnp.concatenate([_switches(problem, t, u, v), *map(jnp.ravel, rates)])
     # zero becomes one, because CVODE ignores a function that begins with zero, such as the rate of a history at rest
     return jnp.where(events == 0, 1.0, events)
 
@@ -188,15 +197,15 @@ def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adam
     )
 
     @jax.jit
-    def events(y, history):
+    def events(t, y, history):
         if history is None:
-            return switches(problem.varying_force, *y.reshape(shape))
-        return _events_of_history(problem.remembering(history), ahead, *y.reshape(shape))
+            return _switches(problem, t, *y.reshape(shape))
+        return _events_of_history(problem.remembering(history), ahead, t, *y.reshape(shape))
 
     def fill(t, y, values):
-        values[:] = events(y, motion.history)
+        values[:] = events(t, y, motion.history)
 
-    number = len(events(motion.start, motion.history))
+    number = len(events(0.0, motion.start, motion.history))
     if not number:
         return np.zeros(0)
     fill.terminal = [False] * number  # type: ignore[attr-defined]
@@ -208,7 +217,7 @@ def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adam
             if solution.status == CV_ROOT_RETURN and solution.t > found[-1] + ahead:
                 found.append(float(solution.t))
                 if motion.history is not None:
-                    motion.commit(solution.y)
+                    motion.commit(solution.t, solution.y)
                     solution = solver.init_step(solution.t, solution.y)
     return np.array(found[1:])
 

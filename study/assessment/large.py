@@ -92,7 +92,7 @@ def _not_linear(problem: Problem) -> np.ndarray:
 
     @jax.jit
     def off(state):
-        at_rest, once, twice = (problem.varying_force(*(factor * state)) for factor in (0, 1, 2))
+        at_rest, once, twice = (problem.at_time(0.0).varying_force(*(factor * state)) for factor in (0, 1, 2))
         size = jnp.abs(twice) + 2 * jnp.abs(once) + jnp.abs(at_rest)
         return jnp.abs(twice - 2 * once + at_rest) > ROUND_OFF * size
 

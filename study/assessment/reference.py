@@ -98,7 +98,7 @@ def _switches_of_load(load: Callable | None, duration: float) -> Times:
 @partial(jit, compiler=eqx.filter_jit)
 def _accelerations(problem: Problem, t, u, v):
     def at(history, state):
-        committed = problem.remembering(history).committed(*state[1:])
+        committed = problem.remembering(history).at_time(state[0]).committed(*state[1:])
         return committed.history, acceleration(committed, *state)
 
     return jax.lax.scan(at, problem.history, (t, u, v))[1]

@@ -51,7 +51,7 @@ class HalfStepResidual(Estimator):
         half, a = dt / 2, (before + after) / 2
         u = old.u + half * old.v + half**2 / 4 * (before + a)
         v = old.v + half / 2 * (before + a)
-        missing = problem.momentum(a) + problem.internal_force(u, v) - load(problem, t + half)
+        missing = problem.momentum(a) + problem.at_time(t + half).internal_force(u, v) - load(problem, t + half)
         if problem.damping is not None:
             missing = missing + times(problem.damping, v)
         return (jnp.max(jnp.abs(missing)),), ()
@@ -85,10 +85,10 @@ class ApparentFrequency(Estimator):
         return (jnp.ones(()),)
 
     def start(self, scheme, problem, state):
-        return problem.internal_force(state.u, state.v)
+        return problem.at_time(0.0).internal_force(state.u, state.v)
 
     def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
-        force, way = problem.internal_force(new.u, new.v), new.u - old.u
+        force, way = problem.at_time(t + dt).internal_force(new.u, new.v), new.u - old.u
         work, inertia = jnp.vdot(way, force - carried), jnp.vdot(way, problem.momentum(way))
         omega = jnp.sqrt(jnp.where(inertia > 0, jnp.maximum(work, 0.0) / inertia, 0.0))
         return (omega * dt / (2 * math.pi),), force

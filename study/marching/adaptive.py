@@ -102,7 +102,7 @@ class AdaptiveMarch(eqx.Module):
         """
         march, problem = self.march, self.march.problem
         state, effort = started(march.scheme, problem, u0, v0, dt)
-        here = problem.at(state)
+        here = problem.at(state).at_time(0.0)
         with counting() as of_control:
             carried = self.controller.start(here, state, tolerance)
             dt = self.controller.first(carried, dt, tolerance)
@@ -152,7 +152,7 @@ class AdaptiveMarch(eqx.Module):
             state, effort, estimates, estimator = self.estimator.step(
                 scheme, problem, trial.estimator, trial.state, t, dt
             )
-            here = march.problem.at(state)
+            here = march.problem.at(state).at_time(now)
             scales = tuple(map(jnp.maximum, trial.scales, self.estimator.sizes(here, state)))
             estimate = jnp.max(
                 jnp.stack([e / jnp.where(s > 0, s, 1.0) for e, s in zip(estimates, scales, strict=True)])

@@ -37,7 +37,7 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
             "the force changes too much over a step, or the effective equation has no root or several; take smaller "
             "steps."
         )
-    if not np.isfinite(problem.internal_force(problem.u0, problem.v0)).all():
+    if not np.isfinite(problem.at_time(0.0).internal_force(problem.u0, problem.v0)).all():
         return "the force is not finite at the start."
     if scheme.explicit and not (highest and highest * dt < 1):
         return (

@@ -99,7 +99,7 @@ class March(eqx.Module):
         return jnp.where(finite & bounded & effort.converged, 0, 3 * (step + 1) + kind)
 
     def _sample(self, initial, state, t) -> dict[str, jax.Array]:
-        problem = self.problem.at(state)
+        problem = self.problem.at(state).at_time(t)
         values = {n: v for record in self.records for n, v in record.sample(problem, initial, state, t).items()}
         return {name: jnp.asarray(value, float) for name, value in values.items()}
 
@@ -111,7 +111,7 @@ class March(eqx.Module):
 
         def one(u0, v0, dt):
             state, effort = started(self.scheme, self.problem, u0, v0, dt)
-            here = self.problem.at(state)
+            here = self.problem.at(state).at_time(0.0)
             carried = tuple(one.started(one.start(here, state), effort) for one in self.reductions)
             return (
                 state,
@@ -131,7 +131,7 @@ class March(eqx.Module):
             # the round-off of a running sum would grow with the number of steps; the round-off of a product does not
             state, effort = stepped(self.scheme, self.problem, state, step.astype(dt.dtype) * dt, dt)
             now = (step + 1).astype(dt.dtype) * dt
-            problem = self.problem.at(state)
+            problem = self.problem.at(state).at_time(now)
             carried = tuple(
                 reduction.update(c, problem, state, now, effort)
                 for reduction, c in zip(self.reductions, carried, strict=True)

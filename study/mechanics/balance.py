@@ -30,7 +30,6 @@ M. A. Crisfield, Non-linear finite element analysis of solids and structures, vo
 
 from collections.abc import Callable
 from functools import partial
-from typing import Protocol
 
 import jax.numpy as jnp
 from jax import lax
@@ -53,51 +52,8 @@ from study.mechanics.newton import (
     tolerances_of,
 )
 from study.mechanics.state import Effort
+from study.mechanics.system import System
 from study.mechanics.tangent import FormOfTangent, force_and_tangent
-
-
-class System(Protocol):
-    """The terms of a problem that a balance needs: p, K, M, C and the form of ∂p/∂u."""
-
-    @property
-    def internal_force(self) -> Callable:
-        """The force K u + p as a function of u and u̇."""
-
-    @property
-    def varying_force(self) -> Callable:
-        """The force p as a function of u and u̇."""
-
-    @property
-    def linear(self) -> bool:
-        """Whether the internal force is K u alone, without p."""
-
-    @property
-    def stiffness(self) -> Matrix:
-        """K, zero if None."""
-
-    @property
-    def takes_velocity(self) -> bool:
-        """Whether p depends on u̇."""
-
-    @property
-    def kinked(self) -> bool:
-        """Whether the slope of p may jump."""
-
-    @property
-    def safeguarded(self) -> bool:
-        """Whether an iteration that fails starts again with a safeguard."""
-
-    @property
-    def mass(self) -> Matrix:
-        """M, the identity if None."""
-
-    @property
-    def damping(self) -> Matrix:
-        """C, zero if None."""
-
-    @property
-    def tangent(self) -> FormOfTangent:
-        """Form of ∂p/∂u as in :func:`study.mechanics.tangent.force_and_tangent`."""
 
 
 def _inertia(problem: System, c_v: Matrix, n: int) -> Matrix:
@@ -117,10 +73,15 @@ def load(problem: Problem, t: ScalarLike) -> Vector | float:
     return 0.0 if problem.load is None else problem.load(jnp.asarray(t))
 
 
+def at(problem: Problem, t: ScalarLike) -> tuple[Problem, Vector | float]:
+    """The problem with its force at the time t, and f(t): the first two arguments of :func:`balance`."""
+    return problem.at_time(t), load(problem, t)
+
+
 def acceleration(problem: Problem, t: ScalarLike, u: Vector, v: Vector, c_v: ScalarLike = 0.0) -> Vector:
     """Acceleration a with M a + C (v + c_v a) + K u + p(u, v) = f(t), by one evaluation of p and one linear solve."""
-    rhs = _less_damping(problem, load(problem, t) - problem.internal_force(u, v), v)
-    return solve(_inertia(problem, c_v, u.size), rhs)
+    problem, f = at(problem, t)
+    return solve(_inertia(problem, c_v, u.size), _less_damping(problem, f - problem.internal_force(u, v), v))
 
 
 def acceleration_within(
@@ -132,14 +93,15 @@ def acceleration_within(
     """
     if not problem.takes_velocity:
         return acceleration(problem, t, u, v, c_v), Effort()
-    return balance(problem, load(problem, t), u, v, 0.0, c_v, guess)
+    return balance(*at(problem, t), u, v, 0.0, c_v, guess)
 
 
 def initial_acceleration(problem: Problem, u0: Vector, v0: Vector) -> Vector:
     """Acceleration at t = 0; zero for an unknown without mass, whose acceleration the equation does not determine."""
     if not problem.massless:
         return acceleration(problem, 0.0, u0, v0)
-    rhs = _less_damping(problem, load(problem, 0.0) - problem.internal_force(u0, v0), v0)
+    problem, f = at(problem, 0.0)
+    rhs = _less_damping(problem, f - problem.internal_force(u0, v0), v0)
     if isinstance(problem.mass, Sparse):
         diagonal = problem.mass.pattern.diagonal
         massless = problem.mass.values[diagonal] == 0

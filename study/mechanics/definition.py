@@ -1,8 +1,7 @@
-"""Problems M ü + C u̇ + K u + p = f(t) with u(0) and u̇(0); p depends on u, and may depend on u̇ and a history."""
+"""Problems M ü + C u̇ + K u + p = f(t) with u(0) and u̇(0); p depends on u, and may depend on u̇, a history and t."""
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import fields
 from typing import Any
 
 import equinox as eqx
@@ -10,22 +9,32 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from study.algebra.arrays import Matrix, PositionsLike, Scalar, Vector, VectorLike, as_float64
-from study.algebra.counting import count
-from study.algebra.matrices import add, times
+from study.algebra.arrays import Matrix, PositionsLike, Vector, VectorLike, as_float64
+from study.algebra.matrices import add
 from study.algebra.reads import Reads, reading, reads_of, reads_of_program
 from study.algebra.sparse import is_sparse
 from study.mechanics import checks, function_checks, tangent
+from study.mechanics.evaluation import Evaluation
 from study.mechanics.forms import entries_of, form_of_tangent, stored
 from study.mechanics.ground import GroundLoad, GroundMotion
-from study.mechanics.internal_force import as_history, depends_on_last, may_have_kinks, number_of_arguments
+from study.mechanics.internal_force import (
+    as_history,
+    check_signature,
+    depends_on_last,
+    may_have_kinks,
+    number_of_arguments,
+    place_of_time,
+)
 from study.mechanics.terms import Rayleigh, gradient, rayleigh_matrix
 
 #: Arguments of a problem that are numbers, arrays of numbers or matrices.
 NUMBERS = ("u0", "v0", *checks.MATRICES, "positions", "influence")
 
+#: Times at which the form of the tangent of a force that takes the time is found.
+PROBED_TIMES = (0.0, 0.3183, 1.4142, 27.183)
 
-class Problem(eqx.Module):
+
+class Problem(Evaluation):
     r"""A second-order initial value problem, Xie (1996), equation (1).
 
     .. math::
@@ -43,8 +52,9 @@ class Problem(eqx.Module):
     force
         Internal force p(u), written with ``jax.numpy`` and of the shape of ``u``. Without it, the force is the
         gradient of the potential, if there is one. A function of two arguments is p(u, u̇). A function of three
-        arguments also takes a history, and returns the force and the new history: see ``history``. If the force
-        branches, as contact does, Newton's iteration brackets the root or shortens its corrections.
+        arguments also takes a history, and returns the force and the new history: see ``history``. A further argument
+        named ``t`` is the time, as in ``force(u, t)``; such a force has no potential. If the force branches, as contact
+        does, Newton's iteration brackets the root or shortens its corrections.
     u0, v0
         Displacement and velocity at t = 0, both of shape () or (n,). The default velocity is zero.
     history
@@ -119,10 +129,13 @@ class Problem(eqx.Module):
     _rayleigh: Rayleigh | None = eqx.field(default=None, kw_only=True, repr=False)
     #: What the functions read when all that follows from them was found.
     _found_for: Reads = eqx.field(init=False, repr=False, static=True)
+    #: The time at which a force that takes it is evaluated; without it such a force cannot be evaluated.
+    _time: Any = eqx.field(default=None, init=False, repr=False)
     #: Whether M is singular.
     massless: bool = eqx.field(init=False, static=True)
-    #: Number of arguments of the force.
+    #: Number of arguments of the force except the time, and the place of the time among all of them, if it takes it.
     arguments: int = eqx.field(init=False, static=True)
+    place_of_time: int | None = eqx.field(init=False, static=True)
     #: Whether the force depends on the velocity.
     takes_velocity: bool = eqx.field(init=False, static=True)
     #: Whether the slope of the force may jump.
@@ -169,8 +182,9 @@ class Problem(eqx.Module):
     def _examine_functions(self) -> None:
         """Check the functions, and set what follows from what they do."""
         function_checks.check_functions(self)
-        kinked = not self.linear and may_have_kinks(self.varying_force, self.u0, self.v0)
-        takes_velocity = self.arguments > 1 and depends_on_last(self.varying_force, self.u0, self.v0)
+        at_start = self.at_time(0.0)
+        kinked = not self.linear and may_have_kinks(at_start.varying_force, self.u0, self.v0)
+        takes_velocity = self.arguments > 1 and depends_on_last(at_start.varying_force, self.u0, self.v0)
         object.__setattr__(self, "kinked", kinked)
         object.__setattr__(self, "takes_velocity", takes_velocity)
         derived = isinstance(self.force, eqx.Partial) and self.force.func is gradient
@@ -180,7 +194,7 @@ class Problem(eqx.Module):
             return
         with suppress(*function_checks.NOT_TRACEABLE):
             if self.history is not None:
-                function_checks.check_history(self.force, self.u0, self.v0, self.history, self.title)
+                function_checks.check_history(at_start._from, self.u0, self.v0, self.history, self.title)
             if self.linear or self.potential is None or derived:
                 return
             if self.history is None:
@@ -207,7 +221,7 @@ class Problem(eqx.Module):
             load = None if problem.load is None else problem.load(t)
             return (
                 load,
-                None if problem.linear else problem.varying_force(u, v),
+                None if problem.linear else problem.at_time(t).varying_force(u, v),
                 problem.potential and problem.stored_energy(u),
             )
 
@@ -232,18 +246,14 @@ class Problem(eqx.Module):
 
     def _count_arguments(self) -> None:
         """Set the number of arguments of the force and its history at rest, and check that they fit each other."""
-        function_checks.check_arguments(self.force, self.load, self.title)
+        function_checks.check_arguments(self.force, self.potential, self.load, self.title)
         self.arguments = number_of_arguments(self.force) if callable(self.force) else 1
+        self.place_of_time = place_of_time(self.force) if callable(self.force) else None
         if self.history is None:
             self.history = getattr(self.force, "history", None)
         if self.history is not None:
             self.history = self._at_rest = as_history(self.history, self.title)
-        if self.arguments > 3 or (self.arguments == 3) != (self.history is not None):
-            given = "a history" if self.history is not None else "no history"
-            raise ValueError(
-                f"force of '{self.title}' takes {self.arguments} arguments, and the problem has {given}: give "
-                "force(u), force(u, v), or force(u, v, history) with Problem(history=...)."
-            )
+        check_signature(self.arguments, self.history, self.title)
 
     def _without_velocity(self) -> Callable:
         """The force p(u, 0) as a function of u."""
@@ -251,7 +261,10 @@ class Problem(eqx.Module):
 
     def _coupling(self) -> Callable:
         """A function of u whose derivative has an entry wherever ∂p/∂u or ∂p/∂u̇ has one."""
-        return self.force if not self.dissipative else lambda u: self.varying_force(u, self.v0 + (u - self.u0))
+        if not self.dissipative:
+            return self.force
+        at_times = [self.at_time(t) for t in (PROBED_TIMES if self.takes_time else (0.0,))]
+        return lambda u: sum(one.varying_force(u, self.v0 + (u - self.u0)) for one in at_times)
 
     def _with(self, ground: GroundMotion) -> GroundLoad:
         """The sum of the load f(t) and the load of the moving ground."""
@@ -267,7 +280,7 @@ class Problem(eqx.Module):
         mass = 1.0 if self.mass is None else self.mass
 
         def matrix(u):
-            return rayleigh_matrix(damping, mass, self.stiffness_at(u), u.size)
+            return rayleigh_matrix(damping, mass, self.at_time(0.0).stiffness_at(u), u.size)
 
         # a matrix-free C holds functions, which a compiled function cannot return
         at_once = matrix if self.tangent == "matrix_free" else jax.jit(matrix)
@@ -281,30 +294,6 @@ class Problem(eqx.Module):
         """The same problem, whose Newton iterations start again with a safeguard if they fail."""
         return self._changed("safeguarded", True)
 
-    def _changed(self, name: str, value: Any) -> "Problem":
-        """A copy of the problem with another value of one field; the copy is not checked."""
-        copy = object.__new__(type(self))
-        for field in fields(self):
-            object.__setattr__(copy, field.name, getattr(self, field.name))
-        object.__setattr__(copy, name, value)
-        return copy
-
-    def at(self, state: Any) -> "Problem":
-        """The problem with the committed history of a state; a problem without a history is returned unchanged."""
-        return self if self.history is None else self.remembering(state.history)
-
-    def at_rest(self) -> "Problem":
-        """The problem with its history at rest."""
-        return self if self.history is None else self.remembering(self._at_rest)
-
-    def remembering(self, history: Any) -> "Problem":
-        """The problem with the given history as the committed one."""
-        return self._changed("history", history)
-
-    def committed(self, u: VectorLike, v: VectorLike) -> "Problem":
-        """The problem with the history after a motion to u and u̇; a problem without a history is returned unchanged."""
-        return self if self.history is None else self.remembering(self._force_and_history(u, v)[1])
-
     def stiffness_at(self, u: VectorLike) -> Matrix:
         """K + ∂p/∂u at displacement u and without velocity."""
         if self.linear:
@@ -313,7 +302,7 @@ class Problem(eqx.Module):
         return varying if self.stiffness is None else add(varying, self.stiffness, n=np.size(u))
 
     def __repr__(self) -> str:
-        force = f"p({', '.join(('u', 'u̇', 'history')[: self.arguments])})"
+        force = f"p({', '.join(('u', 'u̇', 'history')[: self.arguments] + ('t',) * self.takes_time)})"
         present = {
             "ü" if self.mass is None else "M ü": True,
             "C u̇": self.damping is not None,
@@ -324,67 +313,7 @@ class Problem(eqx.Module):
         start = f"{np.size(self.u0)} unknowns" if np.ndim(self.u0) else f"u(0) = {self.u0}, u̇(0) = {self.v0}"
         return f"{self.title}: {equation} = {0 if self.load is None else 'f(t)'}\n{start}"
 
-    @property
-    def linear(self) -> bool:
-        """Whether the internal force is K u alone."""
-        return self.force is None
 
-    @property
-    def damped(self) -> bool:
-        """Whether forces depend on the velocity."""
-        return self.damping is not None or self.takes_velocity
-
-    @property
-    def dissipative(self) -> bool:
-        """Whether the internal force takes a velocity or a history, so that it may dissipate."""
-        return self.arguments > 1
-
-    @property
-    def conservative(self) -> bool:
-        """Whether the energy is constant: there is no damping, no load, and the force takes the displacement alone."""
-        return self.damping is None and self.load is None and not self.dissipative
-
-    def internal_force(self, u: VectorLike, v: VectorLike) -> Vector:
-        """The force K u + p at displacement u and velocity u̇, from the committed history."""
-        if self.stiffness is None:
-            return self.varying_force(u, v)
-        elastic = times(self.stiffness, u)
-        if self.linear:
-            count(forces=1)
-            return elastic
-        return elastic + self.varying_force(u, v)
-
-    def static_force(self, u: VectorLike) -> Vector:
-        """The force K u + p at displacement u and without velocity, from the committed history."""
-        return self.internal_force(u, jnp.zeros_like(u))
-
-    def varying_force(self, u: VectorLike, v: VectorLike) -> Vector:
-        """The force p, without K u."""
-        return self._force_and_history(u, v)[0]
-
-    def _force_and_history(self, u: VectorLike, v: VectorLike) -> tuple[Vector, Any]:
-        """The force p, and the history after a motion to u and u̇; None without a history."""
-        count(forces=1)
-        if self.history is not None:
-            return self.force(u, v, self.history)
-        return (self.force(u, v) if self.arguments == 2 else self.force(u)), None
-
-    def momentum(self, v: VectorLike) -> Vector:
-        """M u̇."""
-        return v if self.mass is None else times(self.mass, v)
-
-    def energy(self, u: VectorLike, v: VectorLike) -> Scalar:
-        """Kinetic and potential energy ½ u̇ᵀ M u̇ + ½ uᵀ K u + V, the scalar E of Xie (1996), eqs (4) and (5)."""
-        return 0.5 * jnp.vdot(v, self.momentum(v)) + self.stored_energy(u)
-
-    def stored_energy(self, u: VectorLike) -> Scalar:
-        """½ uᵀ K u + V at displacement u, with the committed history."""
-        if self.potential is None:
-            raise ValueError("the energy of a problem needs its potential: give Problem(potential=...).")
-        stored = self.potential(u) if self.history is None else self.potential(u, self.history)
-        return stored if self.stiffness is None else stored + 0.5 * jnp.vdot(u, times(self.stiffness, u))
-
-
-def _nothing(u: Vector) -> Scalar:
+def _nothing(u: Vector) -> Vector:
     """Zero, the potential of a linear problem in addition to ½ uᵀ K u."""
     return jnp.zeros((), u.dtype)

@@ -36,7 +36,7 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
     if n > FINDABLE:
         return None
     at = np.asarray(problem.u0 if u is None else u, float)
-    stiffness = np.asarray(_stiffness(problem.untitled().internal_force, at)).reshape(n, n)
+    stiffness = np.asarray(_stiffness(problem.untitled().at_time(0.0).internal_force, at)).reshape(n, n)
     mass = np.eye(n) if problem.mass is None else np.asarray(dense(problem.mass, n))
     if not np.isfinite(stiffness).all():
         return None

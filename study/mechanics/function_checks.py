@@ -14,13 +14,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax.experimental import checkify
 
+from study.mechanics.internal_force import TIME
 from study.mechanics.terms import StrainEnergy
 
 #: Names of a force's arguments that must not have a default.
-NEVER_OPTIONAL = ("v", "velocity", "history")
-
-#: Parameter names that suggest the time, which a force does not take.
-TIME = ("t", "time")
+NEVER_OPTIONAL = ("v", "velocity", "history", *TIME)
 
 #: Parameter names that can only mean the motion, which a load does not take.
 MOTION = ("u", "v", "displacement", "velocity")
@@ -97,6 +95,10 @@ def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
         "load": (shape, ("the time", 0.0)),
         "potential": ((), u, *memory),
     }
+    if problem.takes_time:
+        shape, *of_force = given["force"]
+        of_force.insert(problem.place_of_time, ("the time", 0.0))
+        given["force"] = (shape, *of_force)
     return {
         name: (
             ", ".join(what for what, _ in of) + (" alone" if len(of) == 1 else ""),
@@ -114,19 +116,19 @@ def _parameters(function: Callable | None) -> list[inspect.Parameter]:
         return []
 
 
-def check_arguments(force: Callable, load: Callable | None, title: str) -> None:
-    """Refuse a force that takes the time, a load that takes the motion, and a default of a velocity or history."""
+def check_arguments(force: Callable, potential: Callable | None, load: Callable | None, title: str) -> None:
+    """Refuse a potential of a force that takes the time, a load that takes the motion, and defaults of the motion."""
     for parameter in _parameters(force):
-        if parameter.name in TIME:
-            raise ValueError(
-                f"force of '{title}' takes '{parameter.name}', and is called as force(u), force(u, v) or force(u, v, "
-                "history): what depends on the time goes into load=, a function of t."
-            )
         if parameter.default is not parameter.empty and parameter.name in NEVER_OPTIONAL:
             raise ValueError(
                 f"force of '{title}' gives '{parameter.name}' a default, and would never be called with another value: "
                 f"drop the default."
             )
+    names = {parameter.name for function in (force, potential) for parameter in _parameters(function)}
+    if potential is not None and names & set(TIME):
+        raise ValueError(
+            f"a potential of '{title}' that depends on the time is not supported: give force(u, t) without a potential."
+        )
     for parameter in _parameters(load):
         if parameter.name in MOTION and parameter.default is parameter.empty:
             raise ValueError(

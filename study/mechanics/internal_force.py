@@ -1,4 +1,4 @@
-"""Number of arguments of an internal force, its kinks, and whether it depends on the velocity."""
+"""Arguments of an internal force, its kinks, and whether it depends on the velocity."""
 
 import inspect
 from collections.abc import Callable
@@ -22,14 +22,38 @@ CONVERSION = "convert_element_type"
 BRANCHES = {"select_n", "cond"}
 
 
-def number_of_arguments(force: Callable) -> int:
-    """Number of a force's arguments that have no default: 1 for p(u), 2 for p(u, u̇), 3 for a force with a history."""
+#: Names by which a parameter of a force is the time.
+TIME = ("t", "time")
+
+
+def _needed(force: Callable) -> list[str]:
+    """Names of a force's parameters that have no default."""
     try:
         parameters = inspect.signature(force).parameters.values()
     except (TypeError, ValueError):  # built-in functions have no signature
-        return 1
-    needed = [p for p in parameters if p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
-    return max(len(needed), 1)
+        return []
+    kinds = inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD
+    return [one.name for one in parameters if one.default is one.empty and one.kind in kinds]
+
+
+def place_of_time(force: Callable) -> int | None:
+    """Place of the time among a force's arguments; None if the force does not take it."""
+    return next((place for place, name in enumerate(_needed(force)) if name in TIME), None)
+
+
+def number_of_arguments(force: Callable) -> int:
+    """Number of a force's arguments except the time: 1 for p(u), 2 for p(u, u̇), 3 for a force with a history."""
+    return max(len(_needed(force)) - (place_of_time(force) is not None), 1)
+
+
+def check_signature(arguments: int, history: Any, title: str) -> None:
+    """Refuse a number of arguments that does not fit the history."""
+    if arguments > 3 or (arguments == 3) != (history is not None):
+        given = "a history" if history is not None else "no history"
+        raise ValueError(
+            f"force of '{title}' takes {arguments} arguments, and the problem has {given}: give force(u), force(u, v), "
+            "or force(u, v, history) with Problem(history=...), and a further argument t if the force takes the time."
+        )
 
 
 def as_history(start: Any, title: str) -> Any:

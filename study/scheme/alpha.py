@@ -6,7 +6,7 @@ from typing import ClassVar
 import equinox as eqx
 
 from study.keywords import keywords_only
-from study.mechanics.balance import balance, load
+from study.mechanics.balance import at, balance
 from study.mechanics.state import Motion
 from study.scheme.base import OneStep, check_range, check_ranges
 from study.scheme.newmark import ROUND_OFF, bounded_at_infinite_frequency, predicted, stability_limit
@@ -107,8 +107,9 @@ class HHTAlpha1996(OneStep):
         u, v, a = state
         c_u, c_v = self.beta * dt**2, self.gamma * dt
         du, dv = predicted(v, a, dt, self.beta, self.gamma)
-        rhs = load(problem, t + dt) + self.alpha * problem.internal_force(u, v)
-        a, effort = balance(problem, rhs, u + du, v + dv, c_u, c_v, guess=a, weight=1 + self.alpha)
+        now, f = at(problem, t + dt)
+        rhs = f + self.alpha * problem.at_time(t).internal_force(u, v)
+        a, effort = balance(now, rhs, u + du, v + dv, c_u, c_v, guess=a, weight=1 + self.alpha)
         return Motion(du + c_u * a, dv + c_v * a, a), effort
 
 
@@ -217,8 +218,7 @@ class GeneralizedAlpha(OneStep):
         c_a = 1 / (1 - self.alpha_m)
         c_u, c_v = part * self.beta * dt**2 * c_a, part * self.gamma * dt * c_a
         du, dv = predicted(v, a, dt, self.beta * c_a, self.gamma * c_a)
-        rhs = load(problem, t + part * dt)
-        a_m, effort = balance(problem, rhs, u + part * du, v + part * dv, c_u, c_v, guess=a)
+        a_m, effort = balance(*at(problem, t + part * dt), u + part * du, v + part * dv, c_u, c_v, guess=a)
         a_new = c_a * (a_m - self.alpha_m * a)
         return Motion(du + self.beta * dt**2 * c_a * a_m, dv + self.gamma * dt * c_a * a_m, a_new), effort
 

@@ -7,7 +7,7 @@ import equinox as eqx
 import numpy as np
 
 from study.algebra.arrays import Vector
-from study.mechanics.balance import balance, load
+from study.mechanics.balance import at, balance
 from study.mechanics.state import Effort, Motion
 from study.scheme.base import Scheme, as_tuple, check_numbers
 from study.scheme.newmark import ROUND_OFF, average_acceleration
@@ -106,7 +106,7 @@ class BackwardDifferences(Scheme):
         c = dt / d
         v = -sum(w * v for w, (_, v) in zip(rest, past, strict=True)) / d
         u = -sum(w * u for w, (u, _) in zip(rest, past, strict=True)) / d + c * v
-        a, effort = balance(problem, load(problem, t + dt), u, v, c**2, c, guess=state.a)
+        a, effort = balance(*at(problem, t + dt), u, v, c**2, c, guess=state.a)
         return Memory(*Motion(u + c**2 * a, v + c * a, a), past[:-1]), effort
 
 

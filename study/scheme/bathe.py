@@ -7,7 +7,7 @@ from typing import ClassVar
 import equinox as eqx
 
 from study.keywords import keywords_only
-from study.mechanics.balance import balance, load
+from study.mechanics.balance import at, balance
 from study.mechanics.state import Motion
 from study.scheme.base import OneStep, check_range, check_ranges
 from study.scheme.newmark import ROUND_OFF
@@ -31,12 +31,12 @@ class Composite(OneStep):
         h, c = gamma * dt / 2, q2 * dt
         # the trapezoidal rule to t₀ + γΔt
         v_half, u_half = v + h * a, u + 2 * h * v + h**2 * a
-        a_gamma, first = balance(problem, load(problem, t + 2 * h), u_half, v_half, h**2, h, guess=a)
+        a_gamma, first = balance(*at(problem, t + 2 * h), u_half, v_half, h**2, h, guess=a)
         v_gamma = v_half + h * a_gamma
-        problem = problem.committed(u_half + h**2 * a_gamma, v_gamma)
+        problem = problem.at_time(t + 2 * h).committed(u_half + h**2 * a_gamma, v_gamma)
         dv = dt * (q0 * a + q1 * a_gamma)
         du = dt * (q0 * v + q1 * v_gamma) + c * (v + dv)
-        a, second = balance(problem, load(problem, t + dt), u + du, v + dv, c**2, c, guess=a_gamma)
+        a, second = balance(*at(problem, t + dt), u + du, v + dv, c**2, c, guess=a_gamma)
         return Motion(du + c**2 * a, dv + c * a, a), first.then(second, problem.history)
 
 

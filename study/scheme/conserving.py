@@ -13,7 +13,7 @@ from jax import lax
 from study.algebra.arrays import Vector
 from study.algebra.counting import count
 from study.algebra.scalars import is_whole
-from study.mechanics.balance import balance, load
+from study.mechanics.balance import at, balance, load
 from study.mechanics.definition import Problem
 from study.mechanics.state import Motion
 from study.mechanics.terms import StrainEnergy
@@ -51,8 +51,7 @@ class ImplicitMidpoint(OneStep):
 
     def increment(self, problem, state, t, dt):
         u, v, guess = state
-        rhs = load(problem, t + dt / 2)
-        a, effort = balance(problem, rhs, u + dt / 2 * v, v, dt**2 / 4, dt / 2, guess)
+        a, effort = balance(*at(problem, t + dt / 2), u + dt / 2 * v, v, dt**2 / 4, dt / 2, guess)
         return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort
 
 
@@ -158,7 +157,7 @@ class EnergyMomentum(OneStep):
 
     def refusal(self, problem):
         if problem.dissipative:
-            return f"'{self.title}' takes the force from the potential, and the force of '{problem.title}' dissipates."
+            return f"'{self.title}' takes the force from the potential, and the force of '{problem.title}' has none."
         if problem.stiffness is not None:
             return _with_stiffness(self, problem)
         if problem.potential is None:
@@ -239,13 +238,13 @@ class AverageVectorField(OneStep):
     def increment(self, problem, state, t, dt):
         u, v, guess = state
         nodes, weights = np.polynomial.legendre.leggauss(self.points)
+        middle, f = at(problem, t + dt / 2)
 
         def mean_force(u1, v_m):
-            between = [problem.internal_force(u + (1 + s) / 2 * (u1 - u), v_m) for s in nodes.tolist()]
+            between = [middle.internal_force(u + (1 + s) / 2 * (u1 - u), v_m) for s in nodes.tolist()]
             return sum(w / 2 * force for w, force in zip(weights.tolist(), between, strict=True))
 
-        rhs = load(problem, t + dt / 2)
-        a, effort = balance(problem, rhs, u + dt * v, v, dt**2 / 2, dt / 2, guess, force=mean_force)
+        a, effort = balance(middle, f, u + dt * v, v, dt**2 / 2, dt / 2, guess, force=mean_force)
         return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort
 
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 import equinox as eqx
 import numpy as np
 
-from study.mechanics.balance import balance, load
+from study.mechanics.balance import at, balance
 from study.mechanics.state import Effort, Motion
 from study.scheme.base import OneStep, check_ranges
 
@@ -119,7 +119,7 @@ class DiagonallyImplicit(OneStep):
             before = list(zip(row, slopes, strict=False))
             dv = dt * sum(w * a for w, (_, a) in before)
             du = dt * sum(w * v for w, (v, _) in before) + h * (v + dv)
-            a, more = balance(problem, load(problem, t + sum(row) * dt), u + du, v + dv, h**2, h, guess=a)
+            a, more = balance(*at(problem, t + sum(row) * dt), u + du, v + dv, h**2, h, guess=a)
             slopes.append((v + dv + h * a, a))
             effort = effort.then(more)
         return Motion(du + h**2 * a, dv + h * a, a), effort

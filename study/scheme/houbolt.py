@@ -7,7 +7,7 @@ import equinox as eqx
 from jax import lax
 
 from study.algebra.arrays import Vector
-from study.mechanics.balance import acceleration, acceleration_within, balance, initial_acceleration, load
+from study.mechanics.balance import acceleration, acceleration_within, at, balance, initial_acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.state import Effort, Phase
 from study.registry import did_you_mean
@@ -149,7 +149,7 @@ class Houbolt(Scheme):
         c_u, c_v = dt**2 / 2, 11 * dt / 12
         u_predicted = (5 * u - 4 * u_1 + u_2) / 2
         v_predicted = (11 * u_predicted - 18 * u + 9 * u_1 - 2 * u_2) / (6 * dt)
-        a, effort = balance(problem, load(problem, t + dt), u_predicted, v_predicted, c_u, c_v, guess=a)
+        a, effort = balance(*at(problem, t + dt), u_predicted, v_predicted, c_u, c_v, guess=a)
         return History(u_predicted + c_u * a, v_predicted + c_v * a, a, u, u_1), effort
 
 

@@ -6,7 +6,7 @@ from typing import ClassVar
 import equinox as eqx
 
 from study.algebra.arrays import ScalarLike, Vector, VectorLike
-from study.mechanics.balance import acceleration_within, balance, load
+from study.mechanics.balance import acceleration_within, at, balance
 from study.mechanics.definition import Problem
 from study.mechanics.state import Effort, Motion
 from study.scheme.base import OneStep, check_ranges
@@ -137,7 +137,7 @@ class Newmark(OneStep):
         """ü₁ that balances the forces at the end of the step, and the effort to find it."""
         if self.explicit:
             return acceleration_within(problem, t, u, v, c_v, guess)
-        return balance(problem, load(problem, t), u, v, c_u, c_v, guess)
+        return balance(*at(problem, t), u, v, c_u, c_v, guess)
 
 
 average_acceleration = Newmark(beta=0.25, gamma=0.5, title="Average acceleration")

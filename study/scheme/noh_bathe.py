@@ -74,7 +74,7 @@ class NohBathe(OneStep):
         du = h * v + h**2 / 2 * a
         a_p = acceleration(problem, t + h, u + du, v + h * a)
         dv = h / 2 * (a + a_p)
-        problem = problem.committed(u + du, v + dv)
+        problem = problem.at_time(t + h).committed(u + du, v + dv)
         du = du + k * (v + dv) + k**2 / 2 * a_p
         a_new = acceleration(problem, t + dt, u + du, v + dv + k * a_p)
         new = Motion(du, dv + k * (q0 * a + (0.5 + q1) * a_p + q2 * a_new), a_new)

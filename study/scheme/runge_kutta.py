@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from study.algebra.arrays import Matrix, Vector
+from study.algebra.arrays import Matrix, ScalarLike, Vector
 from study.algebra.matrices import Banded, MatrixFree, product
 from study.mechanics.balance import acceleration, balance, initial_acceleration
 from study.mechanics.definition import Problem
@@ -129,10 +129,13 @@ class _Twice(NamedTuple):
     tangent: FormOfTangent
 
 
-def _twice(problem: Problem, u) -> _Twice:
-    def of_both(force, u_stages, v_stages):
+def _twice(problem: Problem, times: tuple[ScalarLike, ScalarLike], u) -> _Twice:
+    """The stages at the two times."""
+    first, second = map(problem.at_time, times)
+
+    def of_both(force, other, u_stages, v_stages):
         (first_u, second_u), (first_v, second_v) = (x.reshape(*u.shape, 2).T for x in (u_stages, v_stages))
-        return jnp.stack([force(first_u, first_v), force(second_u, second_v)]).T.ravel()
+        return jnp.stack([force(first_u, first_v), other(second_u, second_v)]).T.ravel()
 
     def doubled(matrix):
         if matrix is None or (isinstance(matrix, np.ndarray | jax.Array) and matrix.ndim == 0):
@@ -149,8 +152,8 @@ def _twice(problem: Problem, u) -> _Twice:
 
     structure = 2 * problem.tangent if isinstance(problem.tangent, int) else "dense" if u.ndim == 0 else problem.tangent
     return _Twice(
-        partial(of_both, problem.internal_force),
-        partial(of_both, problem.varying_force),
+        partial(of_both, first.internal_force, second.internal_force),
+        partial(of_both, first.varying_force, second.varying_force),
         problem.linear,
         problem.takes_velocity,
         problem.kinked,
@@ -224,15 +227,15 @@ class Gauss4(OneStep):
 
     def increment(self, problem, state, t, dt):
         u, v, guess = state
-        stages = _twice(problem, u)
 
         def side_by_side(first, second):
             return jnp.stack([first, second], axis=-1).ravel()
 
         first, second = _GAUSS_TIMES.tolist()
-        rhs = 0.0
+        times = t + first * dt, t + second * dt
+        stages, rhs = _twice(problem, times, u), 0.0
         if problem.load is not None:
-            rhs = side_by_side(problem.load(t + first * dt), problem.load(t + second * dt))
+            rhs = side_by_side(*map(problem.load, times))
         u_stages, v_stages = side_by_side(u + first * dt * v, u + second * dt * v), side_by_side(v, v)
         c_u, c_v = (
             product(power, _of_stages(weights, problem, u.size), 2 * u.size)

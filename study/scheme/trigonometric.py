@@ -133,7 +133,7 @@ class Trigonometric(OneStep):
         filtered, _ = filters[self.member]
         force = load(problem, t)
         if not problem.linear:
-            force = force - problem.varying_force(filtered(phase) * u, jnp.zeros_like(u))
+            force = force - problem.at_time(t).varying_force(filtered(phase) * u, jnp.zeros_like(u))
         return (force if problem.mass is None else force / problem.mass) + jnp.zeros_like(u)
 
     def increment(self, problem, state, t, dt):

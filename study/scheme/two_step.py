@@ -6,7 +6,7 @@ from typing import ClassVar, NamedTuple
 import equinox as eqx
 
 from study.algebra.arrays import Vector
-from study.mechanics.balance import balance, load
+from study.mechanics.balance import at, balance
 from study.mechanics.state import Effort
 from study.scheme.base import Scheme, check_ranges
 from study.scheme.newmark import average_acceleration
@@ -85,7 +85,7 @@ class TwoStep(Scheme):
         c = b0 * dt
         v_new = -a1 * v - a2 * v_1 + dt * (b1 * a + b2 * a_1)
         u_new = -a1 * u - a2 * u_1 + dt * (b1 * v + b2 * v_1) + c * v_new
-        a_new, effort = balance(problem, load(problem, t + dt), u_new, v_new, c**2, c, guess=a)
+        a_new, effort = balance(*at(problem, t + dt), u_new, v_new, c**2, c, guess=a)
         return TwoMotions(u_new + c**2 * a_new, v_new + c * a_new, a_new, u, v, a), effort
 
 

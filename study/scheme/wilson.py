@@ -6,7 +6,7 @@ from typing import ClassVar
 import equinox as eqx
 import numpy as np
 
-from study.mechanics.balance import balance, load
+from study.mechanics.balance import at, balance
 from study.mechanics.state import Motion
 from study.scheme.base import OneStep, check_ranges
 from study.scheme.newmark import ROUND_OFF, corrected, stability_limit
@@ -103,7 +103,7 @@ class WilsonTheta(OneStep):
         u_predicted = u + tau * v + tau**2 * (0.5 - self.beta) * a
         v_predicted = v + tau * (1 - self.gamma) * a
         a_theta, effort = balance(
-            problem, load(problem, t + tau), u_predicted, v_predicted, self.beta * tau**2, self.gamma * tau, guess=a
+            *at(problem, t + tau), u_predicted, v_predicted, self.beta * tau**2, self.gamma * tau, guess=a
         )
         a_new = (1 - 1 / self.theta) * a + a_theta / self.theta
         du, dv = corrected(v, a, a_new, dt, self.beta, self.gamma)

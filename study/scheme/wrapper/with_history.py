@@ -47,7 +47,7 @@ class WithHistory(Wrapper):
     doi: ClassVar[str] = "10.1007/b98904"
 
     def start(self, problem, u0, v0, dt):
-        problem = problem.committed(u0, v0)
+        problem = problem.remembering(problem.at_time(0.0).committed(u0, v0).history)
         inner, effort = self.scheme.start(problem, u0, v0, dt)
         return StateWithHistory(inner, problem.history), effort
 
@@ -56,4 +56,6 @@ class WithHistory(Wrapper):
         inner, effort = self.scheme.step(problem, state.inner, t, dt)
         if effort.committed is not None:
             problem = problem.remembering(effort.committed)
-        return StateWithHistory(inner, problem.committed(inner.u, inner.v).history), effort._replace(committed=None)
+        return StateWithHistory(inner, problem.at_time(t + dt).committed(inner.u, inner.v).history), effort._replace(
+            committed=None
+        )
