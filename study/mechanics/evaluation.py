@@ -111,7 +111,7 @@ class Evaluation(eqx.Module):
         given = list(motion[: self.arguments])
         if self.takes_time:
             if self._time is None:
-                raise RuntimeError(f"the force of '{self.title}' takes the time, which problem.at_time(t) must state.")
+                raise RuntimeError("the force takes the time, which problem.at_time(t) must state.")
             given.insert(self.place_of_time, self._time)
         return self.force(*given)
 

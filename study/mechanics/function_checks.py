@@ -133,7 +133,7 @@ def check_arguments(force: Callable, potential: Callable | None, load: Callable 
         if parameter.name in MOTION and parameter.default is parameter.empty:
             raise ValueError(
                 f"load of '{title}' takes '{parameter.name}', and is called as load(t): what depends on the motion "
-                "goes into force=, a function of u, or of u and v."
+                "goes into force=, a function of u, or of u and v, and of t if it takes the time."
             )
 
 

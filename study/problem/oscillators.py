@@ -79,6 +79,21 @@ def ueda(damping: float = 0.05, amplitude: float = 7.5) -> Problem:
     )
 
 
+@named(time_scale=np.sqrt(2) * np.pi)  # period of u with ε = 0
+def mathieu(delta: float = 2.0, epsilon: float = 0.5) -> Problem:
+    """Mathieu's oscillator ü + (δ + 2ε cos 2t) u = 0 with δ = 2 and ε = 0.5, from u₀ = 1 at rest.
+
+    Near δ = 1, 4, 9, ... the motion grows without bound if ε is not zero. With δ = 2 and ε = 0.5 it stays bounded. On a
+    boundary of stability it has the period π or 2π and is a Mathieu function.
+
+    References
+    ----------
+    D. W. Jordan, P. Smith, Nonlinear ordinary differential equations, 4th ed., Oxford University Press, 2007, chapter
+    9.
+    """
+    return Problem(lambda u, t: (delta + 2 * epsilon * jnp.cos(2 * t)) * u, 1.0, title="Mathieu's oscillator")
+
+
 @named(time_scale=1.0, known=Known(2.0, "Mazzia and Magherini (2008), van der Pol", np.array(1.706167732170483)))
 def van_der_pol() -> Problem:
     """Van der Pol's oscillator ε ü + (u² − 1) u̇ + u = 0 with ε = 1e-6: u₀ = 2, u̇₀ = 0.
