@@ -17,11 +17,14 @@ differentiates.
   that evaluates them in a loop of its own adds the passes of the loop to the ``forces`` of its :class:`Effort`.
 
 An explicit step solves the equation of motion for ü by :func:`acceleration`. An implicit step needs the
-acceleration that balances the forces; :func:`balance` finds it by Newton's iteration. :func:`load` is f(t).
+acceleration that balances the forces; :func:`balance` finds it by Newton's iteration. :func:`load` is f(t), and
+:func:`at` returns the problem at the time t with f(t), as in ``balance(*at(problem, t + dt), ...)``. If a force takes
+the time, a scheme that evaluates it without :func:`at`, :func:`acceleration` or ``problem.at_time(t)`` is refused.
 """
 
 from study.mechanics.balance import acceleration as acceleration
 from study.mechanics.balance import acceleration_within as acceleration_within
+from study.mechanics.balance import at as at
 from study.mechanics.balance import balance as balance
 from study.mechanics.balance import initial_acceleration as initial_acceleration
 from study.mechanics.balance import load as load
