@@ -34,7 +34,7 @@ from functools import partial
 import jax.numpy as jnp
 from jax import lax
 
-from study.algebra.arrays import Matrix, ScalarLike, Vector
+from study.algebra.arrays import Matrix, Scalar, ScalarLike, Vector
 from study.algebra.counting import Counted, count
 from study.algebra.elimination import solve
 from study.algebra.matrices import Banded, add, dense, product, times
@@ -218,7 +218,8 @@ def balance(
         internal, effective = internal_and_effective(a)
         inertial = times(inertia, a)
         out_of_balance = inertial + internal - rhs
-        correction, residuals = solved(effective, out_of_balance), 0
+        correction = solved(effective, out_of_balance)
+        residuals: Scalar | int = 0
         if halved:
             # the whole correction is measured: one that was halved many times is short without convergence
             moved = norm(times(reach, correction))

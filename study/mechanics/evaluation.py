@@ -109,7 +109,7 @@ class Evaluation(eqx.Module):
         """Value of the function of the force."""
         count(forces=1)
         given = list(motion[: self.arguments])
-        if self.takes_time:
+        if self.place_of_time is not None:
             if self._time is None:
                 raise RuntimeError("the force takes the time, which problem.at_time(t) must state.")
             given.insert(self.place_of_time, self._time)

@@ -55,8 +55,15 @@ class Effort(NamedTuple):
     def of_trial(self) -> "Effort":
         """The evaluations of a trial step of its own size, as arrays, without its iterations."""
         none = jnp.zeros((), int)
-        counts = self.forces, self.tangents, self.factorisations + self.fixed_factorisations
-        return Effort(none, jnp.ones((), bool), None, none, *(none + one for one in counts), none)
+        return Effort(
+            none,
+            jnp.ones((), bool),
+            restarts=none,
+            forces=none + self.forces,
+            tangents=none + self.tangents,
+            factorisations=none + self.factorisations + self.fixed_factorisations,
+            fixed_factorisations=none,
+        )
 
     def including(self, counts: Counts) -> "Effort":
         """The effort with the evaluations that were counted outside of iterations."""

@@ -9,6 +9,7 @@ import study
 from reference import diffrax, sundials
 from study.building import balance
 from study.materials import elastoplastic
+from study.problem import oscillators
 
 DURATION = 4.0
 
@@ -108,7 +109,7 @@ def test_the_coupling_of_unknowns_is_found_at_other_times_too():
 
 
 def test_pure_runs_and_ensembles_take_the_time():
-    mathieu = study.problem.oscillators.mathieu
+    mathieu = oscillators.mathieu
     given = {"dt": 0.05, "steps": 100}
     ends = [study.final_state(mathieu(delta), "average_acceleration", **given)["u"] for delta in (1.5, 2.0)]
     ds = study.run(mathieu, "average_acceleration", over={"delta": np.array([1.5, 2.0])}, **given)
