@@ -227,7 +227,9 @@ def balance(
             a = a - part
         else:
             if problem.kinked and jnp.ndim(u):
-                correction, residuals = shortened(residual, a, correction, out_of_balance)
+                # near the solution the sign of the residual is round-off, and no part of the correction would be found
+                settled = norm(times(reach, correction)) <= tolerance * (norm(start) + norm(times(reach, a)))
+                correction, residuals = shortened(residual, a, correction, out_of_balance, settled)
             a = a - correction
             moved = norm(times(reach, correction))
         size = norm(start) + norm(times(reach, a))

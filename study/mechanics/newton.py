@@ -184,10 +184,13 @@ def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Calla
     return part * correction, halvings + 1
 
 
-def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> tuple[Vector, jax.Array]:
+def shortened(
+    residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector, settled: jax.Array
+) -> tuple[Vector, jax.Array]:
     """A Newton correction of several unknowns, shortened until the component of the residual along it nearly vanishes.
 
-    The number of residuals evaluated is returned too.
+    A correction that is ``settled``, so small that the iteration ends, is returned unchanged. The number of residuals
+    evaluated is returned too.
 
     A correction that is short enough (``OVERSHOOT``) is returned unchanged. If the tangent is symmetric and positive
     definite, a shortened correction ends where the energy along it is least, and every correction reduces the distance
@@ -213,7 +216,7 @@ def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance:
         return low, at_low, high, at_high, found, evaluations + 1
 
     before, whole = jnp.vdot(correction, out_of_balance), along(jnp.ones((), a.dtype))
-    found = ~((whole * before < 0) & (jnp.abs(whole) > OVERSHOOT * jnp.abs(before)))
+    found = settled | ~((whole * before < 0) & (jnp.abs(whole) > OVERSHOOT * jnp.abs(before)))
     ends = jnp.zeros((), a.dtype), before, jnp.ones((), a.dtype), whole
     _, _, part, *_, evaluations = lax.while_loop(searches, evaluate, (*ends, found, jnp.zeros((), int)))
     return part * correction, evaluations + 1

@@ -69,3 +69,10 @@ def test_the_exact_start_of_houbolt_is_counted():
     """1024 steps of Runge-Kutta for each of two earlier displacements, and the acceleration at t = 0."""
     forces, *_, iterations = _counts("hardening", study.Houbolt(start_by="exact"), dt=0.0075, steps=3)
     assert forces == 2 * 1024 * 4 + 1 + iterations
+
+
+def test_a_correction_at_round_off_is_not_searched():
+    """With several unknowns and a kink, an iteration evaluates the force once, and once where its correction leads."""
+    springs = study.Problem(lambda u: u + jnp.where(jnp.abs(u) > 5.0, u**3, 0.1 * u**3), u0=[1.0, 0.5], v0=[0.0, 1.0])
+    forces, tangents, _, iterations = _counts(springs, "average_acceleration", dt=0.1, steps=50)
+    assert springs.kinked and tangents == iterations and forces == 1 + 2 * iterations
