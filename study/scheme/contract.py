@@ -11,7 +11,6 @@ from study.mechanics.function_checks import NOT_TRACEABLE
 from study.mechanics.state import Effort
 
 
-
 def check_attributes(scheme: Any) -> None:
     """Refuse a scheme whose title, orders or stability limit are invalid.
 

@@ -57,7 +57,7 @@ def _problem(kind: str, calls: list[float]) -> study.Problem:
 def _check(scheme: study.Scheme, problem: study.Problem, calls: list[float], dt: float = 0.01) -> Effort:
     if reason := scheme.refusal(problem):
         pytest.skip(reason)
-    marched = WithHistory(scheme) if problem.history is not None else scheme
+    marched = WithHistory(scheme=scheme) if problem.history is not None else scheme
     # the start is not compiled, because every evaluation of the force then runs its callback at once
     with jax.disable_jit():
         state, _ = started(marched, problem, jnp.asarray(problem.u0), jnp.asarray(problem.v0), jnp.asarray(dt))
@@ -95,4 +95,4 @@ def test_the_forces_of_a_safeguard_are_counted(kind):
 
 
 def test_the_force_that_corrects_an_acceleration_is_counted():
-    _counted(study.UnequalSteps(study.schemes["generalized_alpha"], "balance"), "p(u), one unknown")
+    _counted(study.UnequalSteps(scheme=study.schemes["generalized_alpha"], correction="balance"), "p(u), one unknown")

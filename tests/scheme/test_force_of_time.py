@@ -69,7 +69,7 @@ def test_a_push_in_the_force_acts_as_a_push_in_the_load(scheme_name):
 
 @pytest.mark.parametrize("scheme", ["bathe", "noh_bathe", "gauss4", "central_difference"])
 def test_a_force_may_take_velocity_history_and_time(scheme):
-    spring = elastoplastic(1.0, 0.4)
+    spring = elastoplastic(stiffness=1.0, yield_force=0.4)
 
     def pushed(u, v, history, time):
         force, history = spring(u, v, history)
@@ -134,7 +134,7 @@ def test_a_scheme_cannot_forget_the_time(excited):
 
 
 def test_what_cannot_take_the_time_is_refused(excited):
-    for scheme in (study.EnergyMomentum(), study.AuxiliaryVariable(), study.Relaxed(study.schemes["rk4"])):
+    for scheme in (study.EnergyMomentum(), study.AuxiliaryVariable(), study.Relaxed(scheme=study.schemes["rk4"])):
         assert "'excited'" in scheme.refusal(excited)
     with pytest.raises(ValueError, match="potential of 'moving' that depends on the time is not supported"):
         study.Problem(lambda u, t: t * u, 1.0, potential=lambda u, t: t * u**2 / 2, title="moving")
