@@ -32,6 +32,9 @@ LARGEST = 1e100
 #: Tolerance of times relative to a step, for the rounding of numbers in a file.
 UNIFORM = 1e-3
 
+#: Advice for times that are not the ends of every n-th step.
+WHOLE = "write every step, or give the time between outputs as spacing=, which all steps then divide"
+
 #: Times of a run, of shape (t,).
 Times = Float[np.ndarray, "t"]
 
@@ -49,6 +52,10 @@ class Unusable(Exception):
     def __init__(self, status: str, reason: str):
         super().__init__(reason)
         self.status, self.reason = status, reason
+
+
+class Unfit(ValueError):
+    """A program that no step can run; the message states why, in one sentence."""
 
 
 class Run(NamedTuple):
@@ -98,7 +105,7 @@ def _array(name: str, given: object) -> Values:
 
 
 def _check_times(t: np.ndarray, dt: float, duration: float) -> None:
-    """Check that times increase in equal gaps of whole steps, and end at most one gap before the duration.
+    """Check that times begin and end within one gap of the run, and increase in equal gaps of whole steps.
 
     Only the last gap may be shorter.
 
@@ -116,12 +123,19 @@ def _check_times(t: np.ndarray, dt: float, duration: float) -> None:
     off = np.flatnonzero(np.append(np.abs(gaps[:-1] - gaps[0]), gaps[-1] - gaps[0]) > UNIFORM * gaps[0])
     if off.size:
         raise Unusable(
-            "unequal_times", f"its times are {gaps[0]:g} s apart, and {gaps[off[0]]:g} s after t = {t[off[0]]:g} s"
+            "unequal_times",
+            f"its times are {gaps[0]:g} s apart, and {gaps[off[0]]:g} s after t = {t[off[0]]:g} s: {WHOLE}",
         )
-    if gaps.size > 1 and abs(gaps[0] / dt - max(round(gaps[0] / dt), 1)) > UNIFORM * gaps[0] / dt:
-        raise Unusable("unequal_times", f"its times are {gaps[0]:g} s apart at a step of {dt:g} s")
+    steps = t[0] / dt
+    late = gaps.size > 1 and t[0] > gaps[0] * (1 + UNIFORM)
+    if late or t[0] < -UNIFORM * dt or abs(steps - round(steps)) > UNIFORM * max(steps, 1):
+        raise Unusable("unusable", f"it begins at t = {t[0]:g} s, and must begin at 0 or with the first output after 0")
+    if t[-1] - gaps[-1] > duration * (1 + UNIFORM):
+        raise Unusable("unusable", f"it ends at t = {t[-1]:g}, and must end at {duration:g} in the unit s")
     if t[-1] + gaps[0] < duration * (1 - UNIFORM * dt / duration):
         raise Unusable("too_short", f"it ends at t = {t[-1]:g} of {duration:g} s")
+    if gaps.size > 1 and abs(gaps[0] / dt - max(round(gaps[0] / dt), 1)) > UNIFORM * gaps[0] / dt:
+        raise Unusable("unequal_times", f"its times are {gaps[0]:g} s apart at a step of {dt:g} s: {WHOLE}")
 
 
 def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, dict[str, Values]]:
@@ -155,7 +169,13 @@ def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, d
 
 
 def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
-    """Run a program once; a failure is returned as a :class:`Run` with its reason."""
+    """Run a program once; a failure is returned as a :class:`Run` with its reason.
+
+    Raises
+    ------
+    Unfit
+        If the program states that no step can run it.
+    """
     start = time.perf_counter()
     try:
         # values of a program may overflow, which ``checked`` reports
@@ -165,6 +185,8 @@ def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
         t, values = checked(returned, dt, duration)
         seconds = values.pop(SECONDS, np.array(elapsed)).flat[-1]
         return Run(scheme, dt, STATUSES[0], "", float(seconds), elapsed, t, values)
+    except Unfit:
+        raise
     except Unusable as failed:
         status, reason = failed.status, failed.reason
     except SystemExit as end:  # SystemExit would end this process, too

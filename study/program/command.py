@@ -17,7 +17,7 @@ import pandas as pd
 import psutil
 
 from study.algebra.scalars import is_number
-from study.program.attempt import TIME, Unusable
+from study.program.attempt import TIME, Unfit, Unusable
 from study.program.definition import Program
 
 #: Placeholders of a command, which each run replaces by its values.
@@ -37,6 +37,8 @@ class Command:
     time_limit: float | None
     #: Digest of files that determine the runs but are not named in the command.
     more: str = ""
+    #: Exit code with which the executable states that no step can run it.
+    unfit_code: int | None = None
 
     #: True makes :class:`study.Program` use threads, which suffice because each run starts a process itself.
     starts_a_process = True
@@ -72,8 +74,18 @@ class Command:
                 except subprocess.TimeoutExpired:
                     _kill(process)
                     raise Unusable("timed_out", f"it was stopped after {self.time_limit:g} s") from None
-            _check_end(code, printed.read_text(errors="replace"))
+            self._check_end(code, printed.read_text(errors="replace"))
             return _quantities(output)
+
+    def _check_end(self, code: int, printed: str) -> None:
+        lines = printed.strip().splitlines()
+        if code and code == self.unfit_code:
+            raise Unfit(f"'{self.title}' cannot be run: {lines[-1]}.")
+        last = f": {lines[-1][:LAST_WORDS]}" if lines else ""
+        if code < 0:
+            raise Unusable("signal", f"the signal {signal.Signals(-code).name} ended it{last}")
+        if code > 0:
+            raise Unusable("exit_code", f"it ended with the exit code {code}{last}")
 
 
 def _kill(process: subprocess.Popen) -> None:
@@ -89,15 +101,6 @@ def _filled(word: str, given: dict[str, str]) -> str:
     for place, value in given.items():
         word = word.replace(f"{{{place}}}", value)
     return word
-
-
-def _check_end(code: int, printed: str) -> None:
-    lines = printed.strip().splitlines()
-    last = f": {lines[-1][:LAST_WORDS]}" if lines else ""
-    if code < 0:
-        raise Unusable("signal", f"the signal {signal.Signals(-code).name} ended it{last}")
-    if code > 0:
-        raise Unusable("exit_code", f"it ended with the exit code {code}{last}")
 
 
 def _quantities(output: Path) -> dict[str, np.ndarray]:

@@ -46,16 +46,22 @@ class Curve:
     def _slack(self) -> float:
         return SAME * (self.t[1] - self.t[0])
 
+    def holds(self, times: np.ndarray) -> bool:
+        """Whether all these times are times of this curve; a single number holds any times."""
+        if not self.values.ndim:
+            return True
+        return bool((np.abs(self.t[self._places(times)] - times) <= self._slack).all())
+
+    def _places(self, times: np.ndarray) -> np.ndarray:
+        return np.searchsorted(self.t, times - self._slack).clip(max=len(self.t) - 1)
+
     def at(self, times: np.ndarray) -> Values:
         """Values at some times, by a cubic spline unless all are times of this curve; a single number is constant."""
         if not self.values.ndim:
             return self.values
         # no spline is needed at the times of a run with twice the step; with many components, it would take longer
         # than the run
-        places = np.searchsorted(self.t, times - self._slack).clip(max=len(self.t) - 1)
-        if (np.abs(self.t[places] - times) <= self._slack).all():
-            return self.values[places]
-        return self._spline(times)
+        return self.values[self._places(times)] if self.holds(times) else self._spline(times)
 
     def within(self, other: Curve) -> Curve:
         """Points of this curve at times that another curve covers."""
@@ -76,11 +82,11 @@ class Curve:
     def between(self) -> float:
         """Estimated error of interpolation between the times: half of the error if only every second time is used.
 
-        It is zero for a curve of fewer than ``FEWEST`` times.
+        It is infinite for a curve of fewer than ``FEWEST`` times, and zero for a single number.
         """
-        if len(self.t) < FEWEST:
+        if not self.values.ndim:
             return 0.0
-        return self.distance(Curve(self.t[::2], self.values[::2])) / 2
+        return self.distance(Curve(self.t[::2], self.values[::2])) / 2 if len(self.t) >= FEWEST else np.inf
 
 
 def curves(run: Run) -> dict[str, Curve]:

@@ -44,11 +44,11 @@ def opensees(
     ----------
     file
         A file of Python that defines a function and a dict. The function ``build(ops)`` makes the model in the
-        interpreter ``ops``, with its masses, damping and patterns. If it applies gravity, it ends with
-        ``ops.loadConst("-time", 0.0)``. The dict ``quantities`` maps the name of each quantity to a function of ``ops``
-        that returns a number, such as ``{"roof": lambda ops: ops.nodeDisp(5, 1)}``. The file does not define the
-        transient analysis. Newton's iteration ends when the norm of the correction is at most 1e-10, or ``tolerance``
-        if the file defines it.
+        interpreter ``ops``, with its masses, damping and patterns. If it applies gravity, it must end with
+        ``ops.loadConst("-time", 0.0)``, because :func:`study.assess` refuses a model whose clock is not at zero. The
+        dict ``quantities`` maps the name of each quantity to a function of ``ops`` that returns a number, such as
+        ``{"roof": lambda ops: ops.nodeDisp(5, 1)}``. The file does not define the transient analysis. Newton's
+        iteration ends when the norm of the correction is at most 1e-10, or ``tolerance`` if the file defines it.
     schemes
         Names of schemes of the study, such as ``"average_acceleration"``, ``"hht_alpha"`` or ``"bathe"``, or of
         OpenSees' integrators, such as ``"Newmark"``, ``"TRBDF2"`` or ``"CentralDifference"``.
@@ -75,5 +75,5 @@ def opensees(
     words = [sys.executable, "-m", opensees_run.__name__, str(Path(file).resolve())]
     driver = hashlib.sha256(Path(opensees_run.__file__).read_bytes()).hexdigest()
     template = f"{shlex.join(words)} {{scheme}} {{dt}} {{duration}} {{output}}"
-    run = Command(Path(file).stem, template, duration, time_limit, driver)
+    run = Command(Path(file).stem, template, duration, time_limit, driver, opensees_run.UNFIT_CODE)
     return Program(run, names, duration, **options)

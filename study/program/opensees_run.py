@@ -15,6 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from study.program.attempt import Unfit
+
+#: Exit code of the process if no step could run the model.
+UNFIT_CODE = 64
+
 
 class Integrator(NamedTuple):
     """OpenSees' integrator of a scheme, with the settings that it needs.
@@ -72,9 +77,11 @@ def interpreter() -> ModuleType:
     try:
         return importlib.import_module("openseespy.opensees")
     except (ImportError, RuntimeError) as error:
+        # openseespy raises another error, which hides the name of the missing library
+        reason = error.__context__ or error
         raise ImportError(
-            "OpenSees is not available: install the extra 'opensees' of this package, and the system's BLAS and LAPACK "
-            f"({error})."
+            "OpenSees is not available: install the extra 'opensees' of this package and the system's libraries BLAS, "
+            f"LAPACK and GNU Fortran, on Debian the packages libblas3, liblapack3 and libgfortran5 ({reason})."
         ) from None
 
 
@@ -110,16 +117,23 @@ def history(file: dict, scheme: str, dt: float, duration: float) -> dict[str, np
     ----------
     file
         Values that the user's file defines, by name: ``build``, ``quantities`` and, optionally, ``tolerance``.
+
+    Raises
+    ------
+    Unfit
+        If ``build`` leaves the clock at another time than zero: a record would begin late, and gravity would grow.
     """
     ops, quantities = interpreter(), dict[str, Callable](file["quantities"])
     ops.wipe()
     file["build"](ops)
+    if start := ops.getTime():
+        raise Unfit(f"build(ops) leaves the clock at {start:g} s, and must end with ops.loadConst('-time', 0.0)")
     _prepare(ops, INTEGRATORS[scheme], file.get("tolerance", TOLERANCE))
-    start, clock = ops.getTime(), time.perf_counter()
+    clock = time.perf_counter()
     rows = [[0.0, 0.0, *(read(ops) for read in quantities.values())]]
     for _ in range(math.ceil(duration / dt * (1 - 1e-9))):
         _step(ops, INTEGRATORS[scheme], dt)
-        rows.append([ops.getTime() - start, time.perf_counter() - clock, *(read(ops) for read in quantities.values())])
+        rows.append([ops.getTime(), time.perf_counter() - clock, *(read(ops) for read in quantities.values())])
     return dict(zip(("t", "seconds", *quantities), np.array(rows, float).T, strict=True))
 
 
@@ -133,6 +147,9 @@ if __name__ == "__main__":
     code = 0
     try:
         main(*sys.argv[1:])
+    except Unfit as error:
+        print(error, file=sys.stderr, flush=True)
+        code = UNFIT_CODE
     except Exception as error:  # the user's file may raise anything
         print(f"{type(error).__name__}: {error}", file=sys.stderr, flush=True)
         code = 1

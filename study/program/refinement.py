@@ -10,7 +10,7 @@ from study.program.confirmation import CERTAIN
 from study.program.definition import Program
 from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS, Estimate, Truth, agreed, estimate
-from study.words import percent
+from study.words import listed, percent
 
 #: ``WITHOUT_USE`` has the statuses of runs that return invalid results. ``FRUITLESS`` is the number of consecutive runs
 #: with these statuses after which a scheme is not run at finer steps.
@@ -110,7 +110,12 @@ class Refinement:
             raise KeyboardInterrupt
         if truth is None:
             short = [s for s in self._program.all_schemes if len(self.last_completed(s)) < FEWEST_RUNS]
-            reasons = "; ".join(self.remarks + [f"'{s}' {self._reason(s)}" for s in short if not self.noise[s]])
+            schemes_by_reason = dict[str, list[str]]()
+            for s in short:
+                if not self.noise[s]:
+                    schemes_by_reason.setdefault(self._reason(s), []).append(f"'{s}'")
+            ends = [f"{listed(of)} end{'s' * (len(of) == 1)} {reason}" for reason, of in schemes_by_reason.items()]
+            reasons = "; ".join(self.remarks + ends)
             raise NoTruth(
                 f"there is no reference for '{self._program.title}', as fewer than two schemes complete "
                 f"{FEWEST_RUNS} runs at successively halved steps{' in the given time' * self._runs.late}: {reasons}."
@@ -148,7 +153,7 @@ class Refinement:
 
     def _reason(self, scheme: str) -> str:
         failed = [run for run in self.of(scheme) if not run.completed]
-        return f"ends at Δt = {failed[-1].dt:.4g} s: {failed[-1].reason}" if failed else "has too few steps to halve"
+        return f"at Δt = {failed[-1].dt:.4g} s: {failed[-1].reason}" if failed else "with too few steps to halve"
 
     def _ignores(self, scheme: str) -> bool:
         """Whether a scheme ignores the step: its two finest runs agree to the last digit. If so, add a remark."""
@@ -167,10 +172,19 @@ class Refinement:
         return bool(self.noise[scheme])
 
     def _judge(self, truth: Truth, wanted: float, apart: bool) -> None:
-        """Add a remark if the reference is not accurate enough for the smallest error."""
+        """Add a remark if the reference is not accurate enough for the smallest error, or holds at few times only."""
         name = max(truth.uncertainty, key=lambda one: truth.uncertainty[one])
         off = truth.uncertainty[name]
         if off <= wanted:
+            if truth.fixed and (unseen := [one for one, error in truth.between.items() if error > wanted]):
+                self.remarks.append(f"{_output(truth, unseen[0], wanted)}: its errors hold at these times only")
+            return
+        if truth.between[name] > off / 2 and not (truth.fixed or self._runs.late):
+            self.remarks.append(
+                f"{_output(truth, name, wanted)}: no step is recommended for its errors below {percent(CERTAIN * off)}"
+                if math.isfinite(off)
+                else f"{_output(truth, name, wanted)}: no step is recommended"
+            )
             return
         pair = f"'{truth.best.scheme}' and '{truth.witness.scheme}'"
         steps = f"at steps of {truth.best.dt:.4g} s and {truth.witness.dt:.4g} s"
@@ -200,6 +214,20 @@ class Refinement:
                     f"'{other.scheme}' depends on the order of runs: a repeated run at {other.dt:.4g} s "
                     + (f"differs by {percent(self.noise[other.scheme])}" if other.completed else other.reason)
                 )
+
+
+def _output(truth: Truth, name: str, wanted: float) -> str:
+    """Sentence on an output that is too coarse to follow a quantity: its spacing, and the spacing that it needs.
+
+    The error of cubic splines is proportional to the fourth power of the spacing.
+    """
+    t, error = truth.best.motion[name].t, truth.between[name]
+    gap = t[1] - t[0]
+    needs = f"times about {gap * (wanted / error) ** 0.25:.2g} s apart" if math.isfinite(error) else "more times"
+    return (
+        f"the output of '{name}', {len(t)} times {gap:.4g} s apart at steps of {truth.best.dt:.4g} s, is too coarse to "
+        f"follow it to {percent(wanted)}, which needs {needs}"
+    )
 
 
 def _listed(shapes: dict[str, tuple]) -> str:

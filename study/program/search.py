@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from study.program.attempt import WHOLE
 from study.program.confirmation import CERTAIN, TWENTIETH, Limit, largest_with_margin
 from study.program.definition import Program
 from study.program.refinement import Refinement
@@ -98,14 +99,26 @@ class Search:
         self._remark(runs.interrupted)
 
     def _remark(self, interrupted: bool) -> None:
-        """Add remarks on an interruption, and on schemes that keep no error and fail in over half of their runs."""
+        """Add remarks on an interruption, and on schemes whose runs fail or cannot be compared.
+
+        Failed runs are named if their times are unequal, which says nothing about their errors, or if they are over
+        half of the runs of a scheme that keeps no error.
+        """
         if interrupted:
             self.refinement.remarks.append("interrupted: no step is recommended where more runs were needed")
         limits = [(name, error) for name in self.truth.uncertainty for error in self.allowed]
         for scheme in self.program.all_schemes:
             runs = self.refinement.of(scheme)
             failed = [run for run in runs if not run.completed]
-            if 2 * len(failed) > len(runs) and not any(self.largest(scheme, one)[0] for one in limits):
+            unequal = [run for run in failed if run.status == "unequal_times"]
+            keeps = any(self.largest(scheme, one)[0] for one in limits)
+            other = [run for run in runs if run.completed and self.truth.fixed and not self.truth.shares_times(run)]
+            if other and any(self.truth.between[name] * CERTAIN > self.allowed[-1] for name in self.truth.between):
+                self.refinement.remarks.append(
+                    f"the runs of '{scheme}' have other times at other steps, such as Δt = {other[0].dt:.4g} s, and "
+                    f"cannot be compared: {WHOLE}"
+                )
+            if failed := failed if 2 * len(failed) > len(runs) and not keeps else unequal:
                 self.refinement.remarks.append(
                     f"{len(failed)} of {len(runs)} runs of '{scheme}' failed: at Δt = {failed[-1].dt:.4g} s, "
                     f"{failed[-1].reason}"
@@ -209,7 +222,7 @@ class Search:
         # only at steps as fine as the reference, because errors of an impact may persist over octaves of coarser steps
         stuck = len(last) == FEWEST_RUNS and finest[0] <= self.truth.best.dt * (1 + 1e-9)
         stuck = stuck and all(fine > STUCK * coarse for fine, coarse in pairwise(last))
-        if stuck:
+        if stuck and last[0] > 2 * self.truth.between[name]:
             remark = (
                 f"'{scheme}' converges to another motion: halving its steps to {finest[0]:.4g} s leaves an error of "
                 f"{percent(last[0])} of '{name}'"

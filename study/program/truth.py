@@ -37,6 +37,8 @@ class Estimate(NamedTuple):
         Orders of the extrapolated quantities, by name.
     error
         Error of each quantity, relative to its size.
+    fixed
+        Whether the times of the output do not depend on the step: the finest two runs have the same times.
     """
 
     scheme: str
@@ -44,6 +46,7 @@ class Estimate(NamedTuple):
     motion: dict[str, Curve]
     order: dict[str, int]
     error: dict[str, float]
+    fixed: bool
 
 
 class Truth(NamedTuple):
@@ -55,18 +58,27 @@ class Truth(NamedTuple):
         The scheme that gives the motion, and the one with which it is compared.
     uncertainty
         Uncertainty of each quantity, relative to its size: the difference of the two schemes plus the error of
-        interpolation between the steps, or the larger of the two schemes' own errors if it exceeds this sum.
+        interpolation between the steps, or the larger of the two schemes' own errors if it exceeds this sum. The error
+        of interpolation is left out if the times of the output are ``fixed``.
+    between
+        Error of interpolation of each quantity, relative to its size.
     """
 
     best: Estimate
     witness: Estimate
     uncertainty: dict[str, float]
+    between: dict[str, float]
+
+    @property
+    def fixed(self) -> bool:
+        """Whether the times of the output do not depend on the step, so that runs are compared at common times."""
+        return self.best.fixed and self.witness.fixed
 
     @property
     def apart(self) -> bool:
-        """Whether the two schemes converge to different motions."""
+        """Whether the two schemes converge to different motions, which the error of interpolation does not explain."""
         own = max(*self.best.error.values(), *self.witness.error.values())
-        return max(self.uncertainty.values()) > APART * own
+        return any(off > APART * max(own, self.between[name]) for name, off in self.uncertainty.items())
 
     @property
     def sizes(self) -> dict[str, float]:
@@ -74,11 +86,21 @@ class Truth(NamedTuple):
         return {name: one.size for name, one in self.best.motion.items()}
 
     def errors(self, run: Run) -> dict[str, float]:
-        """Largest error of each quantity at any step of a run, relative to its size; NaN if the run failed."""
+        """Largest error of each quantity at any time of a run, relative to its size; NaN if the run failed.
+
+        If the times of the output are ``fixed``, a run at other times has the error of interpolation, too.
+        """
         if not run.completed:
             return dict.fromkeys(self.uncertainty, math.nan)
         found = curves(run)
-        return {name: found[name].distance(true) / true.size for name, true in self.best.motion.items()}
+        errors = {name: found[name].distance(true) / true.size for name, true in self.best.motion.items()}
+        unseen = self.fixed and not self.shares_times(run)
+        return {name: off + self.between[name] for name, off in errors.items()} if unseen else errors
+
+    def shares_times(self, run: Run) -> bool:
+        """Whether all times of a run are times of the motion."""
+        found = curves(run)
+        return all(true.holds(found[name].within(true).t) for name, true in self.best.motion.items())
 
 
 def _extrapolated(coarser: Curve, finer: Curve, order: int) -> Curve:
@@ -101,7 +123,8 @@ def estimate(runs: Sequence[Run]) -> Estimate | None:
         size = motion[name].size
         error[name] = off / size if size else math.inf
         orders |= {name: order} if order else {}
-    return Estimate(runs[-1].scheme, runs[-1].dt, motion, orders, error)
+    fixed = np.array_equal(runs[-1].t, runs[-2].t)
+    return Estimate(runs[-1].scheme, runs[-1].dt, motion, orders, error, fixed)
 
 
 def _limit(along: Sequence[Curve]) -> tuple[Curve, int, float]:
@@ -129,9 +152,11 @@ def agreed(estimates: Iterable[Estimate]) -> Truth | None:
 def _compared(one: Estimate, other: Estimate) -> Truth:
     best, witness = sorted((one, other), key=lambda estimate: max(estimate.error.values()))
     finer, coarser = sorted((one, other), key=lambda estimate: estimate.dt)
-    uncertainty = {}
+    fixed = one.fixed and other.fixed
+    uncertainty, between = dict[str, float](), dict[str, float]()
     for name, motion in best.motion.items():
-        apart = coarser.motion[name].distance(finer.motion[name]) + motion.between()
-        own = max(one.error[name], other.error[name])
-        uncertainty[name] = max(apart / motion.size, own) if motion.size else math.inf
-    return Truth(best, witness, uncertainty)
+        size, own = motion.size, max(one.error[name], other.error[name])
+        between[name] = motion.between() / size if size else math.inf
+        apart = coarser.motion[name].distance(finer.motion[name]) / size if size else math.inf
+        uncertainty[name] = max(apart if fixed else apart + between[name], own)
+    return Truth(best, witness, uncertainty, between)

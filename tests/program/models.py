@@ -82,3 +82,24 @@ class Remembers:
 def two_motions(scheme, dt):
     """A program whose two schemes solve different problems."""
     return linear(scheme, dt) if scheme == "central_difference" else oscillator(0.02, scheme, dt)
+
+
+def sampled(every, scheme, dt):
+    """The linear oscillator with an output at every n-th step."""
+    return {name: values[::every] for name, values in linear(scheme, dt).items()}
+
+
+def recorded(interval, scheme, dt):
+    """The linear oscillator with an output at the first step after every interval, as by a recorder of OpenSees."""
+    right = linear(scheme, dt)
+    kept = [0]
+    for place, t in enumerate(right["t"]):
+        if t - right["t"][kept[-1]] >= interval * (1 - 1e-9):
+            kept.append(place)
+    return {name: values[kept] for name, values in right.items()}
+
+
+def shifted(factor, begin, scheme, dt):
+    """The linear oscillator with times t · factor + begin."""
+    right = linear(scheme, dt)
+    return right | {"t": right["t"] * factor + begin}

@@ -13,7 +13,7 @@ import study
 from study.assessment.failures import failed_runs
 from study.assessment.search import VERDICTS, round_step
 from study.program import runs, search
-from study.program.attempt import STATUSES, Run
+from study.program.attempt import STATUSES, WHOLE, Run
 from study.program.curves import Curve
 from study.program.refinement import NoTruth
 from study.program.runs import Runs
@@ -109,7 +109,10 @@ def test_a_second_question_repeats_no_run(spring):
         ("nothing", "it returned nothing"),
         ("unusable", "'velocity' has 2 values at 17 times 't'"),
         ("not_finite", "'velocity' is not finite at t = 11.25 s"),
-        ("unequal_times", "its times are 1.25279 s apart, and 1.27022 s after t = 1.25279 s"),
+        (
+            "unequal_times",
+            f"its times are 1.25279 s apart, and 1.27022 s after t = 1.25279 s: {WHOLE}",
+        ),
         ("too_short", "it ends at t = 8.75 of 20 s"),
     ],
 )
@@ -157,6 +160,77 @@ def test_what_is_wrong_with_all_runs_is_said(run, schemes, sentence, tmp_path):
     wrong = ds.verdict.sel(scheme=schemes[-1])
     assert (wrong == 3).all() and ds.recommended_dt.sel(scheme=schemes[-1]).isnull().all()
     assert ds.attrs["remarks"] and study.recommend(ds, error=0.001).verdict[schemes[-1]] == "below the reference"
+
+
+def _largest_error(run, scheme, dt):
+    """Error of the linear oscillator's displacement at the times of a run, from the closed form cos t."""
+    found = run(scheme, dt)
+    return np.abs(found["displacement"] - np.cos(found["t"])).max()
+
+
+def test_output_at_every_hundredth_step_is_refined_until_it_can_be_followed(tmp_path):
+    run = partial(models.sampled, 100)
+    ds = study.assess(program(run, tmp_path), errors=[0.01])
+    assert (ds.verdict == 0).all() and not ds.attrs["remarks"]
+    for scheme in models.SCHEMES:
+        one = ds.sel(scheme=scheme, quantity="displacement", allowed_error=0.01)
+        off = _largest_error(run, scheme, one.recommended_dt.item())
+        assert off <= 0.01 and one.recommended_error == pytest.approx(off, abs=2e-4)
+
+
+def test_output_too_coarse_to_follow_a_quantity_is_said(tmp_path):
+    sentence = (
+        r"the output of '\w+', 17 times 1.25 s apart at steps of 0.00125 s, is too coarse to follow it to 0.1.%, which "
+        r"needs times about 0\.\d+ s apart: no step is recommended for its errors below"
+    )
+    own = program(partial(models.sampled, 1000), tmp_path, coarsest=0.005, finest=0.00125)
+    with pytest.warns(RuntimeWarning, match=sentence):
+        ds = study.assess(own, errors=[0.01])
+    assert (ds.verdict == VERDICTS.index("below_the_reference")).all() and "different problems" not in ds.attrs[
+        "remarks"
+    ]
+
+
+def test_output_at_fixed_times_is_compared_at_these_times(tmp_path):
+    run = partial(models.recorded, 2.0)
+    sentence = "11 times 2 s apart .* is too coarse to follow it to 0.1.%, .*: its errors hold at these times only"
+    with pytest.warns(RuntimeWarning, match=sentence):
+        ds = study.assess(program(run, tmp_path, spacing=2.0), errors=[0.01])
+    assert (ds.verdict == 0).all() and (ds.reference_uncertainty < 1e-4).all()
+    for scheme in models.SCHEMES:
+        one = ds.sel(scheme=scheme, quantity="displacement", allowed_error=0.01)
+        off = _largest_error(run, scheme, one.recommended_dt.item())
+        assert off <= 0.01 and one.recommended_error == pytest.approx(off, abs=1e-4)
+
+
+def test_a_recorder_whose_interval_the_steps_do_not_divide_needs_the_spacing(tmp_path):
+    with pytest.warns(RuntimeWarning, match="cannot be compared: write every step, or give the time between outputs"):
+        ds = study.assess(program(partial(models.recorded, 0.5), tmp_path), errors=[0.01])
+    assert (ds.verdict == VERDICTS.index("not_even_the_finest_step")).all()
+    assert "another motion" not in ds.attrs["remarks"]
+
+
+@pytest.mark.parametrize(
+    "factor, begin, reason",
+    [
+        (1000.0, 0.0, "it ends at t = 20000, and must end at 20 in the unit s"),
+        (1 / 60, 0.0, "it ends at t = 0.333333 of 20 s"),
+        (1.0, 1.0, "it begins at t = 1 s, and must begin at 0 or with the first output after 0"),
+        (1.0, 2.5, "it begins at t = 2.5 s, and must begin at 0 or with the first output after 0"),
+    ],
+)
+def test_times_of_another_unit_or_clock_are_refused(factor, begin, reason, tmp_path):
+    own = program(partial(models.shifted, factor, begin), tmp_path, finest=0.1)
+    both = "'average_acceleration' and 'central_difference' end at Δt = "
+    with pytest.raises(NoTruth, match=rf"{both}.* s: {reason}\.$"):
+        study.assess(own)
+
+
+@pytest.mark.parametrize("kept", [slice(1, None), slice(None, -1)], ids=["from the first step", "to the step before"])
+def test_output_may_lack_its_first_or_last_time(kept, tmp_path):
+    own = program(lambda *job: {name: one[kept] for name, one in models.linear(*job).items()}, tmp_path)
+    ds = study.assess(own, errors=[0.01])
+    assert (ds.verdict == 0).all() and (ds.reference_uncertainty < 2e-4).all()
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,7 @@ def test_single_numbers_need_no_times(script):
 def test_a_scheme_that_hangs_is_run_once(script):
     """A run that was stopped is repeated only with a longer time limit."""
     own = script("sleep 60", time_limit=0.2)
-    with pytest.raises(ValueError, match="no reference for 'mycode'.* 'a' ends at Δt = 0.25 s: it was stopped"):
+    with pytest.raises(ValueError, match="no reference for 'mycode'.* 'a' and 'b' end at Δt = 0.25 s: it was stopped"):
         study.assess(own)
     kept = list(own.place.glob("*.npz"))
     assert len(kept) == 2

@@ -1,14 +1,16 @@
 """Models of OpenSees in files; tests that run OpenSees are skipped if it is not installed."""
 
 import runpy
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import study
 from study.program import opensees_run
-from study.program.attempt import attempt
+from study.program.attempt import Unfit, attempt
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -70,3 +72,45 @@ def test_a_file_that_fails_says_why(example, tmp_path):
 def test_a_scheme_that_is_no_name_is_refused():
     with pytest.raises(TypeError, match="must be a name, such as 'hht_alpha', not an object of Houbolt."):
         study.opensees(EXAMPLES / "opensees_gap.py", ["hht", study.schemes["houbolt"]], 2.0)  # type: ignore[list-item]
+
+
+def _interpreter(clock):
+    """The commands of OpenSees that begin a run, for a model whose ``build`` leaves the clock at ``clock``."""
+    names = ("wipe", "wipeAnalysis", "constraints", "numberer", "system", "test", "algorithm", "integrator", "analysis")
+    return SimpleNamespace(**dict.fromkeys(names, lambda *words: None), getTime=lambda: clock)
+
+
+def test_a_clock_that_gravity_has_moved_is_refused(monkeypatch):
+    model = {"build": lambda ops: None, "quantities": {"roof": lambda ops: 1.0}}
+    monkeypatch.setattr(opensees_run, "interpreter", lambda: _interpreter(1.0))
+    sentence = r"build\(ops\) leaves the clock at 1 s, and must end with ops.loadConst\('-time', 0.0\)"
+    with pytest.raises(Unfit, match=sentence):
+        opensees_run.history(model, "hht_alpha", 0.1, 0.0)
+    monkeypatch.setattr(opensees_run, "interpreter", lambda: _interpreter(0.0))
+    assert opensees_run.history(model, "hht_alpha", 0.1, 0.0)["roof"] == [1.0]
+
+
+def test_gravity_without_a_constant_load_ends_the_assessment(example, tmp_path):
+    (tmp_path / "model.py").write_text(
+        f"import runpy\nmodel = runpy.run_path({str(EXAMPLES / 'opensees_gap.py')!r})\n"
+        "quantities = model['quantities']\ndef build(ops):\n    model['build'](ops)\n    ops.setTime(1.0)\n"
+    )
+    own = study.opensees(tmp_path / "model.py", ["Newmark", "hht"], 2.0, folder=tmp_path)
+    with pytest.raises(ValueError, match=r"^'model' cannot be run: build\(ops\) leaves the clock at 1 s, and must"):
+        study.assess(own)
+    assert not [*tmp_path.rglob("*.npz")]
+
+
+def test_the_library_that_opensees_lacks_is_named(monkeypatch, tmp_path):
+    lacking = "libblas.so.3: cannot open shared object file: No such file or directory"
+    (tmp_path / "openseespy").mkdir()
+    (tmp_path / "openseespy" / "__init__.py").touch()
+    (tmp_path / "openseespy" / "opensees.py").write_text(
+        f"try:\n    raise ImportError('{lacking}')\nexcept ImportError:\n    raise RuntimeError('Failed to import.')\n"
+    )
+    for name in ("openseespy", "openseespy.opensees"):
+        monkeypatch.setitem(sys.modules, name, None)  # type: ignore[arg-type]  # is undone to what it was before
+        del sys.modules[name]
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(ImportError, match=rf"Debian the packages libblas3, liblapack3 and libgfortran5 \({lacking}\)"):
+        study.opensees(EXAMPLES / "opensees_gap.py", ["Newmark", "hht"], 2.0)
