@@ -168,6 +168,23 @@ def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, d
     return t, values
 
 
+def difference(one: Run, other: Run, sizes: Mapping[str, float] | None = None) -> float:
+    """Largest difference of the quantities of two runs, relative to sizes, or otherwise to the values of the first run.
+
+    It is infinite if times or names of quantities differ.
+    """
+    if one.t.shape != other.t.shape or one.values.keys() != other.values.keys():
+        return np.inf
+    found = [0.0]
+    for name, values in {TIME: one.t, **one.values}.items():
+        theirs = other.t if name == TIME else other.values[name]
+        if theirs.shape != values.shape:
+            return np.inf
+        off = np.abs(values - theirs).max(initial=0.0)
+        found.append(float(off / ((sizes or {}).get(name) or np.abs(values).max() or off)) if off else 0.0)
+    return max(found)
+
+
 def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
     """Run a program once; a failure is returned as a :class:`Run` with its reason.
 

@@ -5,6 +5,7 @@ import inspect
 import math
 import pickle
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass
 from functools import partial
 from pathlib import Path
@@ -28,10 +29,10 @@ class Program:
     finite element code.
     :func:`study.opensees` makes a program from a model of OpenSees, and :func:`study.command` from an executable.
 
-    Every run is kept on disk, so an assessment that is repeated or continued makes no run twice. The source of a
-    program identifies its runs: the file that contains ``run`` and the data that ``run`` holds. Files that this file
-    imports are not part of the source. If the source does not determine the runs, give a ``name``, and change it
-    whenever the program changes.
+    Every run is kept on disk for an assessment that is repeated or continued. The source of a program identifies its
+    runs: the file that contains ``run`` and the data that ``run`` holds. Other files and variables that the program
+    reads are not part of the source. Every assessment therefore repeats one kept run of each scheme, and discards all
+    kept runs with a warning if it differs. A change that this run does not show needs another ``name``.
 
     Parameters
     ----------
@@ -59,7 +60,8 @@ class Program:
     workers
         Number of runs at once, by default the number of cores. Runs are made in other processes if ``run`` can be
         pickled, as a function in a file can. A script then needs ``if __name__ == "__main__":``. If ``run`` cannot be
-        pickled, or if ``workers`` is 1, runs are made one after the other in this process.
+        pickled, if it reads variables that other processes do not have, or if ``workers`` is 1, runs are made one after
+        the other in this process.
 
     Raises
     ------
@@ -168,6 +170,47 @@ class Program:
                 f"the runs of '{self.title}' cannot be distinguished from runs of other programs, because its "
                 f"source cannot be read ({error}); give the program a name."
             ) from None
+
+
+def data_read(run: Any) -> dict[str, bytes]:
+    """Pickled variables of modules that a function and the functions it calls read, by name.
+
+    Variables that cannot be pickled, such as modules, are left out, and so are functions of other files.
+    """
+    found: dict[str, bytes] = {}
+    seen: set[Any] = set()
+    waiting = [run]
+    while waiting:
+        one = waiting.pop()
+        one = one.func if isinstance(one, partial) else getattr(one, "__func__", one)
+        function = one if inspect.isroutine(one) else type(one).__call__
+        code = getattr(function, "__code__", None)
+        if code is None or code in seen:
+            continue
+        seen.add(code)
+        codes = [code]
+        for inner in codes:
+            codes += [constant for constant in inner.co_consts if inspect.iscode(constant)]
+        names = {name for inner in codes for name in inner.co_names}
+        for name in sorted(names & function.__globals__.keys()):
+            value = function.__globals__[name]
+            if inspect.isfunction(value):
+                waiting += [value] if value.__module__ == function.__module__ else []
+            elif inspect.ismodule(value) or inspect.isclass(value):
+                of_value = {key: vars(value)[key] for key in sorted(names & vars(value).keys())}
+                found |= _pickled({f"{name}.{key}": data for key, data in of_value.items()})
+            else:
+                found |= _pickled({name: value})
+    return found
+
+
+def _pickled(data: dict[str, Any]) -> dict[str, bytes]:
+    found = {}
+    for name, value in data.items():
+        if not (callable(value) or inspect.ismodule(value)):
+            with suppress(pickle.PicklingError, AttributeError, TypeError):
+                found[name] = pickle.dumps(value)
+    return found
 
 
 def _source(run: Any) -> list:

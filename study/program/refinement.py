@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from study.program.attempt import Run
+from study.program.attempt import Run, difference
 from study.program.confirmation import CERTAIN
 from study.program.definition import Program
 from study.program.runs import Job, Runs
@@ -205,10 +205,8 @@ class Refinement:
         again = self._runs.run([(s, run.dt) for s, run in reversed(known.items())], repeat=1)
         for other in again:
             one, self.noise[other.scheme] = known[other.scheme], math.inf
-            if other.completed and other.t.shape == one.t.shape and other.values.keys() == one.values.keys():
-                sizes = self.truth.sizes
-                apart = {n: np.abs(one.values[n] - other.values[n]).max() / sizes[n] for n in sizes}
-                self.noise[other.scheme] = max(apart.values())
+            if other.completed:
+                self.noise[other.scheme] = difference(one, other, self.truth.sizes)
             if self.noise[other.scheme] * CERTAIN > self._smallest:
                 self.remarks.append(
                     f"'{other.scheme}' depends on the order of runs: a repeated run at {other.dt:.4g} s "

@@ -1,4 +1,8 @@
-"""All runs of a program, which are kept on disk and made concurrently."""
+"""All runs of a program, which are kept on disk and made concurrently.
+
+The source of a program does not determine its runs: it may read files, variables of the environment and libraries.
+Every assessment therefore repeats one kept run of each scheme before it uses any of them.
+"""
 
 import hashlib
 import io as streams
@@ -6,7 +10,9 @@ import json
 import math
 import os
 import pickle
+import shutil
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -19,16 +25,24 @@ from zipfile import BadZipFile
 import numpy as np
 
 from study.io import NotRead, write
-from study.program.attempt import Run, attempt
-from study.program.definition import Program
+from study.program.attempt import Run, attempt, difference
+from study.program.definition import Program, data_read
 from study.settings import cores
+from study.words import listed, percent
 
 #: Version of the format of files; a run in a file of another version is made again.
-FORM = 2
+FORM = 3
 
 #: Names of arrays in the file of a run: ``words`` has its scheme, status and reason, ``numbers`` its step, seconds and
 #: elapsed time, and ``t`` its times.
 WORDS, NUMBERS, T = "words", "numbers", "t"
+
+#: Largest time of the kept run that is repeated, as a fraction of the time of all kept runs of its scheme.
+REPEATED = 0.01
+
+#: Relative difference of a run from its repetition by which a program has changed: at least the first number, at most
+#: the second, and between them ten times the difference of an earlier repetition.
+ROUND_OFF, CHANGED = 1e-6, 0.1
 
 #: Name of a scheme, and a step in s.
 Job = tuple[str, float]
@@ -46,7 +60,10 @@ def _picklable(program: Program) -> bool:
 
 
 class Runs:
-    """Runs of a program; each run is made once.
+    """Runs of a program; each run is made once, except one kept run of each scheme, which is repeated.
+
+    If the repeated run differs from the kept one, the program has changed: all kept runs are removed, and a warning
+    states the difference.
 
     Parameters
     ----------
@@ -70,7 +87,9 @@ class Runs:
     def __init__(self, program: Program, seconds: float = math.inf, report: Callable[..., None] = lambda *words: None):
         self.program, self.made, self._report = program, dict[Job, Run](), report
         self._workers = program.workers or cores()
-        self._identity, self._pool = program.identity(), self._start()
+        key = json.dumps([FORM, program.identity(), float(program.duration).hex()])
+        self._folder, self._checked = program.place / _digest(key), False
+        self._pool = self._start()
         self._end, self.late, self.interrupted = time.monotonic() + seconds, False, False
 
     @property
@@ -94,7 +113,20 @@ class Runs:
                 f"the processes for the runs of '{self.program.title}' end at once: put the code that starts them "
                 'under `if __name__ == "__main__":`, or give the program workers=1.'
             ) from None
-        return pool
+        here, there = data_read(self.program.run), dict[str, bytes]()
+        with suppress(BrokenProcessPool):  # a function of a notebook cannot be loaded in another process
+            there = pool.submit(data_read, self.program.run).result()
+            if here == there:
+                return pool
+        pool.shutdown()
+        if others := [f"'{name}'" for name in here if there and here[name] != there.get(name)]:
+            warnings.warn(
+                f"the runs of '{self.program.title}' are made one after the other, because other processes would read "
+                f"another value of {listed(others)}: pass it to the function by functools.partial.",
+                RuntimeWarning,
+                stacklevel=5,
+            )
+        return None
 
     def __enter__(self) -> "Runs":
         return self
@@ -103,15 +135,70 @@ class Runs:
         if self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
 
-    def _path(self, scheme: str, dt: float, repeat: int) -> Path:
-        key = json.dumps([FORM, self._identity, scheme, float(dt).hex(), float(self.program.duration).hex(), repeat])
-        return self.program.place / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npz"
+    def _place(self, scheme: str) -> Path:
+        return self._folder / _digest(scheme)
+
+    def _path(self, scheme: str, dt: float, repeat: int = 0) -> Path:
+        return self._place(scheme) / f"{float(dt).hex()}_{repeat}.npz"
+
+    def _check_kept(self) -> None:
+        """Repeat a kept run of each scheme, and remove all kept runs if one differs from its repetition.
+
+        The repeated run is the finest completed one that takes little time, because coarse runs may miss a change.
+        """
+        if self._checked:
+            return
+        self._checked = True
+        kept = {scheme: run for scheme in self.program.all_schemes if (run := self._sample(scheme))}
+        if kept:
+            self._report(f"one kept run of {listed(kept)} is repeated, in case the program has changed")
+        again = {run.scheme: run for run in self._made([(run.scheme, run.dt) for run in kept.values()])}
+        changes = [how for scheme, run in kept.items() if (how := self._change(run, again[scheme]))]
+        if changes:
+            # renamed first, so that a run that is killed here leaves no part of the kept runs
+            rest = self._folder.with_suffix(f".{os.getpid()}")
+            self._folder.rename(rest)
+            shutil.rmtree(rest)
+            warnings.warn(
+                f"the kept runs of '{self.program.title}' are discarded, because the program has changed or gives "
+                f"other results each time: {changes[0]}.",
+                RuntimeWarning,
+                stacklevel=7,
+            )
+        for run in again.values():
+            _keep(run, self._path(run.scheme, run.dt))
+
+    def _sample(self, scheme: str) -> Run | None:
+        """The kept run of a scheme that is repeated; None if no run of the scheme is kept.
+
+        It is the finest completed run that takes at most the fraction ``REPEATED`` of the time of all runs, or the
+        shortest run.
+        """
+        kept = [_read(path) for path in self._place(scheme).glob("*_0.npz")]
+        completed = [run for run in kept if run.completed] or kept
+        most = max(REPEATED * sum(run.elapsed for run in kept), min((run.elapsed for run in completed), default=0.0))
+        return min((run for run in completed if run.elapsed <= most), key=lambda run: run.dt, default=None)
+
+    def _change(self, kept: Run, again: Run) -> str:
+        """How a run differs from its repetition, in words; empty if it does not."""
+        run = f"its run with '{kept.scheme}' at Δt = {kept.dt:.4g} s"
+        before, now = ((one.status, one.reason * (one.status != "timed_out")) for one in (kept, again))
+        if before != now:
+            return f"{run}, which ended with '{kept.reason or kept.status}', ends with '{again.reason or again.status}'"
+        off = difference(kept, again)
+        if math.isinf(off):
+            return f"{run} returns other times or quantities than the kept run"
+        repeated = [_read(path) for path in self._place(kept.scheme).glob("*_1.npz")]
+        noise = [difference(_read(self._path(other.scheme, other.dt)), other) for other in repeated]
+        least = min(max(ROUND_OFF, 10 * max(noise, default=0.0)), CHANGED)
+        return f"{run} differs by {percent(off)} from the kept run" if off > least else ""
 
     def run(self, wanted: Iterable[Job], repeat: int = 0) -> list[Run]:
         """Read the wanted runs that are on disk, make the others for which there is time, and return these runs.
 
         ``repeat`` is the number of a repetition; zero stands for the first runs, which are added to ``made``.
         """
+        self._check_kept()
         jobs = {job: self._path(*job, repeat) for job in wanted}
         missing = [job for job, path in jobs.items() if not path.exists() or self._waited_less(_read(path))]
         expected = self._expected(missing)
@@ -197,6 +284,10 @@ class Runs:
         self._pool = self._start()
         reason = "its process ended without an exception, as after a segmentation fault"
         return Run(*job, "signal", reason, np.nan, 0.0, np.empty(0), {})
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
 def _to_go(ends: float) -> str:

@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 
@@ -103,3 +104,22 @@ def shifted(factor, begin, scheme, dt):
     """The linear oscillator with times t · factor + begin."""
     right = linear(scheme, dt)
     return right | {"t": right["t"] * factor + begin}
+
+
+#: Cubic stiffness of the spring ``of_the_module``; tests change it while this module is loaded.
+HARDENING = 0.0
+
+
+def of_the_module(scheme, dt):
+    """The oscillator whose hardening is a variable of this module."""
+    return oscillator(HARDENING, scheme, dt)
+
+
+def of_a_file(file, scheme, dt):
+    """The oscillator whose hardening stands in a file."""
+    return oscillator(float(Path(file).read_text()), scheme, dt)
+
+
+def of_the_environment(scheme, dt):
+    """The oscillator whose hardening is a variable of the environment."""
+    return oscillator(float(os.environ["HARDENING"]), scheme, dt)

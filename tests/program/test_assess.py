@@ -91,14 +91,88 @@ def test_error_against_time_is_drawn(spring, tmp_path):
         study.work_precision(own, figure=tmp_path / "work.svg", quantity="speed")
 
 
-def test_a_second_question_repeats_no_run(spring):
-    own, _, _ = spring
+def test_a_second_question_repeats_one_run_of_each_scheme(spring):
+    own, ds, hardening = spring
+    made = []
 
-    def never(scheme, dt):
-        raise AssertionError("a run was repeated")
+    def counted(scheme, dt):
+        made.append(scheme)
+        return models.oscillator(hardening, scheme, dt)
 
-    again = study.assess(replace(own, run=never))
+    again = study.assess(replace(own, run=counted))
+    assert sorted(made) == models.SCHEMES and again.error.equals(ds.error)
     assert set(np.unique(again.status)) == {0, STATUSES.index("not_tried")}
+
+
+def _set_hardening(where, value, tmp_path, monkeypatch):
+    (tmp_path / "spring.txt").write_text(str(value))
+    monkeypatch.setenv("HARDENING", str(value))
+    monkeypatch.setattr(models, "HARDENING", value)
+    return {"module": models.of_the_module, "environment": models.of_the_environment}.get(
+        where, partial(models.of_a_file, str(tmp_path / "spring.txt"))
+    )
+
+
+@pytest.mark.parametrize("where", ["module", "file", "environment"])
+def test_kept_runs_of_a_program_that_has_changed_are_discarded(where, tmp_path, monkeypatch):
+    """The second assessment equals one of a program with the same hardening and an empty folder."""
+    own = program(_set_hardening(where, 0.0, tmp_path, monkeypatch), tmp_path / "runs", name=None)
+    study.assess(own, errors=[0.1])
+    # as of its last assessment, the program keeps also runs of another first step
+    study.assess(replace(own, coarsest=0.9), errors=[0.1])
+    _set_hardening(where, 0.5, tmp_path, monkeypatch)
+    sentence = (
+        r"the kept runs of '\w+' are discarded, because the program has changed or gives other results each time: "
+        r"its run with 'average_acceleration' at Δt = [\d.]+ s differs by \d+.% from the kept run\."
+    )
+    with pytest.warns(RuntimeWarning, match=sentence):
+        ds = study.assess(own, errors=[0.1])
+    expected = study.assess(program(models.hardening, tmp_path / "expected"), errors=[0.1])
+    assert ds.error.equals(expected.error)
+    other = study.assess(replace(own, coarsest=0.9), errors=[0.1])
+    assert other.error.equals(
+        study.assess(program(models.hardening, tmp_path / "other", coarsest=0.9), errors=[0.1]).error
+    )
+
+
+def test_kept_failures_of_a_program_that_has_changed_are_discarded(tmp_path):
+    own = program(partial(models.of_a_file, str(tmp_path / "spring.txt")), tmp_path, coarsest=1.0, finest=0.1)
+    with pytest.raises(NoTruth, match="it raised FileNotFoundError"):
+        study.assess(own)
+    (tmp_path / "spring.txt").write_text("0.0")
+    with pytest.warns(RuntimeWarning, match="which ended with 'it raised FileNotFoundError.*, ends with 'completed'"):
+        ds = study.assess(own, errors=[0.5])
+    assert (ds.verdict <= 1).all()
+
+
+def test_a_small_change_is_noticed_and_the_scatter_of_a_program_is_not(tmp_path):
+    """A program whose runs scatter by 1e-5 keeps its runs, until it changes by more than ten times this scatter."""
+    random, made = np.random.default_rng(0), []
+
+    def scatters(scheme, dt):
+        made.append(dt)
+        right = models.linear(scheme, dt)
+        return right | {"displacement": right["displacement"] * (factor + 1e-5 * random.random())}
+
+    factor, own = 1.0, program(scatters, tmp_path)
+    study.assess(own, errors=[0.1])
+    made.clear()
+    study.assess(own, errors=[0.1])
+    assert len(made) == len(models.SCHEMES)
+    factor = 1.001
+    with pytest.warns(RuntimeWarning, match="differs by 0.1.% from the kept run"):
+        study.assess(own, errors=[0.1])
+
+
+def test_processes_that_would_read_another_variable_make_no_run(tmp_path, monkeypatch):
+    monkeypatch.setattr(models, "HARDENING", 0.5)
+    own = program(models.of_the_module, tmp_path, workers=2)
+    with pytest.warns(
+        RuntimeWarning, match="made one after the other, because other processes would read another value"
+    ):
+        (run,) = Runs(own).run([("central_difference", 0.1)])
+    assert (run.values["displacement"] == models.hardening("central_difference", 0.1)["displacement"]).all()
+    assert Runs(program(models.hardening, tmp_path, workers=2))._pool is not None
 
 
 @pytest.mark.parametrize(
@@ -268,8 +342,8 @@ def test_ctrl_c_answers_what_is_known_and_loses_no_run(tmp_path):
     assert (ds.verdict.sel(allowed_error=0.001) == out_of_time).all()
     again = study.assess(replace(own, run=partial(interrupted, 0.0)), errors=[0.1, 0.001])
     assert (again.verdict == found).all()
-    # one run of each scheme is always repeated
-    assert len(made) == len(set(made)) + len(models.SCHEMES)
+    # one run of each scheme is always repeated, and one kept run of each by the second assessment
+    assert len(made) == len(set(made)) + 2 * len(models.SCHEMES)
 
 
 def test_ctrl_c_before_the_truth_is_known_ends_the_question(tmp_path):
