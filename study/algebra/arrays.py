@@ -10,6 +10,8 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float
 
+from study.algebra.scalars import check_unmasked
+
 #: A number, shape ().
 Scalar = Float[Array, ""]
 
@@ -41,7 +43,10 @@ ScipySparse: TypeAlias = Any
 
 def as_float64(value: Any) -> Any:
     """A number or an array, converted to float64; a value that JAX traces is returned unchanged."""
-    return value if isinstance(value, jax.core.Tracer) else np.asarray(value, np.float64)[()]
+    if isinstance(value, jax.core.Tracer):
+        return value
+    check_unmasked("an array", value)
+    return np.asarray(value, np.float64)[()]
 
 
 def real_numbers(name: str, value: Any) -> np.ndarray:
@@ -50,8 +55,9 @@ def real_numbers(name: str, value: Any) -> np.ndarray:
     Raises
     ------
     ValueError
-        If the value is anything else, or a list whose rows differ in length.
+        If the value is anything else, a list whose rows differ in length, or an array with masked entries.
     """
+    check_unmasked(name, value)
     try:
         numbers = np.asarray(value)
     except ValueError:  # rows of different lengths

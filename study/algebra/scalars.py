@@ -1,4 +1,4 @@
-"""Checks of single numbers, without JAX."""
+"""Checks of numbers, without JAX."""
 
 from typing import Any
 
@@ -13,3 +13,11 @@ def is_number(value: Any) -> bool:
 def is_whole(value: Any, least: int) -> bool:
     """Whether a value is a whole number of at least ``least``; a boolean is not."""
     return isinstance(value, int | np.integer) and not isinstance(value, bool) and bool(value >= least)
+
+
+def check_unmasked(name: str, value: Any) -> None:
+    """Refuse an array with masked entries, whose values have no meaning, but which NumPy would use."""
+    rows = value if isinstance(value, list | tuple) else [value]
+    if any(isinstance(row, np.ma.MaskedArray) for row in rows) and np.ma.is_masked(given := np.ma.asarray(value)):
+        place = ", ".join(str(axis[0]) for axis in np.nonzero(np.ma.getmaskarray(given)))
+        raise ValueError(f"{name} has masked entries, the first at [{place}]: fill them, or leave them out.")

@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from study.algebra.arrays import Scalar, ScalarLike, VectorLike
+from study.algebra.arrays import Scalar, ScalarLike, VectorLike, as_float64
 from study.keywords import KeywordsOnly
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
@@ -248,7 +248,7 @@ class Prescribed(Controller):
     """
 
     #: Step sizes, as an array, so that arrays of one length share the compiled program.
-    sizes: np.ndarray = eqx.field(converter=lambda sizes: np.asarray(sizes, np.float64))
+    sizes: np.ndarray = eqx.field(converter=as_float64)
 
     title = "Prescribed"
     source = ""

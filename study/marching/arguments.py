@@ -17,7 +17,7 @@ import psutil
 from study.algebra.arrays import real_numbers
 from study.algebra.jit import jit
 from study.algebra.matrices import diagonal
-from study.algebra.scalars import is_number, is_whole
+from study.algebra.scalars import check_unmasked, is_number, is_whole
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
@@ -79,6 +79,7 @@ def checked_steps(steps: CountPerRunLike) -> CountPerRun:
     """Number of steps, of shape () or (lanes,)."""
     if np.ndim(steps) == 0:
         return np.asarray(positive_integer("steps", steps))
+    check_unmasked("steps", steps)
     counts = np.asarray(steps)
     if counts.ndim > 1 or not counts.size:
         raise ValueError(f"steps must be a whole number or of shape (lanes,), not of shape {counts.shape}.")

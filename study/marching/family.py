@@ -10,6 +10,7 @@ import numpy as np
 from jax import lax
 
 from study.algebra.jit import jit
+from study.algebra.scalars import check_unmasked
 from study.marching.arguments import RESERVED
 from study.marching.ensemble import TILE
 from study.marching.march import March
@@ -38,7 +39,7 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
     arguments = inspect.signature(make).parameters
     takes_any = any(p.kind is p.VAR_KEYWORD for p in arguments.values())
     taken = {*RESERVED, *(name for observer in observers for name in observer.variables)}
-    values = {name: np.asarray(value) for name, value in over.items()}
+    values = {name: _array(name, value) for name, value in over.items()}
     for name, value in values.items():
         if name not in arguments and not takes_any:
             raise ValueError(f"over has '{name}', which the function that makes the problem does not take.")
@@ -53,6 +54,16 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
         if one.default is one.empty and one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY) and name not in over:
             raise ValueError(f"over lacks '{name}', an argument of the function that makes the problem.")
     return {name: value.astype(float) for name, value in values.items()}
+
+
+def _array(name: str, value: Any) -> np.ndarray:
+    check_unmasked(f"over['{name}']", value)
+    try:
+        return np.asarray(value)
+    except ValueError:
+        raise ValueError(
+            f"over['{name}'] has rows of different lengths: pad the shorter ones, records of ground motion with zeros."
+        ) from None
 
 
 def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) -> list[Problem]:

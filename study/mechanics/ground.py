@@ -1,6 +1,5 @@
 """Motion of the ground, and its load on a structure."""
 
-import re
 import reprlib
 from collections.abc import Callable
 from pathlib import Path
@@ -13,30 +12,16 @@ import numpy as np
 from jaxtyping import Float
 
 from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
-
-#: Size of each unit of acceleration in metres per second squared.
-UNITS = {"g": 9.80665, "m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "in/s2": 0.0254, "ft/s2": 0.3048}
+from study.algebra.scalars import check_unmasked, is_number, is_whole
+from study.mechanics.record_files import UNITS, Samples, read_record
 
 #: Smallest and largest plausible peak of a record in g; beyond them the unit is wrong. The largest known is near 4 g.
 PEAKS = (1e-6, 20.0)
-
-#: Relative tolerance of the spacing of samples, since a file holds few digits of their times.
-UNIFORM = 1e-2
-
-#: Accelerations, shape (samples,).
-Samples = Float[np.ndarray, "samples"]
 
 #: Coefficients of the straight lines between neighbouring samples, shape (samples - 1, 2).
 Lines = Float[np.ndarray, "lines two"]
 
 _RECORDS = Path(__file__).parent / "records"
-
-_NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
-#: Current and older format of the last header line of an AT2 file.
-_HEADERS = [
-    re.compile(rf"NPTS\s*=\s*(\d+).*?DT\s*=\s*{_NUMBER}", re.IGNORECASE),
-    re.compile(rf"(\d+)\s+{_NUMBER}\s+NPTS,\s*DT", re.IGNORECASE),
-]
 
 
 class GroundMotion(eqx.Module):
@@ -129,39 +114,52 @@ class GroundMotion(eqx.Module):
         return GroundMotion(factor * self.acceleration, self.dt, title=self.title, source=self.source)
 
     @classmethod
-    def read(cls, path: str | Path, unit: str) -> "GroundMotion":
+    def read(cls, path: str | Path, unit: str | None = None, *, dt: float | None = None) -> "GroundMotion":
         """Read a record of acceleration and convert it to metres per second squared.
 
-        Two formats are read. An AT2 file of the PEER ground motion database has four lines of header; the last one
-        holds ``NPTS`` and ``DT``. The first sample of an AT2 file belongs to t = DT, and the motion starts from zero
-        at t = 0. A file of two columns holds times and accelerations. Lines that begin with ``#`` or ``%`` are skipped.
+        The formats are AT2 files of the PEER ground motion database, ASCII files of the Engineering Strong Motion
+        database (ESM), files of K-NET and KiK-net, and files of one or two columns. The first sample of an AT2 file
+        belongs to t = DT, and the motion starts from zero at t = 0. The first sample of ESM, K-NET and of one column
+        belongs to t = 0. The mean of a K-NET file is the offset of the instrument, and is subtracted. Two columns are
+        times and accelerations, separated by blanks, tabs, commas or semicolons. A heading may precede columns, and
+        the rest of a line after ``#`` or ``%`` is skipped.
 
         Parameters
         ----------
         unit
-            Unit of the file: ``g``, ``m/s2``, ``cm/s2``, ``mm/s2``, ``in/s2`` or ``ft/s2``.
+            Unit of the file: ``g``, ``m/s2``, ``cm/s2``, ``mm/s2``, ``in/s2`` or ``ft/s2``. It may be omitted if the
+            header states it.
+        dt
+            Time between two samples in s, for a file of one column.
 
         Raises
         ------
         FileNotFoundError
             If there is no such file.
         ValueError
-            If the unit is unknown or wrong, header and samples disagree, or samples are missing or not evenly spaced.
+            If the unit is unknown, missing or wrong, if header, samples and ``dt`` disagree, or if samples are missing,
+            not finite or not evenly spaced.
         """
         path = Path(path)
-        if not isinstance(unit, str) or unit not in UNITS:
+        if unit is not None and (not isinstance(unit, str) or unit not in UNITS):
             raise ValueError(f"unit must be one of {', '.join(UNITS)}, not {unit!r}.")
+        if dt is not None and not (is_number(dt) and 0 < dt < np.inf):
+            raise ValueError(f"dt must be a time in s greater than zero, not {dt!r}.")
         if not path.is_file():
             raise FileNotFoundError(f"there is no record '{path}'.")
-        lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
-        header = next((found for form in _HEADERS if (found := form.search(" ".join(lines[:4])))), None)
-        samples, dt = _of_peer(path, lines, header, unit) if header else _of_columns(path, lines)
-        samples = UNITS[unit] * samples
+        record = read_record(path, dt)
+        if unit is None and record.unit is None:
+            raise ValueError(f"'{path}' does not state its unit: give unit= as one of {', '.join(UNITS)}.")
+        if None not in (unit, record.unit) and unit != record.unit:
+            raise ValueError(f"the header of '{path}' states the unit {record.unit}, not {unit!r}.")
+        of_file = unit or str(record.unit)
+        samples = UNITS[of_file] * record.samples
         peak = np.abs(samples).max() / UNITS["g"]
         if not PEAKS[0] <= peak <= PEAKS[1]:
-            raise ValueError(f"the peak of '{path}' would be {peak:.3g} g in the unit {unit!r}; give the file's unit.")
-        source = ", ".join(line.strip() for line in lines[:2]) if header else ""
-        return cls(samples, dt, title=path.stem, source=source)
+            raise ValueError(
+                f"the peak of '{path}' would be {peak:.3g} g in the unit {of_file!r}; give the file's unit."
+            )
+        return cls(samples, record.dt, title=path.stem, source=record.source)
 
     @classmethod
     def el_centro(cls) -> "GroundMotion":
@@ -200,7 +198,8 @@ class GroundMotion(eqx.Module):
         Parameters
         ----------
         seed
-            Seed of the noise; each seed gives its own motion.
+            Seed of the noise, a whole number; each seed gives its own motion. An ensemble cannot run over seeds, but
+            over the accelerations of such motions.
         duration, dt
             Length of the record and time between two samples, in s.
         frequency, damping
@@ -210,6 +209,11 @@ class GroundMotion(eqx.Module):
         rise, fall, decay
             t₁ and t₂ in s, and c in 1/s.
 
+        Raises
+        ------
+        ValueError
+            If the seed is not a whole number.
+
         References
         ----------
         H. Tajimi, A statistical method of determining the maximum response of a building structure during an
@@ -217,6 +221,12 @@ class GroundMotion(eqx.Module):
         P. C. Jennings, G. W. Housner, N. C. Tsai, Simulated earthquake motions for design purposes, Proc. 4th World
         Conf. Earthq. Eng., 1969, 145-160 (the envelope).
         """
+        if not is_whole(seed, 0):
+            raise ValueError(
+                f"seed must be a whole number of at least zero, not {reprlib.repr(seed)}; for an ensemble over seeds, "
+                "make the records first and run over them, over={'record': [study.GroundMotion.kanai_tajimi(seed)"
+                ".acceleration for seed in range(10)]}."
+            )
         t = dt * np.arange(round(duration / dt) + 1)
         noise = np.sqrt(2 * np.pi * density / dt) * np.random.default_rng(seed).standard_normal(len(t))
         s = 2j * np.pi * np.fft.rfftfreq(len(t), dt) / frequency
@@ -228,6 +238,7 @@ class GroundMotion(eqx.Module):
 
 def _check_numbers(acceleration: Any, dt: Any, title: str) -> None:
     for value, ndim, what in ((acceleration, 1, "samples of acceleration"), (dt, 0, "a time between samples")):
+        check_unmasked(f"'{title}'", value)
         try:
             numbers = value if isinstance(value, jax.core.Tracer) else np.asarray(value)
         except ValueError:  # rows of different lengths
@@ -235,60 +246,6 @@ def _check_numbers(acceleration: Any, dt: Any, title: str) -> None:
         if numbers.ndim != ndim or np.dtype(numbers.dtype).kind not in "fiu":
             shape = "real numbers of shape (samples,)" if ndim else "a real number"
             raise ValueError(f"'{title}' needs {what} as {shape}, not {reprlib.repr(value)}.")
-
-
-def _numbers(path: Path, words: list[str]) -> np.ndarray:
-    try:
-        numbers = np.array([float(word) for word in words])
-    except ValueError as error:
-        raise ValueError(f"'{path}' holds something other than numbers where samples belong: {error}.") from None
-    if not np.isfinite(numbers).all():
-        raise ValueError(f"sample {np.argmin(np.isfinite(numbers)) + 1} of '{path}' is not finite.")
-    return numbers
-
-
-def _unit_of(word: str) -> str | None:
-    """The unit of ``UNITS`` that a word of a header means; None if there is no such unit."""
-    plain = re.sub(r"[\s*^.,;:()]", "", word.lower()).replace("sec", "s").replace("/s/s", "/s2")
-    return {"gal": "cm/s2"}.get(plain, plain if plain in UNITS else None)
-
-
-def _of_peer(path: Path, lines: list[str], header: re.Match, unit: str) -> tuple[np.ndarray, float]:
-    """Samples from t = 0 on, and the time between them, of an AT2 file."""
-    text = " ".join(lines[:4])
-    other = re.search(r"velocity|displacement", text, re.IGNORECASE)
-    if other and not re.search("acceleration", text, re.IGNORECASE):
-        raise ValueError(
-            f"the header of '{path}' announces {other[0].lower()}, and a record of acceleration is needed."
-        )
-    stated = re.search(r"units of (\S+)", text, re.IGNORECASE)
-    if stated and _unit_of(stated[1]) not in (unit, None):
-        raise ValueError(f"the header of '{path}' states the unit {stated[1]}, not {unit!r}.")
-    samples = _numbers(path, " ".join(lines[4:]).split())
-    count, dt = int(header[1]), float(header[2])
-    if not count:
-        raise ValueError(f"the header of '{path}' announces no samples.")
-    if len(samples) != count:
-        raise ValueError(f"the header of '{path}' announces {count} samples, and the file holds {len(samples)}.")
-    return np.concatenate([[0.0], samples]), dt
-
-
-def _of_columns(path: Path, lines: list[str]) -> tuple[np.ndarray, float]:
-    """Samples from t = 0 on, and the time between them, of a file with times and accelerations."""
-    rows = [words for line in lines if (words := line.replace(",", " ").split()) and words[0][0] not in "#%"]
-    if len(rows) < 2 or any(len(row) != 2 for row in rows):
-        raise ValueError(f"'{path}' is neither an AT2 file with NPTS and DT in its header nor one of two columns.")
-    t, samples = _numbers(path, [word for row in rows for word in row]).reshape(-1, 2).T
-    dt = float(np.median(np.diff(t)))
-    off = np.flatnonzero(np.abs(np.diff(t) - dt) > UNIFORM * abs(dt))
-    if off.size or dt <= 0:
-        at = f" after t = {t[off[0]]:g}" if off.size else ""
-        raise ValueError(f"the samples of '{path}' must be a constant time apart, and are not{at}.")
-    dt = (t[-1] - t[0]) / (len(t) - 1)
-    first = round(t[0] / dt)
-    if first < 0 or abs(t[0] - first * dt) > UNIFORM * dt:
-        raise ValueError(f"the times of '{path}' must be multiples of {dt:g}, and the first is {t[0]:g}.")
-    return np.concatenate([np.zeros(first), samples]), float(dt)
 
 
 class GroundLoad(eqx.Module):

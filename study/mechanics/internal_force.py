@@ -13,6 +13,8 @@ import numpy as np
 from jax.extend import core  # this interface of JAX may change; there is no other to read a traced program
 from jaxtyping import Array, Float
 
+from study.algebra.scalars import check_unmasked
+
 #: Operations whose value or slope may jump at some values of their arguments.
 KINKS = {"abs", "sign", "max", "min", "clamp", "floor", "ceil", "round", "rem", "while"}
 KINKS |= {"reduce_max", "reduce_min", "cummax", "cummin", "sort", "top_k"}
@@ -65,6 +67,8 @@ def as_history(start: Any, title: str) -> Any:
         If it holds no arrays, or values other than finite real numbers.
     """
     leaves, structure = jax.tree.flatten(start)
+    for leaf in leaves:
+        check_unmasked(f"the history of '{title}'", leaf)
     arrays = [np.asarray(leaf) if not isinstance(leaf, jax.core.Tracer) else leaf for leaf in leaves]
     if not leaves or any(array.dtype.kind not in "fiu" for array in arrays):
         raise ValueError(f"the history of '{title}' must be arrays of real numbers, in any containers, not {start!r}.")

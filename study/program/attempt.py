@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from study.algebra.scalars import check_unmasked
+
 #: Outcomes of a run of a program; the last one marks steps that were not tried.
 STATUSES = (
     "completed",
@@ -93,6 +95,7 @@ class Run(NamedTuple):
 
 def _array(name: str, given: object) -> Values:
     try:
+        check_unmasked(f"'{name}'", given)
         values = np.asarray(given)
         if values.dtype.kind == "c":
             raise Unusable("unusable", f"'{name}' must be real numbers, and is complex")

@@ -90,33 +90,150 @@ def test_units_of_headers_are_known_by_any_spelling(tmp_path, stated, unit):
     assert len(study.GroundMotion.read(path, unit=unit).acceleration) == 4
 
 
-def test_an_old_header_and_the_mark_of_a_byte_order_are_read(tmp_path):
+@pytest.mark.parametrize(
+    "header",
+    [
+        "NPTS=  4, DT= .00500 SEC",
+        "NPTS=  4, DT= .00500 SEC\nand a fifth line of the header",
+        "npts=4 dt=0.005",
+        "DT= 0.005, NPTS= 4",
+        "  4  .0050  NPTS, DT",
+        "4 0.0050 NPTS DT",
+        "  0.0050  4  DT, NPTS",
+        "NPTS, DT\n  4,  .5000E-02",
+        "NPTS  DT (SEC)\n  4  5D-3",
+    ],
+)
+def test_every_form_of_the_header_of_peer_is_read(tmp_path, header):
     path = tmp_path / "old.at2"
-    path.write_text("\ufeffa\nb\nunits of g\n  4  .0050  NPTS, DT\n0.1 0.2 0.3 0.4\n", encoding="utf-8")
-    record = study.GroundMotion.read(path, unit="g")
-    assert record.dt == 0.005 and len(record.acceleration) == 5
+    path.write_text(f"\ufeffa\nb\nunits of g\n{header}\n.1000E+00 -0.2D0 +.3\n-.12-103\n", encoding="utf-8")
+    record = study.GroundMotion.read(path)
+    assert record.dt == 0.005
+    np.testing.assert_allclose(record.acceleration, 9.80665 * np.array([0.0, 0.1, -0.2, 0.3, -1.2e-104]), rtol=1e-15)
+
+
+@pytest.mark.parametrize("between", [" ", ",", ", ", "\t", ";", "  ;  "])
+@pytest.mark.parametrize(
+    "heading", ["", "time,acc\n", "# t a\n% of a station\n", "\ntime [s]; acceleration [cm/s^2]\n"]
+)
+def test_columns_are_read_with_any_heading_and_separator(tmp_path, between, heading):
+    path = tmp_path / "columns.csv"
+    rows = [f"{t}{between}{a}" for t, a in (("0.00", "1.0"), ("0.01", "-2.0  # peak"), ("0.02", ".5"))]
+    path.write_text(heading + "\n".join(rows) + "\n\n")
+    unit = None if "[" in heading else "cm/s2"
+    record = study.GroundMotion.read(path, unit)
+    np.testing.assert_allclose(record.acceleration, [0.01, -0.02, 0.005])
+    assert record.dt == pytest.approx(0.01)
+
+
+def test_one_column_begins_at_zero_and_needs_the_time_between_samples(tmp_path):
+    path = tmp_path / "path.txt"
+    path.write_text("acc\n0.1\n-0.2\n0.3\n")
+    record = study.GroundMotion.read(path, unit="g", dt=0.02)
+    np.testing.assert_allclose(record.acceleration, 9.80665 * np.array([0.1, -0.2, 0.3]))
+    assert record.dt == 0.02
+    path.write_text("0 0.1\n0.01 -0.2\n0.02 0.3\n")
+    assert study.GroundMotion.read(path, unit="g", dt=0.01).dt == pytest.approx(0.01)
+    with pytest.raises(ValueError, match="are 0.01 s apart, not dt=0.02"):
+        study.GroundMotion.read(path, unit="g", dt=0.02)
+    with pytest.raises(ValueError, match="dt must be a time in s greater than zero, not 0"):
+        study.GroundMotion.read(path, unit="g", dt=0)
+
+
+KNET = """Origin Time       2011/03/11 14:46:00
+Lat.              38.103
+Long.             142.861
+Depth. (km)       24
+Mag.              9.0
+Station Code      MYG004
+Station Lat.      38.7292
+Station Long.     141.0217
+Station Height(m) 40
+Record Time       2011/03/11 14:46:51
+Sampling Freq(Hz) 100Hz
+Duration Time(s)  {seconds}
+Dir.              N-S
+Scale Factor      3920(gal)/6182761
+Max. Acc. (gal)   2.1
+Last Correction   2011/03/11 14:46:36
+Memo.
+"""
+
+ESM = """EVENT_NAME: EMILIA
+EVENT_ID: IT-2012-0008
+STATION_CODE: MRN
+LATE/NORMAL_TRIGGERED: NT
+SAMPLING_INTERVAL_S: 0.005000
+NDATA: 5
+DURATION_S: 0.020
+UNITS: cm/s^2
+PGA_CM/S^2: -3.5
+DATA_TYPE: ACCELERATION
+USER5:
+"""
+
+
+def test_a_file_of_k_net_is_read_without_the_offset_of_its_instrument(tmp_path):
+    path = tmp_path / "MYG0041103111446.NS"
+    counts = 5000 + np.round(3000 * np.sin(np.arange(200))).astype(int)
+    rows = "\n".join(" ".join(f"{count:8d}" for count in counts[i : i + 8]) for i in range(0, 200, 8))
+    path.write_text(KNET.format(seconds=2) + rows + "\n")
+    record = study.GroundMotion.read(path)
+    assert record.dt == 0.01 and len(record.acceleration) == 200
+    np.testing.assert_allclose(record.acceleration, (counts - counts.mean()) * 3920 / 6182761 / 100, atol=1e-15)
+    assert "MYG004" in record.source and record.acceleration.mean() == pytest.approx(0, abs=1e-15)
+    path.write_text(KNET.format(seconds=3) + rows)
+    with pytest.raises(ValueError, match="announces 300 samples, and the file holds 200"):
+        study.GroundMotion.read(path)
+    path.write_text((KNET.format(seconds=2) + rows).replace("3920(gal)/6182761", "unknown"))
+    with pytest.raises(ValueError, match=r"the header of '.*' lacks the value of 'Scale Factor'"):
+        study.GroundMotion.read(path)
+
+
+def test_a_file_of_esm_is_read(tmp_path):
+    path = tmp_path / "IT.MRN..HGE.ACC.MP.ASC"
+    path.write_text(ESM + "0.5\n-3.5\n1.0e+00\n0.25\n0\n")
+    record = study.GroundMotion.read(path)
+    np.testing.assert_allclose(record.acceleration, [0.005, -0.035, 0.01, 0.0025, 0.0])
+    assert record.dt == 0.005 and record.source == "EMILIA, IT-2012-0008, MRN"
+    with pytest.raises(ValueError, match="states the unit cm/s2, not 'g'"):
+        study.GroundMotion.read(path, unit="g")
+    path.write_text(ESM.replace("ACCELERATION", "VELOCITY") + "0.5\n")
+    with pytest.raises(ValueError, match="announces velocity, and a record of acceleration is needed"):
+        study.GroundMotion.read(path)
 
 
 @pytest.mark.parametrize(
     "text, unit, sentence",
     [
         (HEADER.format(3) + "0.1 0.2\n", "g", "announces 3 samples, and the file holds 2"),
-        (HEADER.format(2) + "0.1 nan\n", "g", "sample 2 of '.*' is not finite"),
-        (HEADER.format(2) + "0.1 x\n", "g", "holds something other than numbers"),
+        (HEADER.format(2) + "0.1 nan\n", "g", "row 5 of '.*' holds 'nan', which is not a finite number"),
+        (HEADER.format(2) + "0.1 x\n", "g", "row 5 of '.*' holds 'x', which is not a finite number"),
         (HEADER.format(2) + "0.1 0.2\n", "cm/s2", "states the unit g, not 'cm/s2'"),
-        (HEADER.format(2).replace("of g", "OF G,") + "0.1 0.2\n", "m/s2", "states the unit G,, not 'm/s2'"),
-        (HEADER.format(2).replace("of g", "of CM/SEC/SEC") + "0.1 0.2\n", "g", "states the unit CM/SEC/SEC, not 'g'"),
+        (HEADER.format(2).replace("of g", "OF G,") + "0.1 0.2\n", "m/s2", "states the unit g, not 'm/s2'"),
+        (HEADER.format(2).replace("of g", "of CM/SEC/SEC") + "0.1 0.2\n", "g", "states the unit cm/s2, not 'g'"),
         (
             HEADER.format(2).replace("acceleration", "VELOCITY") + "0.1 0.2\n",
             "g",
             "announces velocity, and a record",
         ),
         (HEADER.format(0), "g", "announces no samples"),
-        (HEADER.format(2).replace("DT= .02000", "DT= .") + "0.1 0.2\n", "g", "is neither an AT2 file"),
+        (HEADER.format(2).replace("DT= .02000", "DT= .") + "0.1 0.2\n", "g", "must state both NPTS and DT"),
         ("0 300\n1 -1\n", "g", "the peak of '.*' would be 300 g in the unit 'g'"),
         ("0 1\n1 2\n3 4\n4 5\n", "g", "must be a constant time apart, and are not after t = 1"),
-        ("1 2 3\n4 5 6\n", "g", "is neither an AT2 file"),
+        ("1 2 3\n4 5 6\n", "g", "is neither a file of PEER, ESM or K-NET nor one of one or two columns"),
         ("0 1\n1 2\n", "furlong", "unit must be one of g, m/s2"),
+        ("0 1\n1 2\n", None, "does not state its unit: give unit= as one of g, m/s2"),
+        ("t (s),a (m/s2)\n0,1\n1,2\n", "g", "states the unit m/s2, not 'g'"),
+        ("time,velocity\n0,1\n1,2\n", "g", "announces velocity, and a record of acceleration is needed"),
+        ("0.1\n0.2\n", "g", "has one column: give the time between its samples in s, such as dt=0.01"),
+        ("# t a\n" + "".join(f"{i} 0.1\n" for i in range(19)) + "19 1e999\n", "g", "row 21 of '.*' holds '1e999'"),
+        ("time acc\n" + "".join(f"{i} 0.1\n" for i in range(19)) + "19 n/a\n", "g", "row 21 of '.*' holds 'n/a'"),
+        ("0 1\n1\n2 1\n", "g", "row 2 of '.*' has 1 numbers, and the first row 2"),
+        ("gap 0.1\n1 2\n2 3\n", "g", "row 1 of '.*' holds 'gap', which is not a finite number"),
+        ("no numbers\n", "g", "is neither a file of PEER"),
+        (HEADER.format(2).replace("NPTS= 2,", "NPTS= 2.5,") + "0.1 0.2\n", "g", "must state both NPTS and DT"),
+        (HEADER.format("1_000") + "0.1 0.2\n", "g", "must state both NPTS and DT"),
     ],
 )
 def test_records_that_cannot_be_right_get_a_sentence(tmp_path, text, unit, sentence):
@@ -141,6 +258,8 @@ def test_unfit_grounds_get_a_sentence():
         study.GroundMotion([1.0], 0.1)
     with pytest.raises(ValueError, match="must be greater than zero, not 0"):
         study.GroundMotion([1.0, 2.0], 0.0)
+    with pytest.raises(ValueError, match=r"'ground motion' has masked entries, the first at \[1\]"):
+        study.GroundMotion(np.ma.array([0.0, 1e20], mask=[False, True]), 0.1)
     with pytest.raises(ValueError, match=r"influence must have the shape of u0, \(2,\), not \(3,\)"):
         study.Problem(lambda u: u, u0=[0.0, 0.0], ground=record, influence=[1.0, 1.0, 1.0])
     with pytest.raises(ValueError, match="influence needs Problem"):
@@ -181,3 +300,27 @@ def test_a_seed_and_an_envelope_make_a_stochastic_motion():
     t = one.kinks[1:]
     envelope = np.where(t < 2, t**2 / 4, np.where(t < 10, 1, np.exp(-0.4 * (t - 10))))
     np.testing.assert_allclose(one.acceleration[1:], envelope * steady, atol=1e-12)
+
+
+def test_an_ensemble_runs_over_records_and_not_over_seeds():
+    """Records of unequal length are padded with zeros; each lane equals the run on its own record."""
+    motions = [study.GroundMotion.kanai_tajimi(seed, duration=seconds) for seed, seconds in ((1, 2.0), (2, 3.0))]
+    longest = max(len(motion.acceleration) for motion in motions)
+    records = [np.pad(motion.acceleration, (0, longest - len(motion.acceleration))) for motion in motions]
+
+    def shaken(record):
+        return study.Problem(lambda u: 100 * u, u0=0.0, ground=study.GroundMotion(record, 0.02))
+
+    def of_seed(seed):
+        return study.Problem(lambda u: 100 * u, u0=0.0, ground=study.GroundMotion.kanai_tajimi(seed))
+
+    run = {"scheme": "rk4", "dt": 0.02, "steps": 150}
+    lanes = study.run(shaken, over={"record": records}, **run)
+    for lane, record in zip(lanes.u, records, strict=True):
+        np.testing.assert_allclose(lane, study.run(shaken(record), **run).u, atol=1e-13)
+    with pytest.raises(
+        ValueError, match=r"seed must be a whole number .*; for an ensemble over seeds, make the records"
+    ):
+        study.run(of_seed, over={"seed": [1, 2]}, **run)
+    with pytest.raises(ValueError, match=r"over\['record'\] has rows of different lengths: pad the shorter ones"):
+        study.run(shaken, over={"record": [motion.acceleration for motion in motions]}, **run)
