@@ -117,9 +117,10 @@ def _solve_with_history(problem: Problem, t, rtol, method: str, max_steps: int):
 
 def _check(problem: Problem, method: str, result) -> None:
     if not diffrax.is_okay(result):
-        reason = diffrax.RESULTS[result].splitlines()[0]  # type: ignore[misc]
-        failure = StepLimit if result == diffrax.RESULTS.max_steps_reached else RouteFailed
-        raise failure(f"diffrax {method} did not finish '{problem.title}': {reason}")
+        limited = bool(result == diffrax.RESULTS.max_steps_reached)
+        why = "the limit of its steps was reached" if limited else "it found no step that keeps its tolerance"
+        failure = StepLimit if limited else RouteFailed
+        raise failure(f"diffrax {method} did not finish '{problem.title}': {why}")
 
 
 def trajectory(

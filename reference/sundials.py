@@ -1,7 +1,10 @@
 """Route through CVODE of SUNDIALS (scikit-sundae): the Adams and BDF methods."""
 
+import io
+import os
 import time
-from contextlib import suppress
+from collections.abc import Callable
+from contextlib import redirect_stdout, suppress
 
 import jax
 import jax.numpy as jnp
@@ -32,6 +35,15 @@ KINK_RTOL = 1e-12
 #: Time, relative to the duration, by which events of a force with a history are evaluated ahead of the motion. Of
 #: several kinks within this time, only the first is kept.
 AHEAD = 1e-10
+#: A force switches without end if this number of kinks, or of steps, have a mean distance below ``AHEAD``.
+ENDLESS_KINKS, ENDLESS_STEPS = 20, 5_000
+
+# CVODE prints warnings of tiny steps itself; a failure is an exception here
+os.environ.setdefault("SUNLOGGER_WARNING_FILENAME", os.devnull)
+
+
+class Sticking(RouteFailed):
+    """A motion that stays at a jump of the force, as dry friction does at rest."""
 
 
 class _Motion:
@@ -85,10 +97,18 @@ def _solver(motion: _Motion, rtol: float, method: str, **options) -> CVODE:
     )
 
 
+def _quiet(call: Callable, *arguments, **options):
+    """The result of a call of CVODE without the lines that it prints on a failure, which an exception states."""
+    with redirect_stdout(io.StringIO()):
+        return call(*arguments, **options)
+
+
 def _check(problem: Problem, method: str, solution) -> None:
     if not solution.success:
-        failure = StepLimit if solution.status == CV_TOO_MUCH_WORK else RouteFailed
-        raise failure(f"CVODE {method} did not finish '{problem.title}': {solution.message}")
+        limited = solution.status == CV_TOO_MUCH_WORK
+        why = "the limit of its steps was reached" if limited else "it found no step that keeps its tolerance"
+        failure = StepLimit if limited else RouteFailed
+        raise failure(f"CVODE {method} did not finish '{problem.title}': {why}")
 
 
 def trajectory(
@@ -142,7 +162,7 @@ def trajectory(
     start, evaluations = time.perf_counter(), 0
     # ``solve`` loops in compiled code; for only two times it would return all steps between them
     if len(t) > 2 and motion.history is None and not np.isfinite(stops).any():
-        solution = solver.solve([*([] if t[0] == 0 else [0.0]), *t], motion.start)
+        solution = _quiet(solver.solve, [*([] if t[0] == 0 else [0.0]), *t], motion.start)
         _check(problem, method, solution)
         y = solution.y[-len(t) :].reshape(y.shape)
         return Solution(y[:, 0], y[:, 1], int(solution.nfev), time.perf_counter() - start)
@@ -150,7 +170,7 @@ def trajectory(
     for i, until in enumerate(map(float, t)):
         if until > 0:
             stop = stops[np.searchsorted(stops, until)]
-            solution = solver.step(until, tstop=float(stop) if np.isfinite(stop) else None)
+            solution = _quiet(solver.step, until, tstop=float(stop) if np.isfinite(stop) else None)
             _check(problem, method, solution)
         y[i] = solution.y.reshape(y[i].shape)
         motion.commit(until, solution.y)
@@ -183,12 +203,17 @@ def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adam
     The force may have a kink where one of its switches (:func:`study.mechanics.internal_force.switches`) changes its
     sign, or where its history reverses. A history reverses where the rate of one of its numbers changes its sign; it is
     committed at all times found. A zero without a change of sign is not found. No kink is found after the time at which
-    CVODE stops, for example at a force that switches without end.
+    CVODE stops.
 
     Parameters
     ----------
     of_load
         Times at which the load has a kink, in ascending order; no step crosses one.
+
+    Raises
+    ------
+    Sticking
+        If the force switches without end.
     """
     motion, shape, ahead = (
         _Motion(problem),
@@ -209,13 +234,20 @@ def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adam
     if not number:
         return np.zeros(0)
     fill.terminal = [False] * number  # type: ignore[attr-defined]
-    solver, found = _solver(motion, KINK_RTOL, method, eventsfn=fill, num_events=number), [-np.inf]
-    solution = solver.init_step(0.0, motion.start)
+    limits = {"max_num_steps": ENDLESS_STEPS, "num_events": number}
+    solver, found = _solver(motion, KINK_RTOL, method, eventsfn=fill, **limits), [-np.inf]
+    solution, shortest = solver.init_step(0.0, motion.start), AHEAD * duration
     for end in map(float, [*of_load, duration]):
-        while solution.success and solution.t < end:
-            solution = solver.step(end, tstop=end)
+        while (solution.success or solution.status == CV_TOO_MUCH_WORK) and solution.t < end:
+            before = float(solution.t)
+            solution = _quiet(solver.step, end, tstop=end)
+            if solution.status == CV_TOO_MUCH_WORK and solution.t - before < ENDLESS_STEPS * shortest:
+                raise Sticking(f"the force of '{problem.title}' switches without end from t = {before:.4g}")
             if solution.status == CV_ROOT_RETURN and solution.t > found[-1] + ahead:
                 found.append(float(solution.t))
+                first = found[max(len(found) - ENDLESS_KINKS, 0)]
+                if found[-1] - first < ENDLESS_KINKS * shortest:
+                    raise Sticking(f"the force of '{problem.title}' switches without end from t = {first:.4g}")
                 if motion.history is not None:
                     motion.commit(solution.t, solution.y)
                     solution = solver.init_step(solution.t, solution.y)
@@ -241,7 +273,7 @@ def period(problem: Problem, estimate: float, rtol: float = 1e-15, method: str =
     velocity.direction = [-int(sign)]  # type: ignore[attr-defined]
     motion = _Motion(problem)
     solver = _solver(motion, rtol, method, eventsfn=velocity, num_events=1)
-    solution = solver.solve([0.0, 0.75 * estimate], motion.start)
+    solution = _quiet(solver.solve, [0.0, 0.75 * estimate], motion.start)
     _check(problem, method, solution)
     if solution.t_events is None:
         raise RouteFailed(f"CVODE {method} met no turning point of '{problem.title}' up to t = {0.75 * estimate:g}.")

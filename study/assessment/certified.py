@@ -75,7 +75,9 @@ def certified(
             one, other, grid = reference.solutions(grid, rtol, AIMED * tightest)
         except (ValueError, RuntimeError) as error:
             if reached is None:
-                raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
+                raise NoReference(
+                    f"no reference of '{problem.title}' was found: {str(error).rstrip('.')}; try a shorter duration."
+                ) from error
             break
         apart = {name: errors.difference(q, problem, one, other)[0] for name, q in quantities.items()}
         if reached is None or max(apart.values()) < max(reached[2].values()):
@@ -127,7 +129,8 @@ def cases_of(
                 one = own.solution(own.routes[0], grid, reference.rtol)
         except (ValueError, RuntimeError) as error:
             raise NoReference(
-                f"no reference was found for '{problem.title}' from a start one percent away: {error}"
+                f"no reference of '{problem.title}' was found from a start one percent away: {str(error).rstrip('.')}; "
+                "try a shorter duration."
             ) from error
         targets = {name: errors.target(quantity, neighbour, one) for name, quantity in quantities.items()}
         swing = oscillation.oscillation(neighbour, one) if reference.oscillation else None

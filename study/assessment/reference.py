@@ -132,7 +132,8 @@ class Reference:
     Raises
     ------
     NoReference
-        If an unknown has no mass, or the packages of the extra ``reference`` are not installed.
+        If an unknown has no mass, the motion stays at a jump of the force, or the packages of the extra ``reference``
+        are not installed.
     """
 
     def __init__(self, problem: Problem, duration: float):
@@ -152,7 +153,14 @@ class Reference:
         of_load, of_force = (times[(times > 0) & (times < end)] for times in (declared, found))
         if self.problem.kinked or self.problem.history is not None:
             stops = np.union1d(of_load, of_force)
-            along = _sundials().kinks(self.problem, end, stops, self._methods[1])
+            sundials = _sundials()
+            try:
+                along = sundials.kinks(self.problem, end, stops, self._methods[1])
+            except sundials.Sticking as error:
+                raise NoReference(
+                    f"no reference of '{self.problem.title}' was found, because {error}: where dry friction sticks, "
+                    "its force must be a function of the displacement, as study.materials.friction is."
+                ) from None
             of_force = np.union1d(of_force, along)
         return Kinks(of_load, of_force)
 

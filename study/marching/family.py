@@ -18,7 +18,7 @@ from study.marching.program import as_result
 from study.marching.result import Result
 from study.marching.shapes import CountOfLanes, OfLanes
 from study.mechanics.definition import Problem
-from study.mechanics.function_checks import NOT_TRACEABLE
+from study.mechanics.function_checks import NOT_TRACEABLE, failure
 from study.observer.base import Observer
 
 
@@ -140,10 +140,9 @@ def march_family(
     try:
         found = all_of({name: value[place] for name, value in over.items()}, dt[place], steps[place])
     except NOT_TRACEABLE as error:
-        reason = (str(error).splitlines() or [""])[0]
         raise ValueError(
-            "the function that makes the problem of each lane must be written with jax.numpy, and a sparse matrix that "
-            f"depends on its arguments with jax.experimental.sparse.BCOO: {type(error).__name__}: {reason}"
+            "the function that makes the problem of each lane, in which a sparse matrix that depends on its arguments "
+            f"is a jax.experimental.sparse.BCOO, {failure(error, 'fails')}"
         ) from error
     stored, result = jax.tree.map(lambda x: np.asarray(x).reshape(-1, *x.shape[2:])[:lanes].copy(), found)
     return as_result(result, stored)

@@ -96,7 +96,9 @@ def check_symmetry(name: str, matrix) -> None:
     if is_sparse(matrix) or (isinstance(matrix, np.ndarray) and matrix.ndim == 2):
         difference = np.abs(matrix - matrix.T).max()
         if difference > SYMMETRY * np.abs(matrix).max():
-            raise ValueError(f"{name} must be symmetric; it differs from its transpose by {difference:g}.")
+            matrix_of_jax = "jax.experimental.sparse.BCOO.from_scipy_sparse(K)" if is_sparse(matrix) else "K"
+            instead = f": give it as a force, force=lambda u: {matrix_of_jax} @ u" if name == "stiffness" else ""
+            raise ValueError(f"{name} must be symmetric; it differs from its transpose by {difference:g}{instead}.")
 
 
 def is_singular(mass) -> bool:

@@ -5,8 +5,11 @@ and the expected and received results.
 """
 
 import inspect
+import linecache
+import traceback
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 
 import equinox as eqx
 import jax
@@ -35,7 +38,48 @@ NOT_TRACEABLE = (
     jax.errors.ConcretizationTypeError,
     jax.errors.TracerArrayConversionError,
     jax.errors.TracerIntegerConversionError,
+    jax.errors.NonConcreteBooleanIndexError,
 )
+
+#: What to write in a function that JAX cannot trace, by the exception. Subclasses come first.
+_INSTEAD = {
+    jax.errors.TracerBoolConversionError: "jnp.where in place of if, & in place of and, or jnp.maximum in place of max",
+    jax.errors.TracerArrayConversionError: "jnp.sin, jnp.interp or jnp.array in place of functions of NumPy and SciPy",
+    jax.errors.TracerIntegerConversionError: "an array of jnp in place of a list with this index",
+    jax.errors.NonConcreteBooleanIndexError: "jnp.where in place of this index",
+    jax.errors.ConcretizationTypeError: "jnp.sin or jnp.floor in place of float, int and functions of math",
+}
+#: As ``_INSTEAD``, by words in the message of any other exception.
+_INSTEAD_OF = {
+    "are immutable": "p.at[i].set(x) in place of p[i] = x",
+    "setting an array element with a sequence": "jnp.array([x, y]) in place of p[i] = x",
+    "masked arrays are not supported": "an array without masked entries",
+}
+
+
+def failure(error: Exception, otherwise: str) -> str:
+    """The end of a sentence on a function that raised an exception: what to write instead, in place of JAX' own words.
+
+    If the exception has another cause, the sentence says ``otherwise`` and cites the exception.
+    """
+    text = (str(error).splitlines() or [""])[0].rstrip(". ")
+    instead = next((words for kind, words in _INSTEAD.items() if isinstance(error, kind)), None)
+    instead = instead or next((words for part, words in _INSTEAD_OF.items() if part in text), None)
+    if instead:
+        return f"must be written with jax.numpy: use {instead}{_place(error)}."
+    return f"{otherwise}: {type(error).__name__}: {text}."
+
+
+def _place(error: Exception) -> str:
+    """The expression of the user's code that raised an exception, in words; empty if its text is not known."""
+    own = Path(__file__).parents[1]
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        if "site-packages" not in frame.filename and own not in Path(frame.filename).parents:
+            line = linecache.getline(frame.filename, frame.lineno or 0).encode()
+            end = frame.end_colno if frame.end_lineno == frame.lineno else None
+            expression = line[frame.colno : end].decode().strip()
+            return f", in `{expression}`" if expression else ""
+    return ""
 
 
 class AsArrays(eqx.Module):
@@ -156,10 +200,7 @@ def check_functions(problem) -> None:
             # arrays in the function are traced too, as in a run
             received = eqx.filter_eval_shape(lambda f, *x: f(*x), function, *jax.tree.map(jnp.asarray, arguments))
         except Exception as error:  # a user's function may raise anything
-            reason = f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
-            if isinstance(error, NOT_TRACEABLE):
-                raise ValueError(f"{name} of '{problem.title}' must be written with jax.numpy: {reason}") from error
-            raise ValueError(f"{name} of '{problem.title}' fails for {given}: {reason}") from error
+            raise ValueError(f"{name} of '{problem.title}' {failure(error, f'fails for {given}')}") from error
         if wrong := index_beyond(function, *arguments):
             raise ValueError(f"{name} of '{problem.title}' takes an entry that does not exist: {wrong}.")
         if name == "force" and problem.history is not None:

@@ -11,7 +11,7 @@ import numpy as np
 from study.algebra.arrays import ScalarLike, Vector
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
-from study.mechanics.function_checks import NOT_TRACEABLE, index_beyond
+from study.mechanics.function_checks import failure, index_beyond
 from study.observer.base import Observer, Record, Reduction
 
 #: Arguments that the function of a quantity may have, each with its meaning.
@@ -152,9 +152,8 @@ class Quantity(Record):
         try:
             value = eqx.filter_eval_shape(self.value, problem, 0.0, problem.u0, problem.v0)
         except Exception as error:  # a user's function may raise anything
-            reason = f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
-            hint = "must be written with jax.numpy" if isinstance(error, NOT_TRACEABLE) else "cannot be computed"
-            return f"the quantity '{self.name}' {hint} for '{problem.title}': {reason}"
+            otherwise = f"cannot be computed for '{problem.title}'"
+            return f"the quantity '{self.name}' {failure(error, otherwise)}"
         if wrong := index_beyond(self._at_start, problem.u0, problem.v0):
             return f"the quantity '{self.name}' takes an entry that '{problem.title}' does not have: {wrong}."
         fits = isinstance(value, jax.ShapeDtypeStruct) and value.ndim <= 1 and value.size

@@ -1,10 +1,13 @@
 """Arguments of problems, the properties that problems detect, and the errors for invalid arguments."""
 
+import math
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 import study
 from study.algebra.matrices import Banded
@@ -244,6 +247,53 @@ def test_rayleigh_damping_takes_finite_numbers(damping):
 def test_a_force_that_cannot_be_used_is_refused(force, sentence):
     with pytest.raises(ValueError, match=sentence):
         study.Problem(force, u0=np.ones(5))
+
+
+def _branching(u):
+    if u > 0:
+        return u
+    return 2 * u
+
+
+def _writing(u):
+    p = np.zeros(2)
+    p[0] = u[1]
+    return p
+
+
+@pytest.mark.parametrize(
+    "force, u0, sentence",
+    [
+        (
+            _branching,
+            1.0,
+            "use jnp.where in place of if, & in place of and, or jnp.maximum in place of max, in `u > 0`.",
+        ),
+        (lambda u: max(u, 0.0), 1.0, "use jnp.where .* or jnp.maximum in place of max, in `max\\(u, 0.0\\)`."),
+        (lambda u: np.sin(u), 1.0, "use .* in place of functions of NumPy and SciPy, in `np.sin\\(u\\)`."),
+        (lambda u: math.sin(u), 1.0, "use .* in place of float, int and functions of math, in `math.sin\\(u\\)`."),
+        (
+            lambda u: [1.0, 2.0][(u > 0).astype(int)] * u,
+            1.0,
+            "use an array of jnp in place of a list with this index, in .*",
+        ),
+        (lambda u: u[u > 0].sum() * u, [1.0, 2.0], "use jnp.where in place of this index, in `u\\[u > 0\\]`."),
+        (_writing, [1.0, 2.0], "use jnp.array\\(\\[x, y\\]\\) in place of p\\[i\\] = x, in `p\\[0\\]`."),
+    ],
+)
+def test_what_to_write_in_place_of_an_expression_is_said_in_one_sentence(force, u0, sentence):
+    with pytest.raises(ValueError, match=rf"^force of 'tried' must be written with jax.numpy: {sentence}$"):
+        study.Problem(force, u0=u0, title="tried")
+
+
+def test_an_unsymmetric_stiffness_is_a_force():
+    """A rotor with a circulatory force, against the matrix exponential."""
+    stiffness = np.array([[100.0, 20.0], [-20.0, 150.0]])
+    with pytest.raises(ValueError, match="its transpose by 40: give it as a force, force=lambda u: K @ u."):
+        study.Problem(stiffness=stiffness, u0=[1.0, 0.0])
+    end = study.final_state(study.Problem(lambda u: stiffness @ u, u0=[1.0, 0.0]), "rk4", dt=1e-3, steps=1000)
+    first_order = np.block([[np.zeros((2, 2)), np.eye(2)], [-stiffness, np.zeros((2, 2))]])
+    np.testing.assert_allclose(end["u"], (expm(first_order) @ [1, 0, 0, 0])[:2], atol=1e-8)
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,12 @@
 """Rigid Coulomb friction: the balance of its energy, and the limit of an elastic contact of growing stiffness."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 import study
-from reference import piecewise
+from reference import piecewise, sundials
+from study.assessment.reference import NoReference, Reference
 
 T = np.linspace(0.0, 12.0, 2401)[1:]
 MASS, STIFFNESS, SLIP = 2.0, 8.0, 0.7
@@ -78,3 +80,25 @@ def test_schemes_come_near_it_with_the_contact_of_the_study():
     ds = study.run(problem, "average_acceleration", dt=5e-4, steps=24_000, every=10)
     assert np.abs(ds.u.values[1:] - expected).max() < 3e-3
     assert np.abs(ds.u.values[1:] - piecewise.trajectory(contact(1e5), T).u).max() < 2e-5
+
+
+def test_a_motion_that_sticks_is_refused_at_the_time_of_the_closed_form():
+    """The motion sticks at the end of the last half swing, after π/ω for each reduction of the amplitude by 2 F/k."""
+    swings = np.ceil((1.0 * STIFFNESS / SLIP - 1) / 2)
+    end = swings * np.pi / np.sqrt(STIFFNESS / MASS)
+    sentence = rf"switches without end from t = {end:.4g}: where dry friction sticks, .* as study.materials.friction is"
+    rubbing = study.Problem(lambda u, v: STIFFNESS * u + SLIP * jnp.sign(v), u0=1.0, mass=MASS, title="rubbing")
+    with pytest.raises(NoReference, match=sentence):
+        Reference(rubbing, 12.0)
+
+
+def test_a_motion_that_only_reverses_has_a_kink_at_each_reversal(capfd):
+    problem = study.Problem(
+        lambda u, v: 100 * u + 5 * jnp.sign(v), u0=1.0, load=lambda t: 600 * jnp.sin(5 * t), title="rubbing"
+    )
+    found = sundials.kinks(problem, 5.0, np.zeros(0))
+    run = study.run(problem, "rk4", dt=1e-4, steps=50_000)
+    v = run.v.values
+    reversals = run.t.values[1:][v[1:] * v[:-1] < 0]
+    np.testing.assert_allclose(found, reversals, atol=2e-4)
+    assert "CVode" not in "".join(capfd.readouterr())

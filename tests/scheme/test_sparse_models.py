@@ -164,7 +164,10 @@ def test_ensembles_and_derivatives_of_sparse_models():
     ("terms", "sentence"),
     [
         ({"stiffness": STIFFNESS * np.nan}, r"stiffness must be finite, and its entry \(\d+, \d+\) is nan"),
-        ({"stiffness": sparse.triu(STIFFNESS)}, "stiffness must be symmetric; it differs from its transpose by 2"),
+        (
+            {"stiffness": sparse.triu(STIFFNESS)},
+            "stiffness must be symmetric; it differs from its transpose by 2: give it as a force, force=lambda u: jax",
+        ),
         ({"mass": sparse.csc_array(MASS * 1j)}, "mass must be a sparse matrix of real numbers, not of complex128"),
         (
             {"stiffness": STIFFNESS[:5, :5]},
