@@ -8,7 +8,6 @@ run ends, even if it is killed. A child also ends with the command that requeste
 import gc
 import json
 import os
-import runpy
 import select
 import signal
 import socket
@@ -19,6 +18,7 @@ from typing import Any
 
 import matplotlib.pyplot  # noqa: F401
 
+from pipeline import measured
 from study.declaration.experiment import discover
 
 
@@ -37,22 +37,21 @@ def _say(message: str, terminal: int) -> None:
 
 
 def _run(connection: socket.socket) -> None:
-    """Run the module that a connection names, with the output streams that it sends; reply 0 on success, else 1."""
+    """Run the command that a connection sends, with the output streams that it sends; reply 0 on success, else 1."""
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     _, streams, _, _ = socket.recv_fds(connection, 1, 2)
     terminal = os.dup(2)
     for stream, number in zip(streams, (1, 2), strict=True):
         os.dup2(stream, number)
-    sys.argv = json.loads(connection.makefile().readline())
+    command = json.loads(connection.makefile().readline())
     threading.Thread(target=_end_with, args=(connection, sys.stdin), daemon=True).start()
     status = b"1"
     try:
-        runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)
+        measured.run(*command)
         status = b"0"
     except SystemExit as end:
         if isinstance(end.code, str):
             _say(end.code, terminal)
-        status = b"0" if end.code in (None, 0) else b"1"
     except BaseException:
         _say(traceback.format_exc(), terminal)
     sys.stdout.flush()

@@ -3,11 +3,9 @@
 ``python tools/scaling.py OUTPUT``, in the folder of a finished study, reads the plan of the pipeline and
 ``results/benchmarks``. It assigns ready jobs to free cores, first the job with the longest path to the end. It writes a
 table OUTPUT.csv and a figure OUTPUT.png of time against cores. The time of a job is its elapsed time or, if shorter,
-its processor time plus one interval between measurements, as on one idle core. Figures and pages are drawn one after
-another. Waiting in a queue and the exclusive node of timed jobs are not counted.
-
-The study must have been made with ``snakemake --no-hooks``, without the worker that runs the jobs of a local run,
-because Snakemake measures processor time and memory only of processes that it starts itself.
+its processor time, as on one idle core. Figures and pages are drawn one after another. Waiting in a queue and the
+exclusive node of timed jobs are not counted. On a node of a cluster each job also imports the study, as it does in a
+study that was made with ``snakemake --no-hooks``.
 
 The script also prints entries for ``profiles/slurm``: memory and run time of the rules that need more than the
 defaults.
@@ -28,8 +26,6 @@ from matplotlib.ticker import LogLocator
 CORES = (1, 2, 4, 8, 16, 32, 64, 100, 128)
 #: Memory in MB and run time in minutes that ``profiles/slurm`` gives every job.
 DEFAULT_MEMORY, DEFAULT_MINUTES = 1500, 15
-#: Seconds between two measurements of the processor time by Snakemake, in the first 30 s of a job and afterwards.
-SAMPLED = 0.5, 30.0
 PLAN, BENCHMARKS = Path(".snakemake", "plan.json"), Path("results", "benchmarks")
 
 
@@ -65,9 +61,7 @@ def measured() -> dict[str, Job]:
         inputs = step["jobs"][job]["inputs"]
         after = tuple(dict.fromkeys(maker[one] for one in inputs if one in maker))
         taken = pd.read_csv(file, sep="\t").iloc[0]
-        # Snakemake may miss the last interval between two measurements, and does not measure the shortest jobs
-        missed = SAMPLED[int(taken.s > SAMPLED[1])]
-        seconds = taken.s if pd.isna(taken.cpu_time) else min(taken.s, taken.cpu_time + missed)
+        seconds = min(taken.s, taken.cpu_time)
         jobs[name] = Job(name, float(seconds), after, step["group"] or "", step["name"], float(taken.max_rss))
     return jobs
 

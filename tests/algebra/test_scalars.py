@@ -19,7 +19,12 @@ WHOLE = np.ma.array([1, 2, 10**6], mask=[False, False, True])
         (lambda: study.run("hardening", "rk4", dt=0.1, steps=WHOLE), "steps"),
         (lambda: study.run("hardening", "rk4", dt=0.1, steps=2, u0=MASKED), "u0"),
         (lambda: study.run("hardening", "rk4", tolerance=MASKED, duration=1.0), "tolerance"),
-        (lambda: study.run(lambda k: None, "rk4", dt=0.1, steps=2, over={"k": MASKED}), r"over\['k'\]"),
+        (
+            lambda: study.run(
+                lambda k: study.Problem(lambda u: k * u, 1.0), "rk4", dt=0.1, steps=2, over={"k": MASKED}
+            ),
+            r"over\['k'\]",
+        ),
         (lambda: study.GroundMotion(MASKED, 0.1, title="quake"), "'quake'"),
         (lambda: study.Prescribed(MASKED), "an array"),
         (lambda: study.materials.elastoplastic(stiffness=MASKED, yield_force=1.0), "an array"),

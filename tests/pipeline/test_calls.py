@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import pandas as pd
 import psutil
 import pytest
 
@@ -27,6 +28,14 @@ def folder(tmp_path_factory) -> Path:
     folder = copied(tmp_path_factory.mktemp("project"))
     make(folder, *TARGETS)
     return folder
+
+
+def test_each_job_states_its_own_time_and_memory(folder):
+    """A job runs in a child of the worker, which holds the study and JAX: over 100 MB."""
+    for target in TARGETS:
+        file = folder / "results" / "benchmarks" / f"{Path(target).stem}.tsv"
+        taken = pd.read_csv(file, sep="\t").iloc[0]
+        assert taken.max_rss > 100 and 0.05 < taken.cpu_time < 20 * taken.s
 
 
 @pytest.fixture(scope="module")

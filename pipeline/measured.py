@@ -1,0 +1,32 @@
+"""Run a module and write what it took: ``python -m pipeline.measured FILE MODULE ARGUMENT...``."""
+
+import resource
+import runpy
+import sys
+import time
+from pathlib import Path
+
+
+def run(file: str, *command: str) -> None:
+    """Run a module with arguments in this process; if it succeeds, write its wall and processor time and its memory.
+
+    The file has the columns ``s`` and ``cpu_time`` in s, and ``max_rss``, the largest memory of the process in MB.
+    Processor time includes ended child processes.
+    """
+    begin = time.monotonic()
+    sys.argv = list(command)
+    try:
+        runpy.run_module(command[0], run_name="__main__", alter_sys=True)
+    except SystemExit as end:
+        if end.code:
+            raise
+    seconds = time.monotonic() - begin
+    own, of_children = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    processor = sum(one.ru_utime + one.ru_stime for one in (own, of_children))
+    memory = max(own.ru_maxrss, of_children.ru_maxrss) / 1024
+    Path(file).parent.mkdir(parents=True, exist_ok=True)
+    Path(file).write_text(f"s\tcpu_time\tmax_rss\n{seconds:.3f}\t{processor:.3f}\t{memory:.1f}\n")
+
+
+if __name__ == "__main__":
+    run(*sys.argv[1:])
