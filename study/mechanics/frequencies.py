@@ -10,9 +10,13 @@ import numpy as np
 
 from study.algebra.arrays import VectorLike
 from study.algebra.jit import jit
-from study.algebra.matrices import dense
+from study.algebra.matrices import MatrixFree, dense
+from study.algebra.sparse import SYMMETRY
 from study.mechanics.definition import Problem
 from study.mechanics.tangent import FINDABLE
+
+#: Imaginary part of a root, relative to the largest root, up to which it is round-off.
+ROUND_OFF = 1e-9
 
 
 @partial(jit, compiler=eqx.filter_jit)
@@ -21,10 +25,17 @@ def _stiffness(force, u):
 
 
 def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | None:
-    """Circular frequencies ω in ascending order, from det(K − ω² M) = 0 with K the tangent at ``u``, by default u₀.
+    r"""Circular frequencies ω in ascending order, with K the tangent ∂p/∂u at ``u``, by default u₀.
 
-    A mode without mass has an infinite frequency. A mode that grows instead of oscillating, with ω² < 0, has the
-    frequency zero, or infinity if the mass is singular.
+    .. math::
+
+        \det(\lambda^2 M + \lambda C + K) = 0, \quad \omega = |\lambda| \text{ where } \operatorname{Im} \lambda > 0
+
+    Here C is the damping plus ∂p/∂u̇ at u̇ = 0. If C is symmetric, the frequencies are the undamped ones, from
+    det(K − ω² M) = 0: they equal |λ| for modal damping, and exist for overdamped modes too. Otherwise the motion is
+    gyroscopic, and a mode that does not oscillate has the frequency zero. A mode without mass has an infinite
+    frequency. A mode that grows instead of oscillating, with ω² < 0, has the frequency zero, or infinity if the mass is
+    singular; gyroscopic forces are left out then.
 
     Returns
     -------
@@ -38,7 +49,8 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
     at = np.asarray(problem.u0 if u is None else u, float)
     stiffness = np.asarray(_stiffness(problem.untitled().at_time(0.0).internal_force, at)).reshape(n, n)
     mass = np.eye(n) if problem.mass is None else np.asarray(dense(problem.mass, n))
-    if not np.isfinite(stiffness).all():
+    damping = _velocity_tangent(problem, at)
+    if not (np.isfinite(stiffness).all() and np.isfinite(damping).all()):
         return None
     # a singular mass has no inverse; the eigenvalues of K⁻¹ M are 1/ω², zero for an infinite frequency
     if problem.massless:
@@ -46,7 +58,26 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
         periods_squared = np.clip(np.linalg.eigvals(flexibility).real, 0, None)
         with np.errstate(divide="ignore"):
             return np.sort(1 / np.sqrt(periods_squared))
-    return np.sqrt(np.clip(np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real), 0, None))
+    if np.abs(damping - damping.T).max() <= SYMMETRY * np.abs(damping).max():
+        return np.sqrt(np.clip(np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real), 0, None))
+    lower = -np.linalg.solve(mass, np.concatenate([stiffness, damping], axis=1))
+    roots = np.linalg.eigvals(np.concatenate([np.eye(n, 2 * n, n), lower]))
+    # of a conjugate pair only one root counts; a root whose imaginary part is round-off does not oscillate
+    oscillating = np.abs(roots[roots.imag > ROUND_OFF * np.abs(roots).max()])
+    return np.sort(np.concatenate([np.zeros(n), oscillating]))[-n:]
+
+
+def _velocity_tangent(problem: Problem, u: np.ndarray) -> np.ndarray:
+    """The damping plus ∂p/∂u̇ at displacement u and u̇ = 0, of shape (n, n)."""
+    n = u.size
+    of_force = np.zeros((n, n))
+    if problem.takes_velocity:
+        tangent = jax.jacfwd(lambda v: problem.varying_force(jnp.asarray(u), v))(jnp.zeros(u.shape))
+        of_force = np.asarray(tangent).reshape(n, n)
+    # a matrix-free damping is symmetric, as its solver needs
+    if problem.damping is None or isinstance(problem.damping, MatrixFree):
+        return of_force
+    return of_force + np.asarray(dense(problem.damping, n))
 
 
 def highest_frequency(problem: Problem, displacements: Iterable[VectorLike]) -> float:
