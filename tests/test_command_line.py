@@ -20,6 +20,12 @@ def test_a_run_is_printed(capsys):
     assert printed == f"{expected}\n"
 
 
+def test_a_run_beyond_the_stability_limit_warns(capsys):
+    with pytest.warns(RuntimeWarning, match="ωΔt = 9 about u = 0 exceeds 2, the stability limit"):
+        main(["run", "softening", "central_difference", "--dt", "0.9", "--steps", "1000"])
+    assert "status" in capsys.readouterr().out
+
+
 def test_a_run_is_written(tmp_path, capsys):
     main([*RUN, "--every", "5", "--output", str(tmp_path / "made" / "one.nc")])
     assert capsys.readouterr().out == ""

@@ -25,9 +25,10 @@ from study.algebra.scalars import is_number
 from study.analysis.eigenvalues import Matrices, Points, Roots, eigenvalues, followed
 from study.marching.arguments import resolve
 from study.marching.program import unlabelled
+from study.marching.stability import amplification_matrix
 from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
-from study.scheme.contract import started, stepped
+from study.scheme.contract import started
 from study.scheme.named import schemes
 
 #: Values that can be converted to an array of shape (points,).
@@ -79,21 +80,9 @@ def oscillator(damping_ratio=0.0) -> Problem:
     return eqx.tree_at(lambda problem: problem.damping, _oscillator(), 2 * damping_ratio)
 
 
-def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
-    """Derivative of one step with respect to the scheme's whole state, of shape (m, m).
-
-    Multi-step schemes, whose state holds their history, appear in companion form.
-    """
-    problem, dt = oscillator(damping_ratio), 2 * jnp.pi * dt_over_period
-    # the map is linear, so its derivative is the same at any state; discrete gradients divide by the change of the
-    # displacement in a step, so the state must move in a step of any size
-    state, _ = started(scheme, problem, jnp.ones(()), jnp.ones(()), dt)
-    flat, unflatten = ravel_pytree(state)
-
-    def step(flat):
-        return ravel_pytree(stepped(scheme, problem, unflatten(flat), 0.0, dt)[0])[0]
-
-    return jax.jacfwd(step)(flat)
+def _matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
+    """Amplification matrix on the oscillator, of shape (m, m)."""
+    return amplification_matrix(scheme, oscillator(damping_ratio), 2 * jnp.pi * dt_over_period)
 
 
 def _initial_states(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
@@ -195,7 +184,7 @@ class LinearTheory:
         if not (is_number(damping_ratio) and 0 <= damping_ratio < 1):
             raise ValueError(f"damping_ratio must be at least 0 and less than 1, not {damping_ratio}.")
         self._scheme, self._dt_over_period, self._damping_ratio = scheme, parts, damping_ratio
-        self.matrices = self._of_each(amplification_matrix, parts)
+        self.matrices = self._of_each(_matrix, parts)
         self.roots = eigenvalues(self.matrices)
         self.spectral_radius = np.abs(self.roots).max(axis=-1)
 
@@ -211,7 +200,7 @@ class LinearTheory:
         return np.concatenate([_at_each(function, unlabelled(self._scheme), tile, damping) for tile in tiles])[:points]
 
     def _radius(self, dt_over_period: Points) -> Points:
-        return np.abs(eigenvalues(self._of_each(amplification_matrix, dt_over_period))).max(axis=-1)
+        return np.abs(eigenvalues(self._of_each(_matrix, dt_over_period))).max(axis=-1)
 
     def _first_unstable(self, omega: Points) -> int | None:
         """Index of the first unstable Ω, searched tile by tile; None if all are stable."""
@@ -275,7 +264,7 @@ class LinearTheory:
         """
         ends = np.array(LONG) / (2 * np.pi)
         states = self._of_each(_initial_states, ends)
-        first = np.abs(np.einsum("pij,psj->psi", self._of_each(amplification_matrix, ends), states)[..., :2])
+        first = np.abs(np.einsum("pij,psj->psi", self._of_each(_matrix, ends), states)[..., :2])
         slopes = np.log(np.maximum(first[1], 1.0) / np.maximum(first[0], 1.0)) / np.log(LONG[1] / LONG[0])
         return np.maximum(slopes, 0.0)
 

@@ -3,12 +3,13 @@
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from study.marching.run import run
+from study.marching.run import run, sweep
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.tangent import FINDABLE
@@ -73,7 +74,10 @@ class _Runs:
     def __call__(self, scheme: str, dt: float) -> dict[str, np.ndarray]:
         """Times and quantities of a run; a reduced quantity is constant along time."""
         steps = int(np.floor(self.duration / dt * (1 + 1e-9)))
-        ds = run(self.problem, self.schemes[scheme], dt=dt, steps=steps, observe=self.quantities, on_failure="raise")
+        given: dict[str, Any] = {"dt": dt, "steps": steps, "observe": self.quantities}
+        ds = sweep(self.problem, self.schemes[scheme], **given)
+        if ds.status.item():  # the run once more, which raises an error with the cause of the failure
+            run(self.problem, self.schemes[scheme], **given, on_failure="raise")
         found: dict[str, np.ndarray] = {"t": dt * np.arange(steps + 1)}
         for one in self.quantities:
             value = ds[one.name].values

@@ -4,7 +4,7 @@ import numpy as np
 
 from study.algebra.scalars import is_number
 from study.assessment.solution import DenseSolution
-from study.marching.run import run
+from study.marching.run import sweep
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.frequencies import frequencies, highest_frequency
@@ -43,7 +43,7 @@ def _period(problem: Problem) -> float | None:
     slowest = slowest_period(problem)
     if np.ndim(problem.u0) or not problem.conservative or slowest is None:
         return None
-    ds = run(problem, "rk4", dt=slowest / ESTIMATE[0], steps=ESTIMATE[0] * ESTIMATE[1], on_failure="ignore")
+    ds = sweep(problem, "rk4", dt=slowest / ESTIMATE[0], steps=ESTIMATE[0] * ESTIMATE[1])
     u = ds.u.values - (ds.u.max().item() + ds.u.min().item()) / 2
     crossed = np.flatnonzero((u[:-1] < 0) & (u[1:] >= 0))
     return float(np.diff(ds.t.values[crossed]).mean()) if len(crossed) > 1 else None

@@ -14,7 +14,7 @@ from study.assessment import errors, oscillation
 from study.assessment.errors import Target
 from study.assessment.oscillation import Oscillation, OscillationErrors
 from study.marching.ensemble import FEW, TILE
-from study.marching.run import run
+from study.marching.run import sweep
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
 from study.program.confirmation import TWENTIETH, Limit, largest_with_margin
@@ -195,7 +195,7 @@ class Search:
         """Rows of one or several runs, with initial values and load multiplied by ``start``."""
         case = self._cases[start]
         steps = np.maximum(np.floor(self.duration / dt * (1 + 1e-9)), 1).astype(int)
-        ds = run(case.problem, self.scheme, dt=dt, steps=steps, observe=case.observe, on_failure="ignore")
+        ds = sweep(case.problem, self.scheme, dt=dt, steps=steps, observe=case.observe)
         imbalance = ds.max_energy_imbalance.values if "max_energy_imbalance" in ds else np.nan
         ends = np.atleast_1d(np.minimum(steps * dt, self.duration))
         found: dict[str, Any] = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}

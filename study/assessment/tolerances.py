@@ -26,7 +26,7 @@ from study.control.controllers import Controller
 from study.control.named import estimators
 from study.io import flags
 from study.marching.control import usual_estimator
-from study.marching.run import run
+from study.marching.run import sweep
 from study.program.confirmation import Limit, largest_with_margin
 from study.scheme.base import Scheme
 
@@ -123,7 +123,7 @@ class ToleranceSearch:
     def _run(self, start: float, tolerance: np.ndarray) -> None:
         """Make runs with the given tolerances, with start and load multiplied by ``start``."""
         case = self.cases[start]
-        ds = run(
+        ds = sweep(
             case.problem,
             self.scheme,
             tolerance=tolerance,
@@ -132,7 +132,6 @@ class ToleranceSearch:
             controller=self.controller,
             steps=MOST_STEPS,
             observe=[one for one in case.observe if isinstance(one, str) or not one.needs_equal_steps],
-            on_failure="ignore",
         )
         steps = ds.steps.values
         ends = np.full(len(tolerance), self.duration)

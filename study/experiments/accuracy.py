@@ -12,7 +12,7 @@ from study.declaration.experiment import Options, experiment, over_periods, prog
 from study.declaration.options import RisingCounts, Schemes, Springs
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
-from study.marching.run import run
+from study.marching.run import sweep
 from study.observer.diagnostics import Evaluations, NewtonIterations
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.problem.named import problems as problems_by_name
@@ -57,7 +57,7 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
             for k, (steps, (dt, observers)) in enumerate(zip(steps_per_period, compared, strict=True)):
                 observe = [*observers, MaxEnergyError(), EnergyDrift(), NewtonIterations(), Evaluations()]
                 for n, length in enumerate(periods):
-                    ds = run(problem, scheme, dt=dt, steps=steps * length, observe=observe, on_failure="ignore")
+                    ds = sweep(problem, scheme, dt=dt, steps=steps * length, observe=observe)
                     for name, value in ds.data_vars.items():
                         measured.setdefault(str(name), np.empty(shape, value.dtype))[p, s, k, n] = value
                         attributes[str(name)] = value.attrs

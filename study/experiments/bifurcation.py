@@ -8,7 +8,7 @@ import xarray as xr
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, RecordedSteps, SchemeName, Spring, StepSizes, Tolerance
 from study.marching.result import COMPLETED, FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
-from study.marching.run import run
+from study.marching.run import sweep
 from study.problem.named import problems as problems_by_name
 
 #: Smallest distance of two runs that counts as of order one.
@@ -54,13 +54,12 @@ def bifurcation(
     progress(f"bifurcation diagram of {scheme} on {problem}")
     step_sizes = np.linspace(dt["first"], dt["last"], int(dt["count"]))
     u0 = float(problems_by_name[problem].u0)
-    pairs = run(
+    pairs = sweep(
         problem,
         scheme,
         dt=np.repeat(step_sizes, 2),
         u0=np.tile([u0, u0 + perturbation], len(step_sizes)),
         steps=steps,
-        on_failure="ignore",
     )
     one, other = pairs.u.values.reshape(len(step_sizes), 2, -1).transpose(1, 0, 2)
     apart = np.abs(other - one) >= ORDER_ONE  # false after a failure, because the displacement is then NaN
@@ -68,9 +67,9 @@ def bifurcation(
     whole = np.full(len(step_sizes), steps)
     # a chaotic run for the exponent may fail at another step than the pair of runs, so it is repeated up to the step
     # before its own failure
-    growth = run(problem, scheme, dt=step_sizes, steps=whole, observe=["lyapunov_exponent"], on_failure="ignore")
+    growth = sweep(problem, scheme, dt=step_sizes, steps=whole, observe=["lyapunov_exponent"])
     lasted = np.where(growth.status == COMPLETED, whole, np.maximum(growth.failed_at_step - 1, 1))
-    growth = run(problem, scheme, dt=step_sizes, steps=lasted, observe=["lyapunov_exponent"], on_failure="ignore")
+    growth = sweep(problem, scheme, dt=step_sizes, steps=lasted, observe=["lyapunov_exponent"])
     last = np.where(status == COMPLETED, steps, failed_at_step - 1)
     places = last[:, None] + np.arange(1 - shown, 1)
     shown_u = np.where(places < 0, np.nan, np.take_along_axis(one, np.maximum(places, 0), axis=1))

@@ -11,7 +11,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from study.control.controllers import Prescribed
-from study.marching.run import run
+from study.marching.run import sweep
 from study.materials import elastoplastic
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
@@ -156,10 +156,10 @@ class Circumstance:
             scheme = FromNoAcceleration(scheme=scheme)
         if self.tolerance is not None:
             scheme = LooselyBalanced(scheme=scheme, tolerance=self.tolerance)
-        shared: dict[str, Any] = {"observe": [AtTheEnd()], "on_failure": "ignore"}
+        shared: dict[str, Any] = {"observe": [AtTheEnd()]}
         if self.unequal:
             each = [
-                run(
+                sweep(
                     self.problem,
                     scheme,
                     controller=Prescribed(DURATION / count * np.array([1 + UNEQUAL, 1 - UNEQUAL])),
@@ -175,7 +175,7 @@ class Circumstance:
             steps = np.repeat(counts, runs)
             starts = (np.tile(start, (most, *[1] * (start.ndim - 1))) for start in (self.u0, self.v0))
             u0, v0 = starts
-            ds = run(self.problem, scheme, dt=DURATION / steps, steps=steps, u0=u0, v0=v0, **shared)
+            ds = sweep(self.problem, scheme, dt=DURATION / steps, steps=steps, u0=u0, v0=v0, **shared)
         return ds, (ds.status.values == 0).reshape(most, runs)
 
     def errors(self, scheme: Scheme, counts: list[int]) -> np.ndarray:

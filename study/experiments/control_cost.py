@@ -14,7 +14,7 @@ from study.experiments import coordinates
 from study.io import flags
 from study.marching.adaptive_run import ENDS
 from study.marching.control import usual_estimator
-from study.marching.run import run
+from study.marching.run import sweep
 from study.mechanics.definition import Problem
 from study.problem.named import problems as problems_by_name
 from study.scheme.base import Scheme
@@ -132,7 +132,7 @@ OBSERVED = ["trajectory", "effort"]
 def _equal(problem: Problem, scheme: Scheme, exact: Known, parts: int) -> dict[str, float]:
     """Error, number of force evaluations, and status of a run with ``parts`` equal steps between two samples."""
     steps = parts * len(exact.t)
-    ds = run(problem, scheme, dt=exact.t[-1] / steps, steps=steps, every=parts, observe=OBSERVED, on_failure="ignore")
+    ds = sweep(problem, scheme, dt=exact.t[-1] / steps, steps=steps, every=parts, observe=OBSERVED)
     return {
         "error": exact.error(ds.u.values[1:]),
         "forces": ds.force_evaluations.item(),
@@ -150,7 +150,7 @@ def _controlled(
     most: int,
 ) -> dict[str, float]:
     """Error, numbers of force evaluations, steps and rejected steps, and status of a run with controlled steps."""
-    ds = run(
+    ds = sweep(
         problem,
         scheme,
         tolerance=tolerance,
@@ -160,7 +160,6 @@ def _controlled(
         times=exact.t,
         steps=most,
         observe=OBSERVED,
-        on_failure="ignore",
     )
     steps, rejected = ds.steps.item(), (ds.steps_rejected_by_estimate + ds.steps_rejected_by_solver).item()
     completed = ds.status == ENDS.index("completed")

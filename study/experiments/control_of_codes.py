@@ -18,7 +18,7 @@ from study.control.of_codes import (
 from study.declaration.experiment import experiment, over_periods, progress, references
 from study.declaration.options import Count, Counts, Springs
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import run, sweep
 from study.mechanics.definition import Problem
 from study.scheme.alpha import hht_alpha
 from study.scheme.base import Scheme
@@ -71,7 +71,7 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
         period = coordinates.periods(problem)["exact"]
         for c, (code, rule) in enumerate(RULES.items()):
             progress(f"the automatic steps of {code} on {problem}")
-            ds = run(
+            ds = sweep(
                 problem,
                 rule.scheme,
                 tolerance=np.array(rule.tolerances),
@@ -81,7 +81,6 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
                 controller=rule.controller,
                 steps=MOST * periods,
                 observe=["max_energy_error"],
-                on_failure="ignore",
             )
             steps[p, c], energy[p, c] = ds.steps / periods, ds.max_energy_error
         for k, parts in enumerate(steps_per_period):

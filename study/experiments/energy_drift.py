@@ -15,7 +15,7 @@ from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import IN_ORDER, Count, SchemeName, Spring, section
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
-from study.marching.run import run
+from study.marching.run import sweep
 from study.observer.crossings import crosses_upwards
 from study.problem.named import approximate_periods
 
@@ -79,13 +79,12 @@ def energy_drift(
     parts = np.round(np.arange(first, last + step / 2, step), 10)
     steps = np.round(parts * periods).astype(int)
     # all runs take as many steps as the run with the finest step; each run is evaluated at the end of its periods
-    lanes = run(
+    lanes = sweep(
         problem,
         scheme,
         dt=approximate_periods[problem] / parts,
         steps=steps.max().item(),
         observe=["trajectory", "energy_error"],
-        on_failure="ignore",
     )
     drift = lanes.energy_error.values[np.arange(len(parts)), steps]
     count = [_steps_per_oscillation(u[: n + 1], oscillations) for u, n in zip(lanes.u.values, steps, strict=True)]

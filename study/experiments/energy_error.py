@@ -7,7 +7,7 @@ from study.declaration.experiment import experiment, over_periods, progress, ref
 from study.declaration.options import Count, Counts, Schemes, Springs
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
-from study.marching.run import run
+from study.marching.run import sweep
 
 
 @experiment("energy_error", reads=references, steps=over_periods("problems", "schemes", runs=2))
@@ -34,13 +34,12 @@ def energy_error(problems: Springs, schemes: Schemes, steps_per_period: Counts, 
             for i, used in enumerate(period_used):
                 period[i, p] = known[used]
                 for k, steps in enumerate(steps_per_period):
-                    ds = run(
+                    ds = sweep(
                         problem,
                         scheme,
                         dt=known[used] / steps,
                         steps=steps * periods,
                         observe=["max_energy_error"],
-                        on_failure="ignore",
                     )
                     at = i, p, k, s
                     error[at], status[at], failed_at_step[at] = ds.max_energy_error, ds.status, ds.failed_at_step

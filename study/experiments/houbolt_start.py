@@ -6,7 +6,7 @@ import xarray as xr
 from study.declaration.experiment import experiment, over_periods, progress
 from study.declaration.options import Count, Counts, Springs
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.problem.named import approximate_periods
 from study.scheme.houbolt import Houbolt, starts
 
@@ -24,13 +24,12 @@ def houbolt_start(problems: Springs, steps_per_period: Counts, periods: Count) -
         for s, start in enumerate(starts):
             for k, steps in enumerate(steps_per_period):
                 dt = approximate_periods[problem] / steps
-                ds = run(
+                ds = sweep(
                     problem,
                     Houbolt(start_by=start),
                     dt=dt,
                     steps=steps * periods,
                     observe=["max_energy_error"],
-                    on_failure="ignore",
                 )
                 error[p, k, s] = ds.max_energy_error
     return xr.Dataset(

@@ -11,7 +11,7 @@ from study.declaration.options import Count, Kinked, RisingCounts, Schemes
 from study.experiments import coordinates
 from study.io import flags
 from study.marching.result import STATUSES_OR_NOT_RUN
-from study.marching.run import run
+from study.marching.run import sweep
 from study.mechanics.frequencies import highest_frequency
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
@@ -78,14 +78,13 @@ def kinks(
             if schemes_by_name[scheme].refusal(definition):
                 continue
             for k, steps in enumerate(steps_per_period):
-                ds = run(
+                ds = sweep(
                     definition,
                     scheme,
                     dt=scale / steps,
                     steps=periods * steps,
                     observe=["trajectory", "energy_balance", "newton_iterations", "effort"],
                     every=steps // samples_per_period,
-                    on_failure="ignore",
                 )
                 status[p, s, k] = ds.status
                 error[p, s, k] = np.abs(ds.u.values[1:] - known.u.values).max() / size

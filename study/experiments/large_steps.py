@@ -10,7 +10,7 @@ from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, Schemes, Sizes, Springs
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
-from study.marching.run import run
+from study.marching.run import sweep
 from study.problem.named import approximate_periods
 
 
@@ -40,13 +40,12 @@ def large_steps(problems: Springs, schemes: Schemes, dt_over_period: Sizes, peri
         progress(f"large steps on {problem}")
         for s, scheme in enumerate(schemes):
             for r, part in enumerate(dt_over_period):
-                ds = run(
+                ds = sweep(
                     problem,
                     scheme,
                     dt=approximate_periods[problem] * part,
                     steps=round(periods / part),
                     observe="energy_error",
-                    on_failure="ignore",
                 )
                 at, along = (p, s, r), ds.energy_error.values  # NaN after a failure, from the failing step on
                 error[at], drift[at], late[at] = 100 * np.abs(along).max(), along[-1], along[len(along) // 2 :].max()

@@ -16,7 +16,7 @@ from study.analysis.linear_theory import LinearTheory
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Counts, Length, RisingCounts, Sizes
 from study.experiments.circumstances import DURATION, QUANTITIES, SPEEDS, TOLERANCES, circumstances_with
-from study.marching.run import run
+from study.marching.run import run, sweep
 from study.mechanics.definition import Problem
 from study.mechanics.loads import HarmonicLoad
 from study.observer.motion import Quantity
@@ -121,14 +121,13 @@ def _errors_of_trigonometric(steps: list[int]) -> np.ndarray:
         frequencies = PHASES * count / OSCILLATES
         exact = np.array([_exact_oscillatory(omega) for omega in frequencies])
         for m, member in enumerate(filters):
-            ds = run(
+            ds = sweep(
                 _oscillatory,
                 Trigonometric(member=member),
                 over={"omega": frequencies},
                 dt=OSCILLATES / count,
                 steps=count,
                 observe=[final],
-                on_failure="ignore",
             )
             errors[m, k] = np.abs(ds.end.values - exact).max()
     return errors
@@ -156,7 +155,7 @@ def _error_of_wave(scheme: Scheme, courant: float, elements: int) -> float:
     mass[0] = h / 2
     bar = Problem(stiffness=stiffness, u0=np.zeros(elements), mass=mass, load=_Push(elements), title="pushed bar")
     steps = round(REACHED / (courant * h))
-    v = run(bar, scheme, dt=REACHED / steps, steps=steps, every=steps, on_failure="ignore").v.values[-1]
+    v = sweep(bar, scheme, dt=REACHED / steps, steps=steps, every=steps).v.values[-1]
     return float(np.sqrt(np.mean((v - (np.arange(elements) * h < REACHED)) ** 2)))
 
 
@@ -222,8 +221,7 @@ def later_schemes(
     }
     displacement = QUANTITIES.index("displacement")
     peaks = [
-        float(run(plain.problem, AuxiliaryVariable(), dt=dt, steps=1000, observe="peak", on_failure="ignore").peak)
-        for dt in long_steps
+        float(sweep(plain.problem, AuxiliaryVariable(), dt=dt, steps=1000, observe="peak").peak) for dt in long_steps
     ]
     fourth = [
         plain.errors(scheme, [count // forces_of(scheme).per_step for count in forces])

@@ -16,7 +16,7 @@ from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, OneStepSchemes, PlainNames, RisingCounts, Schemes, Spring, section
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
-from study.marching.run import run
+from study.marching.run import sweep
 from study.mechanics.definition import Problem
 from study.problem.named import problems as problems_by_name
 from study.scheme.base import OneStep, Scheme
@@ -92,7 +92,7 @@ def _phase_error(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, 
 def _measured(problem: Problem, scheme: Scheme, dt: np.ndarray, length: int, steps: int, double: bool, *exact) -> dict:
     """Errors of energy and phase, status and failing step of every run, by name as in ``_VARIABLES``, each (run,)."""
     with jax.enable_x64(double):
-        ds = run(problem, scheme, dt=dt, steps=steps, observe=OBSERVED, on_failure="ignore")
+        ds = sweep(problem, scheme, dt=dt, steps=steps, observe=OBSERVED)
     return {
         "energy_error": ds.energy_drift.values,
         "max_energy_error": ds.max_energy_error.values,

@@ -9,7 +9,7 @@ from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Numbers, RecordedSteps, Schemes, Sizes, Spring
 from study.experiments import coordinates
 from study.marching.result import STATUS_ATTRIBUTES
-from study.marching.run import run
+from study.marching.run import sweep
 from study.problem.named import problems as problems_by_name
 
 
@@ -44,7 +44,7 @@ def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, ste
     runs = []
     for scheme in schemes:
         progress(f"numerical map of {scheme} on {problem}")
-        runs.append(run(problem, scheme, u0=of_lanes[0], dt=of_lanes[1], steps=steps, on_failure="ignore"))
+        runs.append(sweep(problem, scheme, u0=of_lanes[0], dt=of_lanes[1], steps=steps))
     shape = (len(schemes), len(dt), len(starts))
     dims = ("scheme", "dt", "u0")
 

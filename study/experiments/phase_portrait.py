@@ -11,7 +11,7 @@ from study.declaration.checks import less_than_a_step
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Schemes, Size, Spring, section
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.observer.base import Observer
 from study.observer.outcome import Height, OutcomeObserver
 from study.problem.named import problems as problems_by_name
@@ -54,7 +54,7 @@ def phase_portrait(problem: Spring, schemes: Schemes, dt: float, duration: float
     steps = round(duration / dt)
     observe: list[str | Observer] = ["trajectory", "energy_error", Height(OutcomeObserver.of(problem).rest)]
     # without a bound of the displacement, so that the dataset has the step at which the numbers overflow, as in 1996
-    marched = partial(run, problem, dt=dt, steps=steps, observe=observe, bound=np.inf, on_failure="ignore")
+    marched = partial(sweep, problem, dt=dt, steps=steps, observe=observe, bound=np.inf)
     runs = [marched(scheme=scheme) for scheme in schemes]
     dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(coordinates.scheme_coordinates(schemes))
     dataset["dt"] = ((), np.float64(dt), {"long_name": "step size", "units": "s"})

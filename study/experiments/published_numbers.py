@@ -13,7 +13,7 @@ from study.declaration.options import Count, FallingTolerances, KnownProblem, Sc
 from study.experiments import coordinates
 from study.io import flags
 from study.marching.result import STATUSES_OR_NOT_RUN
-from study.marching.run import run
+from study.marching.run import sweep
 from study.problem.named import known, problems
 from study.problem.naming import Known
 from study.scheme.named import schemes as schemes_by_name
@@ -43,14 +43,14 @@ def _error(at: Known, u: np.ndarray) -> float:
 def _equal(problem: str, scheme: str, steps: int) -> tuple[float, int]:
     """Error and status of a run with equal steps."""
     at = known[problem]
-    ds = run(problem, scheme, dt=at.time / steps, steps=steps, every=steps, on_failure="ignore")
+    ds = sweep(problem, scheme, dt=at.time / steps, steps=steps, every=steps)
     return _error(at, ds.u.values[-1]), ds.status.item()
 
 
 def _controlled(problem: str, scheme: str, tolerance: float) -> tuple[float, float]:
     """Error of a run with controlled steps, and the number of its steps; both are NaN if the run failed."""
     at = known[problem]
-    ds = run(problem, scheme, tolerance=tolerance, duration=at.time, on_failure="ignore")
+    ds = sweep(problem, scheme, tolerance=tolerance, duration=at.time)
     return (_error(at, ds.u.values[-1]), ds.steps.item()) if ds.status == 0 else (np.nan, np.nan)
 
 

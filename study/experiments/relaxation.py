@@ -6,7 +6,7 @@ import xarray as xr
 from study.declaration.experiment import experiment, over_periods, progress, references
 from study.declaration.options import Count, Counts, Springs
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.problem.named import problems as problems_by_name
 from study.scheme.runge_kutta import rk4
 from study.scheme.wrapper.relaxed import Relaxed
@@ -38,14 +38,13 @@ def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> x
         for m, scheme in enumerate(VARIANTS.values()):
             for k, steps in enumerate(steps_per_period):
                 tables, whole = (
-                    run(
+                    sweep(
                         problem,
                         scheme,
                         dt=period / steps,
                         steps=steps * periods,
                         every=steps * periods,
                         observe=["trajectory", "max_energy_error"],
-                        on_failure="ignore",
                     )
                     for period in (known["printed"], known["exact"])
                 )

@@ -10,7 +10,7 @@ from study.declaration.checks import unlisted
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Counts, RisingCounts, Schemes, Springs
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.observer.outcome import LEVELS, Excursions, OutcomeObserver
 from study.problem.named import problems as problems_by_name
 
@@ -32,14 +32,13 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
             if not undecided[:, k].any():
                 continue
             # each length has a separate run, because a run that fails has no errors of its earlier steps
-            runs = run(
+            runs = sweep(
                 definition,
                 scheme,
                 dt=period / steps,
                 steps=int(steps * length),
                 u0=u0,
                 observe=[observer],
-                on_failure="ignore",
             )
             kept = np.array([np.isinf(runs[name]).all() for name in observer.variables])
             undecided[:, k:] &= kept[:, None]  # if a shorter run exceeds the level, so does a longer one

@@ -19,7 +19,7 @@ from study.analysis.effective_equation import effective_coefficient, number_of_r
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Numbers, RecordedSteps, Schemes, Size, Spring, StepSizes, Tolerances
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.mechanics.balance import balance, load
 from study.mechanics.definition import Problem
 from study.problem.named import problems as problems_by_name
@@ -75,16 +75,15 @@ def _steps_together(problem: str, dt: np.ndarray, steps: int, tolerances: Sequen
     """
     newmark = cast(Newmark, schemes_by_name["average_acceleration"])
     inexact = partial(_Inexact, beta=newmark.beta, gamma=newmark.gamma)
-    exact = run(problem, newmark, dt=dt, steps=steps, on_failure="ignore").u.values
+    exact = sweep(problem, newmark, dt=dt, steps=steps).u.values
     together = np.empty((len(GUESSES), len(tolerances), len(dt)), int)
     for g, part in enumerate(GUESSES.values()):
         for k, tolerance in enumerate(tolerances):
-            u = run(
+            u = sweep(
                 problem,
                 inexact(tolerance=np.float64(tolerance), part_of_last=np.float64(part)),
                 dt=dt,
                 steps=steps,
-                on_failure="ignore",
             ).u
             parted = ~(np.abs(u.values - exact) < PARTED)
             together[g, k] = np.where(parted.any(axis=1), parted.argmax(axis=1), steps)

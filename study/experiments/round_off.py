@@ -12,7 +12,7 @@ from study.declaration.checks import no_multiple
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, RisingCounts, Schemes, Spring
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.problem.named import problems as problems_by_name
 from study.scheme.base import OneStep
 from study.scheme.named import schemes as schemes_by_name
@@ -75,7 +75,7 @@ def round_off(problem: Spring, schemes: Schemes, steps_per_period: RisingCounts,
                 steps = int(parts * (periods + PHASE))
                 dt = float(end / steps)
                 late = float(steps * Fraction(dt) - end)
-                last = run(problem, scheme, dt=dt, steps=steps, every=steps, on_failure="ignore").isel(t=-1)
+                last = sweep(problem, scheme, dt=dt, steps=steps, every=steps).isel(t=-1)
                 differences = (
                     (last.u.item() - (u + v * late)) / np.max(np.abs(reference.u)),
                     (last.v.item() - (v - force * late)) / np.max(np.abs(reference.v)),

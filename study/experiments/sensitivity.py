@@ -9,7 +9,7 @@ from study.declaration.checks import less_than_a_step
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Schemes, Size, Spring, Tolerance
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.problem.named import problems as problems_by_name
 
 #: Differences of the initial displacements of the runs from the initial displacement of the problem, in multiples of
@@ -42,7 +42,7 @@ def sensitivity(problem: Spring, schemes: Schemes, dt: Size, duration: Size, per
     """
     progress(f"sensitivity of {problem}")
     u0 = float(problems_by_name[problem].u0) + perturbation * np.array(STARTS)
-    runs = [run(problem, scheme, dt=dt, steps=round(duration / dt), u0=u0, on_failure="ignore").u for scheme in schemes]
+    runs = [sweep(problem, scheme, dt=dt, steps=round(duration / dt), u0=u0).u for scheme in schemes]
     u = np.stack([one.values for one in runs])
     distance = np.abs(u - u[:, :1])
     parted = distance > APART

@@ -11,7 +11,7 @@ from study import io
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import RecordDuration, RecordPeriods, Records, Reductions, Schemes, Size, Tolerance
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.mechanics.ground import GroundMotion
 from study.observer.peak import Peak
 from study.problem.inelastic import SPACING, yielding_under_record
@@ -97,14 +97,13 @@ def spectrum(
         if schemes_by_name[scheme].refusal(yielding_under_record(GroundMotion.el_centro(), 1.0, 1.0)):
             continue
         progress(f"peak drifts by {scheme}")
-        ds = run(
+        ds = sweep(
             problem,
             scheme,
             over={"record": record, "period": period, "yield_force": strength},
             dt=dt,
             steps=_counts(duration, dt),
             observe=[Peak(), "newton_iterations", "effort"],
-            on_failure="ignore",
         )
         found = ds.peak.where(ds.status == 0).values.reshape(error.shape[1:])
         error[s] = np.abs(found / exact.peak_drift.values - 1)

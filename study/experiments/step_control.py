@@ -11,7 +11,7 @@ from study.control.named import controllers as controllers_by_name
 from study.declaration.experiment import experiment, over_periods, progress, references
 from study.declaration.options import Controllers, Count, Counts, OneStepSchemes, Springs, Tolerances
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.observer.motion import Quantity
 from study.problem.named import problems as problems_by_name
 
@@ -78,7 +78,7 @@ def step_control(
                 found["max_energy_error"][at], found["energy_drift"][at] = ds.max_energy_error, ds.energy_drift
                 found["error"][at] = _distance(ds, start, scale)
                 if s == 0:
-                    one = run(
+                    one = sweep(
                         problem,
                         scheme,
                         controller=controller,
@@ -86,7 +86,6 @@ def step_control(
                         duration=period * periods,
                         steps=MOST * periods,
                         observe="energy_error",
-                        on_failure="ignore",
                     )
                     history[p, c] = _by_period(one, period, periods)
             for k, steps in enumerate(steps_per_period):
@@ -131,7 +130,7 @@ def step_control(
 
 
 def _controlled(problem: str, scheme: str, controller: Controller, tolerances: np.ndarray, duration: float, most: int):
-    return run(
+    return sweep(
         problem,
         scheme,
         tolerance=tolerances,
@@ -139,12 +138,11 @@ def _controlled(problem: str, scheme: str, controller: Controller, tolerances: n
         controller=controller,
         steps=most,
         observe=[*ENDS, "max_energy_error", "energy_drift"],
-        on_failure="ignore",
     )
 
 
 def _equal(problem: str, scheme: str, dt: float, steps: int, observed) -> xr.Dataset:
-    return run(problem, scheme, dt=dt, steps=steps, observe=observed, on_failure="ignore")
+    return sweep(problem, scheme, dt=dt, steps=steps, observe=observed)
 
 
 def _scale(problem: str) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from study import io
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, PowersOfTen, Schemes, section
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.observer.crossings import Oscillations
 from study.observer.outcome import OutcomeObserver
 from study.problem.named import problems as problems_by_name
@@ -79,14 +79,13 @@ def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> 
         u0, period = (np.broadcast_to(one.values[:, None], step.shape) for one in (of_problem.u0, of_problem.period))
         for s, scheme in enumerate(schemes):
             progress(f"highest frequency and step of {scheme} on {problem}")
-            runs = run(
+            runs = sweep(
                 definition,
                 scheme,
                 dt=step.ravel(),
                 steps=np.ceil(periods * period / step).astype(int).ravel(),
                 u0=u0.ravel(),
                 observe=["max_energy_error", Oscillations(well.rest_at)],
-                on_failure="ignore",
             )
             energy[s, p] = runs.max_energy_error.values.reshape(step.shape) / 100 * over_height[:, None]
             elongation[s, p] = np.abs(runs.mean_period.values.reshape(step.shape) / period - 1)

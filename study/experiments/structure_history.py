@@ -13,7 +13,7 @@ from study.declaration.checks import LARGEST_SAMPLE
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, Name, Schemes, Size, Structure, section
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
 from study.observer.motion import Quantity
@@ -106,10 +106,7 @@ def structure_history(
     definition = problems_by_name[problem]
     observe = _observers(problem, definition)
     dt, steps = time_scales[problem] / steps_per_period, round(periods * steps_per_period)
-    runs = [
-        run(problem, scheme, dt=dt, steps=steps, observe=observe, every=every, on_failure="ignore")
-        for scheme in schemes
-    ]
+    runs = [sweep(problem, scheme, dt=dt, steps=steps, observe=observe, every=every) for scheme in schemes]
     dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(coordinates.scheme_coordinates(schemes))
     reference = io.open_dataset(f"reference/{problem}")
     exact = {"u": reference.u.values, "v": reference.v.values}

@@ -18,7 +18,7 @@ from study.declaration.experiment import Options, experiment, over_periods, prog
 from study.declaration.options import Count, RisingCounts, Schemes, Structure, StructureLengths, section
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
-from study.marching.run import run
+from study.marching.run import sweep
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.frequencies import highest_frequency
@@ -76,14 +76,13 @@ def _measured(problem: str, scheme: str, steps_per_period: int, periods: float, 
     """All variables of one run; errors are NaN if the run failed or the structure lacks the quantity."""
     observe = OBSERVERS + (["momentum_errors"] if problems_by_name[problem].positions is not None else [])
     every = steps_per_period // reference.samples_per_period
-    ds = run(
+    ds = sweep(
         problem,
         scheme,
         dt=reference.period.item() / steps_per_period,
         steps=round(periods * steps_per_period),
         observe=observe,
         every=every,
-        on_failure="ignore",
     )
     exact = _motion(problem, reference.isel(t=slice(ds.sizes["t"] - 1)))
     # a run that failed has NaN, which the maximum keeps

@@ -10,7 +10,7 @@ from annotated_types import Ge, Le
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, RisingCounts, Schemes
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.problem.named import problems, time_scales
 from study.problem.oscillators import UEDA_EXPONENT
 
@@ -51,8 +51,7 @@ def ueda(
         for k, parts in enumerate(steps_per_period):
             steps = periods * parts
             half, whole = (
-                run(problem, scheme, dt=period / parts, steps=n, u0=u0, observe=OBSERVED, on_failure="ignore")
-                for n in (steps // 2, steps)
+                sweep(problem, scheme, dt=period / parts, steps=n, u0=u0, observe=OBSERVED) for n in (steps // 2, steps)
             )
             rate = (steps * whole.lyapunov_exponent - steps // 2 * half.lyapunov_exponent) / (steps - steps // 2)
             exponent[s, k], uncertainty[s, k] = rate.mean(skipna=False), rate.std(ddof=1, skipna=False) / np.sqrt(runs)

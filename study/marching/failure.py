@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from study.marching import stability
 from study.marching.result import COMPLETED, NO_SOLUTION, NOT_FINITE, UNBOUNDED, Result
 from study.marching.shapes import PerRun
 from study.mechanics.definition import Problem
@@ -24,8 +25,17 @@ class RunFailedWarning(RuntimeWarning):
     """A run failed: its values are NaN. Its samples are NaN from the failure on, or end there in a controlled run."""
 
 
-def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> str:
-    """One sentence on the likely cause of a failure; in most cases it names a remedy."""
+def likely_cause(
+    problem: Problem, scheme: Scheme, status: int, dt: float, motion: stability.SmallMotion | None = None
+) -> str:
+    """One sentence on the likely cause of a failure; in most cases it names a remedy.
+
+    ``motion`` has the matrices of small motions about the start, by default those of the problem.
+    """
+    if stability.has_limit(scheme, problem):
+        motion = stability.at_start(problem) if motion is None else motion
+        if stability.excess(scheme, motion, dt, np.inf):
+            return f"{stability.sentence(scheme, motion, dt)}; take smaller steps or an implicit scheme."
     found = frequencies(problem)
     highest = None if found is None else found[-1]
     beyond = ", and may be larger beyond the kinks of the force" if problem.kinked else ""
@@ -51,7 +61,7 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
     )
 
 
-def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun) -> str:
+def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun, motion: stability.SmallMotion | None) -> str:
     """Two sentences on the first failed run, with the number of failed lanes; empty if all runs completed."""
     failed = np.flatnonzero(result.status != COMPLETED)
     if not failed.size:
@@ -62,5 +72,5 @@ def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun) -> st
     how = HOW[status]
     many = f"{failed.size} of {result.status.size} runs failed, the first of them, lane {first}: "
     where = f"'{scheme.title}' failed on '{problem.title}' at step {step}, t = {step * size:.6g}, with dt = {size:.6g}"
-    cause = likely_cause(problem, scheme, status, size)
+    cause = likely_cause(problem, scheme, status, size, None if motion is None else motion.of_lane(first))
     return f"{many if np.ndim(result.status) else ''}{where}: {how}. Likely cause: {cause}"

@@ -45,7 +45,7 @@ def final_state(
     iteration. Derivatives in reverse mode keep about 2√steps states and march twice.
 
     Newton's iteration has no safeguard here unless the problem comes from ``with_safeguard()``. The displacement has no
-    bound.
+    bound, and a step beyond the stability limit is not reported.
 
     Second derivatives of implicit schemes are right if the first derivative is taken in forward mode, as in
     ``jax.jacfwd(jax.jacfwd(f))`` and ``jax.grad(jax.jacfwd(f))``. They are wrong if the first derivative is taken in

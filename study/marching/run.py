@@ -3,6 +3,7 @@
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import equinox as eqx
@@ -14,7 +15,7 @@ from tqdm import tqdm
 
 from study.control.controllers import Controller
 from study.control.estimators import Estimator
-from study.marching import failure
+from study.marching import failure, stability
 from study.marching.adaptive_run import Adaptive
 from study.marching.arguments import (
     check_memory,
@@ -33,7 +34,7 @@ from study.marching.failure import ON_FAILURE
 from study.marching.family import checked_family, checked_lanes, march_family
 from study.marching.march import March
 from study.marching.program import Program
-from study.marching.result import NO_SOLUTION, NOT_FINITE, Labels, Result
+from study.marching.result import COMPLETED, NO_SOLUTION, NOT_FINITE, Labels, Result
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
 from study.mechanics.definition import Problem
 from study.observer.base import Observer, Record
@@ -46,6 +47,9 @@ ANY_MEMORY = 10_000_000
 
 #: Minimum of steps × unknowns of a run that shows a progress bar.
 LONG = 2**24
+
+#: Reaction of :data:`sweep` to failed runs and to steps beyond the stability limit: none.
+_SILENT: Any = object()
 
 
 def _check_fit(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...]) -> None:
@@ -123,6 +127,11 @@ def run(
     bracket, which finds a root wherever the residual changes its sign, and with several unknowns shorter corrections
     (:mod:`study.mechanics.balance`). ``newton_restarts`` counts the iterations that needed the safeguard.
 
+    A run with equal steps that completes although its step exceeds the stability limit of the scheme may be wrong by
+    any factor, because a force that is bounded, such as one that yields, also bounds the growth. One ``RuntimeWarning``
+    then states ωΔt, the limit and the step that would hold. It considers small motions about the start
+    (:mod:`study.marching.stability`). A frequency that grows later, as in a hardening spring, is not considered.
+
     Parameters
     ----------
     problem, scheme
@@ -165,7 +174,8 @@ def run(
         larger of :math:`10^9 (|u_0| + T |\dot u_0|)` and :math:`10^5\,T^2 f/m` with the duration T, the largest load f
         and the smallest mass m, or infinite if both are zero. With ``np.inf`` there is no bound.
     on_failure
-        Reaction to a failed run: ``"warn"``, with scheme, step, time and likely cause, ``"raise"`` or ``"ignore"``.
+        Reaction to a failed run: ``"warn"``, with scheme, step, time and likely cause, ``"raise"`` or ``"ignore"``. The
+        warning of a run that completes beyond the stability limit does not depend on it.
 
     Returns
     -------
@@ -241,7 +251,9 @@ def run(
     few = lanes <= FEW and np.ndim(equation.u0) > 0 and jax.default_backend() == "cpu"
     side_by_side = bool(lanes) and not few and not values
     limit = checked_bound(bound, equations, start, velocity, float(np.max(step_size * count)))
-    plain = March.of(equation, method, chosen, side_by_side, limit)
+    watches = on_failure is not _SILENT and stability.has_limit(method, equation)
+    observed = (*chosen, stability.AtStart()) if watches else chosen
+    plain = March.of(equation, method, observed, side_by_side, limit)
     room = _samples(plain.records, count, every, samples)
     begin = start, velocity, step_size
     if lanes:
@@ -253,7 +265,7 @@ def run(
         """March the lanes at ``place``, or the single run, on the problem that ``prepared`` returns."""
 
         def march_of(one: Problem) -> March:
-            return March.of(prepared(one), method, chosen, side_by_side, limit)
+            return March.of(prepared(one), method, observed, side_by_side, limit)
 
         if values:
             of_lanes = {name: value[place] for name, value in values.items()}
@@ -276,7 +288,11 @@ def run(
     if unsolved.any():
         again = marched(Problem.with_safeguard, unsolved)
         result = jax.tree.map(lambda all_, new: _replaced(all_, unsolved, new), result, again) if lanes else again
-    _report_failures(result, equation, method, step_size, on_failure)
+    motion = stability.taken_from(result.values) if watches else None
+    if on_failure is not _SILENT:
+        _report_failures(result, equation, method, step_size, on_failure, motion)
+    if motion is not None:
+        _report_excess(result, method, motion, step_size, count)
     labels = Labels(equation, method, chosen)
     ds = labels.dataset(result, start, velocity, step_size, count, every, room, bool(lanes))
     if not values:
@@ -304,14 +320,37 @@ def _check_not_traced(arguments: Any) -> None:
 
 
 def _check_on_failure(on_failure: str) -> None:
-    if on_failure not in ON_FAILURE:
+    if on_failure is not _SILENT and on_failure not in ON_FAILURE:
         raise ValueError(f"on_failure must be one of {', '.join(map(repr, ON_FAILURE))}, not {on_failure!r}.")
 
 
-def _report_failures(result: Result, problem: Problem, scheme: Scheme, dt: PerRun, on_failure: str) -> None:
+def _report_failures(
+    result: Result,
+    problem: Problem,
+    scheme: Scheme,
+    dt: PerRun,
+    on_failure: str,
+    motion: stability.SmallMotion | None,
+) -> None:
     """Warn of failed runs, raise an error, or do nothing."""
     if on_failure != "ignore" and np.any(result.status):
-        what = failure.sentence(result, problem, scheme, dt)
+        what = failure.sentence(result, problem, scheme, dt, motion)
         if on_failure == "raise":
             raise RuntimeError(what)
         warnings.warn(what, failure.RunFailedWarning, stacklevel=3)
+
+
+def _report_excess(
+    result: Result, scheme: Scheme, motion: stability.SmallMotion, dt: PerRun, steps: CountPerRun
+) -> None:
+    """Warn if runs have completed with steps beyond the stability limit; name the lane that is farthest beyond it."""
+    excess = np.where(result.status == COMPLETED, stability.excess(scheme, motion, dt, steps), 0.0)
+    if excess.any():
+        lane = int(np.argmax(excess))
+        own = float(np.broadcast_to(dt, excess.shape).ravel()[lane])
+        what = stability.sentence(scheme, motion.of_lane(lane), own, f" in lane {lane}" if np.ndim(excess) else "")
+        warnings.warn(f"{what}; the run has completed, but its results may be wrong.", RuntimeWarning, stacklevel=3)
+
+
+#: ``run`` for maps and searches, whose runs may fail, or exceed the stability limit, on purpose; neither is reported.
+sweep = partial(run, on_failure=_SILENT)

@@ -10,6 +10,7 @@ import study
 from study.marching import ensemble, program
 from study.marching.march import March
 from study.marching.result import UNBOUNDED
+from study.marching.run import sweep
 from study.scheme.wrapper.linearised import Linearised
 from study.settings import cores
 
@@ -46,7 +47,7 @@ def test_neighbours_and_cores_change_no_bit(monkeypatch, group, workers):
     def result(scheme, lanes):
         observe = ["max_energy_error", "newton_iterations"]
         arguments = {"dt": dt[lanes], "u0": u0[lanes], "steps": 200, "observe": observe}
-        return study.run("softening", scheme, **arguments, bound=3.2, on_failure="ignore")
+        return sweep("softening", scheme, **arguments, bound=3.2)
 
     before = {scheme: result(scheme, slice(None)) for scheme in ("average_acceleration", "houbolt", "rk4")}
     monkeypatch.setattr(ensemble, "GROUPS", (group,))

@@ -6,12 +6,13 @@ import pytest
 
 import study
 from study.analysis.linear_theory import LinearTheory, oscillator
+from study.marching.run import sweep
 
 
 def test_a_stretched_linear_map_grows_by_its_spectral_radius():
     dt = 1.1 * 2  # ωΔt, beyond the stability limit of central difference
     rho = LinearTheory("central_difference", np.array([dt / (2 * np.pi)])).spectral_radius[0]
-    ds = study.run(oscillator(), "central_difference", dt=dt, steps=400, observe="lyapunov_exponent", bound=np.inf)
+    ds = sweep(oscillator(), "central_difference", dt=dt, steps=400, observe="lyapunov_exponent", bound=np.inf)
     assert ds.lyapunov_exponent.item() * dt == pytest.approx(np.log(rho), rel=0.01)
     # `apart_from` is the time at which a perturbation has grown by 2³³, after about ln 2³³ / ln ρ steps
     assert ds.apart_from.item() / dt == pytest.approx(np.log(2.0**33) / np.log(rho), abs=3)
