@@ -40,7 +40,8 @@ OUTCOME_STYLES = {
     "in_the_wrong_well": ("in the wrong well", "#cc8c11"),
     "chaotic": ("chaotic", "#bd519f"),
     "growing": ("growing", "#b22c0e"),
-    "no_solution_found": ("no solution found", "#4b1c70"),
+    "beyond_the_limit": ("beyond the limit of stability", "#6e3a1a"),
+    "no_solution_found": ("no solution found", "#40135f"),
     "unbounded": ("unbounded", "#000000"),
 }
 

@@ -16,7 +16,9 @@ class Outcome(enum.IntEnum):
     """Outcome of a run, from best to worst.
 
     ``ACCURATE``, ``BOUNDED``, ``DAMPED_TO_REST``, ``IN_THE_WRONG_WELL``, ``CHAOTIC``, ``GROWING``,
-    ``NO_SOLUTION_FOUND`` and ``UNBOUNDED``, with the values 0 to 7.
+    ``BEYOND_THE_LIMIT``, ``NO_SOLUTION_FOUND`` and ``UNBOUNDED``, with the values 0 to 8. A run is beyond the limit if
+    its step exceeds the stability limit of the scheme and the force bounds the growth: the run completes, looks like a
+    motion and may be wrong by any factor.
     """
 
     ACCURATE = 0
@@ -25,8 +27,9 @@ class Outcome(enum.IntEnum):
     IN_THE_WRONG_WELL = 3
     CHAOTIC = 4
     GROWING = 5
-    NO_SOLUTION_FOUND = 6
-    UNBOUNDED = 7
+    BEYOND_THE_LIMIT = 6
+    NO_SOLUTION_FOUND = 7
+    UNBOUNDED = 8
 
 
 OUTCOME_ATTRIBUTES = flags("how the run ended", [one.name.lower() for one in Outcome], np.int8)
@@ -44,6 +47,8 @@ EXPLANATIONS = (
     "the motion crosses a barrier for which it lacks the energy",
     "neighbouring runs diverge until a difference of round-off is as large as the motion",
     f"the energy at the end is more than {GROWN:g} times the energy at the start or at the barrier, the higher of both",
+    "energy or period is wrong, the step exceeds the stability limit at the stiffest place of the motion, and the "
+    "force bounds the growth",
     "no balance of forces is found for the next step, not even with a bracket",
     "the displacement exceeds all bounds or overflows",
 )
@@ -65,7 +70,9 @@ _EVENTS = {
 }
 
 
-def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcomes, Times]:
+def outcomes(
+    runs: xr.Dataset, period: np.ndarray | None = None, beyond: bool | np.ndarray = False
+) -> tuple[Outcomes, Times]:
     """Classify how each run of an ensemble ended.
 
     Parameters
@@ -75,6 +82,9 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
     period
         Exact period of each run (lanes,). If it is given, an accurate run must keep the period too, and the ensemble
         must observe ``"oscillations"``. Otherwise only the energy counts.
+    beyond
+        Whether the step of each run (lanes,) exceeds the stability limit. A run that would be ``BOUNDED`` is then
+        ``BEYOND_THE_LIMIT``.
 
     Returns
     -------
@@ -111,17 +121,19 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
     if period is not None:
         keeps_period = np.abs(runs.mean_period.values / period - 1) <= ACCURATE  # false if the period is NaN
         outcome[(outcome == Outcome.ACCURATE) & ~keeps_period] = Outcome.BOUNDED
+    outcome[(outcome == Outcome.BOUNDED) & beyond] = Outcome.BEYOND_THE_LIMIT
     outcome[runs.status != COMPLETED] = Outcome.UNBOUNDED
     outcome[runs.status == NO_SOLUTION] = Outcome.NO_SOLUTION_FOUND
     return outcome, at
 
 
-def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndarray:
+def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray, beyond: bool | np.ndarray = False) -> np.ndarray:
     """Classify the outcomes of runs by their balance of energies; the problem may have damping and a load.
 
     A run that completes is growing if the imbalance is more than a hundred times the energy put in. Otherwise it is
-    chaotic if a perturbation grows from round-off to the size of the motion. Otherwise it keeps its energy if the
-    imbalance is at most 1 % of the energy put in. The values ``DAMPED_TO_REST`` and ``IN_THE_WRONG_WELL`` do not occur.
+    beyond the limit if its step exceeds the stability limit. Otherwise it is chaotic if a perturbation grows from
+    round-off to the size of the motion. Otherwise it keeps its energy if the imbalance is at most 1 % of the energy put
+    in. The values ``DAMPED_TO_REST`` and ``IN_THE_WRONG_WELL`` do not occur.
 
     Parameters
     ----------
@@ -130,6 +142,8 @@ def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndar
         keeping its energy or as growing.
     growth
         Natural logarithm of the factor by which a perturbation grows during each run.
+    beyond
+        Whether the step of each run exceeds the stability limit.
 
     Returns
     -------
@@ -143,6 +157,7 @@ def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndar
         Outcome.NO_SOLUTION_FOUND: status == NO_SOLUTION,
         Outcome.UNBOUNDED: status != COMPLETED,
         Outcome.GROWING: imbalance > GROWN,
+        Outcome.BEYOND_THE_LIMIT: np.broadcast_to(beyond, status.shape),
         Outcome.CHAOTIC: np.asarray(growth) > APART * np.log(2),
         Outcome.ACCURATE: imbalance <= ACCURATE,
     }

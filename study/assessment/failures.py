@@ -6,7 +6,8 @@ import xarray as xr
 from study.analysis.outcomes import BALANCE_ATTRIBUTES, Outcome, outcomes_of_balance
 from study.marching.failure import likely_cause
 from study.marching.result import NO_SOLUTION, UNBOUNDED
-from study.marching.run import run
+from study.marching.run import sweep
+from study.marching.stability import SmallMotion, at_start, excess, has_limit, stable_part
 from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
 from study.scheme.base import Scheme
@@ -24,22 +25,23 @@ MOST_STEPS = 30_000
 SAFE = (Outcome.ACCURATE, Outcome.BOUNDED)
 
 
-def _cause(problem: Problem, scheme: Scheme, outcome: int, dt: float) -> str:
+def _cause(problem: Problem, scheme: Scheme, outcome: int, dt: float, motion: SmallMotion | None) -> str:
     """Cause of an unsafe outcome at the step ``dt``, and remedies, in one or two sentences."""
     if outcome == Outcome.CHAOTIC:
         return (
             "Neighbouring runs diverge exponentially, so only the statistics of a long run are meaningful. If finer "
             "steps do not show this, the step size causes it; otherwise the problem does."
         )
-    cause = likely_cause(problem, scheme, NO_SOLUTION if outcome == Outcome.NO_SOLUTION_FOUND else UNBOUNDED, dt)
+    status = NO_SOLUTION if outcome == Outcome.NO_SOLUTION_FOUND else UNBOUNDED
+    cause = likely_cause(problem, scheme, status, dt, motion)
     return cause[0].upper() + cause[1:]
 
 
 def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, recommended: np.ndarray) -> xr.Dataset:
     """Outcome, Lyapunov exponent and Newton iterations over excitation and step size, with the largest safe step.
 
-    Excitation is the multiple of start and load. A step is safe if no run with this or a finer step fails, grows or
-    becomes chaotic at an excitation of at most one.
+    Excitation is the multiple of start and load. A step is safe if no run with this or a finer step fails, grows,
+    becomes chaotic or is beyond the stability limit at an excitation of at most one.
 
     Parameters
     ----------
@@ -54,6 +56,8 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
     -------
     xarray.Dataset
         ``outcome``, ``lyapunov_exponent``, ``max_newton_iterations`` over ``excitation`` and ``map_dt``;
+        ``stable_dt`` over ``excitation``, the largest step within the stability limit for small motions about the start
+        (:mod:`study.marching.stability`), infinite if all steps of the map are;
         ``largest_safe_dt``, NaN if no step is safe; and ``failure``, which states the cause of this limit.
     """
     drawn = coarsest * STEPS[STEPS >= min(1.0, duration / (coarsest * MOST_STEPS))]
@@ -61,16 +65,18 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
     energy = ("energy_balance",) if problem.potential is not None else ()
     shape = (len(EXCITATIONS), len(dt))
     outcome, exponent, iterations = np.zeros(shape, np.int8), np.zeros(shape), np.zeros(shape)
+    stable, steps = np.full(len(EXCITATIONS), np.inf), np.ceil(duration / dt).astype(int)
+    motions: list[SmallMotion | None] = []
     for e, factor in enumerate(EXCITATIONS):
-        runs = run(
-            excited(problem, factor, displaced=True),
-            scheme,
-            dt=dt,
-            steps=np.ceil(duration / dt).astype(int),
-            observe=[*energy, "lyapunov_exponent", "newton_iterations"],
-            on_failure="ignore",
-        )
-        outcome[e] = outcomes_of_balance(runs, runs.lyapunov_exponent.values * duration)
+        one, beyond = excited(problem, factor, displaced=True), np.zeros(len(dt), bool)
+        motion = at_start(one) if has_limit(scheme, one) else None
+        motions.append(motion)
+        if motion is not None:
+            beyond = excess(scheme, motion, dt, steps) > 0
+            stable[e] = dt[0] * stable_part(scheme, motion, dt[0])[0] if beyond[0] else np.inf
+        observe = [*energy, "lyapunov_exponent", "newton_iterations"]
+        runs = sweep(one, scheme, dt=dt, steps=steps, observe=observe)
+        outcome[e] = outcomes_of_balance(runs, runs.lyapunov_exponent.values * duration, beyond)
         exponent[e], iterations[e] = runs.lyapunov_exponent, runs.max_newton_iterations
     safe = np.isin(outcome, SAFE)[np.array(EXCITATIONS) <= 1].all(axis=0)
     unsafe = np.flatnonzero(~safe)
@@ -79,7 +85,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
         last = unsafe[-1]
         largest = dt[last + 1] if last + 1 < len(dt) else np.nan
         ends = outcome[np.array(EXCITATIONS) <= 1, last]
-        why = _cause(problem, scheme, ends.max(), dt[last])
+        why = _cause(problem, scheme, ends.max(), dt[last], motions[ends.argmax()])
     shown = np.isin(dt, drawn)
     dims = ("excitation", "map_dt")
     return xr.Dataset(
@@ -90,6 +96,11 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
                 dims,
                 iterations[:, shown],
                 {"long_name": "most Newton iterations in a step", "units": "1"},
+            ),
+            "stable_dt": (
+                "excitation",
+                stable,
+                {"long_name": "largest step within the stability limit at the start", "units": "s"},
             ),
             "largest_safe_dt": ((), largest, {"long_name": "largest step up to which no run fails", "units": "s"}),
             "failure": ((), why, {"long_name": "cause of the limit of the step, and remedies"}),

@@ -37,7 +37,7 @@ SHADES = np.linspace(1.0, 0.25, len(Outcome))
 #: Colour of the letter of each outcome.
 INK = np.where(SHADES > 0.5, "black", "white")
 #: Letter of each outcome.
-LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")
+LETTERS = ("", "b", "r", "w", "c", "g", "s", "N", "∞")
 
 
 def _time(seconds: float) -> str:
@@ -145,6 +145,15 @@ def _maps(assessed: xr.Dataset) -> str:
             for first, end in itertools.pairwise(ends):
                 one, middle = row[first], (first + end - 1) / 2
                 axes.text(middle, e, LETTERS[one], color=INK[one], ha="center", va="center", fontsize=8)
+        # the steps of a map descend in geometric progression
+        place = np.interp(
+            -np.log(assessed.stable_dt.sel(scheme=name).values),
+            -np.log(assessed.map_dt.values),
+            np.arange(assessed.sizes["map_dt"]),
+            left=np.nan,
+        )
+        for e, at in enumerate(place):
+            axes.plot([at, at], [e - 0.5, e + 0.5], color="black", lw=1.2, ls="--")
         axes.set_title(str(assessed.scheme_title.sel(scheme=name).values), fontsize=9)
     for axes in panels[assessed.sizes["scheme"] :]:
         axes.remove()
@@ -251,11 +260,15 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         names = assessed.outcome.flag_meanings.split()
         used = np.unique(assessed.outcome)
         legend = "; ".join(f"{LETTERS[one] or 'white'}: {names[one].replace('_', ' ')}" for one in used)
+        limited = ""
+        if np.isfinite(assessed.stable_dt).any():
+            limited = " Dashed: stability limit for small motions about the start."
         parts += [
             "<h2>How it fails</h2>",
-            figure_of(_maps(assessed), f"Outcome of runs. {legend}."),
+            figure_of(_maps(assessed), f"Outcome of runs. {legend}.{limited}"),
             "<p>At the largest step without failure, and at all finer steps, no run with at most the given start and "
-            "load fails, grows or becomes chaotic. The errors of these runs may still be large.</p>",
+            "load fails, grows, becomes chaotic or is beyond the stability limit. The errors of these runs may still "
+            "be large.</p>",
         ]
         rows = [
             (

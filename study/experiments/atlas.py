@@ -15,10 +15,11 @@ from study.declaration.checks import step_beyond_run
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, PowersOfTen, SchemeName, Schemes, Springs, section
 from study.experiments import coordinates
-from study.marching.run import run
+from study.marching.run import sweep
 from study.observer.crossings import Oscillations
 from study.observer.outcome import OutcomeObserver
 from study.problem.named import problems as problems_by_name
+from study.scheme.named import schemes as schemes_by_name
 
 
 def _single(values: np.ndarray) -> np.ndarray:
@@ -27,9 +28,9 @@ def _single(values: np.ndarray) -> np.ndarray:
         return values.astype(np.float32)
 
 
-def _column(runs: xr.Dataset, dt: np.ndarray, period: np.ndarray) -> dict[str, np.ndarray]:
+def _column(runs: xr.Dataset, dt: np.ndarray, period: np.ndarray, beyond: np.ndarray) -> dict[str, np.ndarray]:
     """Variables of the maps at one value of Δt/T, each (amplitudes,), from the ensemble of the runs with this value."""
-    outcome, began = outcomes(runs, period)
+    outcome, began = outcomes(runs, period, beyond)
     step = np.where(np.isnan(began), -1, np.rint(began / dt))
     return {
         "outcome": outcome,
@@ -136,21 +137,22 @@ def atlas(
     exact = exact.isel(amplitude=own)
     parts = np.logspace(dt_over_period["first"], dt_over_period["last"], int(dt_over_period["count"]))
     maps: dict[str, list] = {}
+    limit = schemes_by_name[scheme].stability_limit or np.inf  # a limit of zero is that of a weak instability
     for problem in problems:
         progress(f"stability of {scheme} on {problem}")
         definition, of_problem = problems_by_name[problem], exact.sel(problem=problem)
         u0, period, observer = of_problem.u0.values, of_problem.period.values, OutcomeObserver.of(definition)
+        longest = limit / of_problem.highest_frequency.values
         for part in parts:
-            runs = run(
+            runs = sweep(
                 definition,
                 scheme,
                 dt=part * period,
                 steps=round(periods / part),
                 u0=u0,
                 observe=[observer, Oscillations(observer.rest_at), "lyapunov_exponent"],
-                on_failure="ignore",
             )
-            for variable, column in _column(runs, part * period, period).items():
+            for variable, column in _column(runs, part * period, period, part * period > longest).items():
                 maps.setdefault(variable, []).append(column)
     dims = ("problem", "amplitude", "dt_over_period")
     attributes = {

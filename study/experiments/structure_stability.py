@@ -11,10 +11,12 @@ from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Counts, Schemes, Sizes, StructureLengths
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
-from study.marching.run import run
+from study.marching.run import sweep
+from study.marching.stability import at_start, excess, has_limit
 from study.mechanics.loads import excited
 from study.problem.named import problems as problems_by_name
 from study.problem.named import time_scales
+from study.scheme.named import schemes as schemes_by_name
 
 OBSERVED = ("lyapunov_exponent", "energy_balance", "newton_iterations")
 
@@ -77,13 +79,15 @@ def structure_stability(
             for (e, problem), (k, parts) in product(enumerate(excited_problems), enumerate(steps_per_period)):
                 steps, at = round(one["periods"] * parts), (p, s, e, k)
                 half, whole = (
-                    run(problem, scheme, dt=scale / parts, steps=n, observe=OBSERVED, on_failure="ignore")
-                    for n in (steps // 2, steps)
+                    sweep(problem, scheme, dt=scale / parts, steps=n, observe=OBSERVED) for n in (steps // 2, steps)
                 )
                 # the first half is left out, because in it the perturbation turns towards the stiffest mode
                 rate = (steps * whole.lyapunov_exponent - steps // 2 * half.lyapunov_exponent) / (steps - steps // 2)
                 exponent[at], imbalance[at] = rate * scale, whole.max_energy_imbalance
-                outcome[at] = outcomes_of_balance(whole, exponent[at] * one["periods"])
+                beyond = has_limit(schemes_by_name[scheme], problem) and bool(
+                    excess(schemes_by_name[scheme], at_start(problem), scale / parts, steps)
+                )
+                outcome[at] = outcomes_of_balance(whole, exponent[at] * one["periods"], beyond)
                 status[at], failed_at_step[at] = whole.status, whole.failed_at_step
                 apart = whole.apart_from * parts / scale
                 apart_at_step[at] = np.rint(apart) if np.isfinite(apart) else -1

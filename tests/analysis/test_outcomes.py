@@ -5,6 +5,7 @@ import pytest
 
 import study
 from study.analysis.outcomes import Outcome, outcomes
+from study.marching.run import sweep
 from study.observer.outcome import OutcomeObserver
 
 
@@ -24,13 +25,15 @@ from study.observer.outcome import OutcomeObserver
 )
 def test_how_runs_end(problem, u0, scheme, dt, steps, outcome):
     definition = study.problems[problem]
-    runs = study.run(
+    runs = sweep(
         problem, scheme, dt=dt, steps=steps, u0=[u0], observe=[OutcomeObserver.of(definition), "lyapunov_exponent"]
     )
     ended, began = outcomes(runs)
     assert Outcome(ended[0]).name.lower() == outcome
     assert np.isnan(began[0]) == (outcome == "accurate" or runs.status.item() > 0)
     assert np.isnan(began[0]) or 0 < began[0] <= steps * dt
+    beyond = Outcome(outcomes(runs, beyond=True)[0][0]).name.lower()
+    assert beyond == ("beyond_the_limit" if outcome == "bounded" else outcome)
 
 
 def test_an_accurate_run_keeps_the_period_too():
