@@ -1,6 +1,8 @@
 """Common parts of the routes: their solution, their exceptions, and their checks of problem and times."""
 
+import math
 from collections.abc import Sequence
+from contextvars import ContextVar
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -15,6 +17,9 @@ from study.mechanics.definition import Problem
 
 #: Ratio of absolute to relative tolerance, for displacements and velocities of order one or more.
 ATOL_BELOW_RTOL = 1e-2
+
+#: Value of the monotonic clock at which CVODE, whose right side is a Python function, gives up; infinity by default.
+ENDS: ContextVar[float] = ContextVar("ends", default=math.inf)
 
 #: Times in seconds.
 Times = Float[np.ndarray, "t"]

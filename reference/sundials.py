@@ -1,6 +1,7 @@
 """Route through CVODE of SUNDIALS (scikit-sundae): the Adams and BDF methods."""
 
 import io
+import math
 import os
 import time
 from collections.abc import Callable
@@ -13,6 +14,7 @@ from sksundae.cvode import CVODE
 
 from reference.solution import (
     ATOL_BELOW_RTOL,
+    ENDS,
     RouteFailed,
     Solution,
     StepLimit,
@@ -65,7 +67,21 @@ class _Motion:
             self.history = self._committed(t, y, self.history)
 
 
-def _right_side_of(motion: _Motion):
+def _in_time(fill: Callable) -> Callable:
+    """The function f(t, y, ẏ), which raises ``TimeoutError`` after the time ``ENDS``."""
+    end = ENDS.get()
+    if end == math.inf:
+        return fill
+
+    def checked(t, y, rate):
+        if time.monotonic() > end:
+            raise TimeoutError("CVODE has run out of time.")
+        fill(t, y, rate)
+
+    return checked
+
+
+def _right_side_of(motion: _Motion) -> Callable:
     """Function f(t, y, ẏ) that writes ẏ: plain Python for one unknown if it can be translated, compiled otherwise."""
     if np.ndim(motion.problem.u0) == 0 and motion.history is None:
         from reference.symbolic import Untranslatable, as_python  # here, because SymPy takes a second to import
@@ -88,7 +104,7 @@ def _right_side_of(motion: _Motion):
 def _solver(motion: _Motion, rtol: float, method: str, **options) -> CVODE:
     check_tolerance(f"CVODE {method}", rtol, SMALLEST_RTOL)
     return CVODE(
-        _right_side_of(motion),
+        _in_time(_right_side_of(motion)),
         method=method,
         rtol=rtol,
         atol=rtol * ATOL_BELOW_RTOL,

@@ -114,7 +114,7 @@ def _run(arguments: argparse.Namespace) -> None:
         every=arguments.every,
     )
     if arguments.output:
-        dataset.attrs |= io.provenance(dataset.title, "study run")
+        dataset.attrs |= io.provenance(dataset.title, "study run", io.now())
         io.write(dataset, arguments.output)
     else:
         print(dataset)
@@ -151,7 +151,7 @@ def _assess(arguments: argparse.Namespace) -> None:
         report(dataset, outputs[1])
     for quantity in dataset.quantity.values:
         for error in dataset.allowed_error.values:
-            print(f"{quantity}, error {error:g}:\n{recommend(dataset, error=error, quantity=quantity).to_string()}\n")
+            print(f"{recommend(dataset, error=error, quantity=quantity).to_string()}\n")
             print(f"{answer(dataset, quantity, error)}\n")
     if limits := limits_of_reference(dataset):
         print(f"{limits}\n")

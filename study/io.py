@@ -70,31 +70,41 @@ def _git(*arguments: str) -> str:
     return done.stdout.strip()
 
 
-def _made_at() -> str:
-    """``SOURCE_DATE_EPOCH`` as a date, or the date of the last commit, or ``undated`` without both.
-
-    The present date is not used, so that the same inputs give the same bytes.
-    """
-    if "SOURCE_DATE_EPOCH" in os.environ:
-        return datetime.fromtimestamp(int(os.environ["SOURCE_DATE_EPOCH"]), UTC).isoformat()
-    return _git("log", "-1", "--format=%cI") or "undated"
+def _source_date() -> str:
+    """``SOURCE_DATE_EPOCH`` as a date; empty if it is not set."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    return epoch and datetime.fromtimestamp(int(epoch), UTC).isoformat()
 
 
-def provenance(title: str, made_by: str) -> dict[str, str]:
+def now() -> str:
+    """``SOURCE_DATE_EPOCH`` as a date, or otherwise the present date."""
+    return _source_date() or datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def provenance(title: str, made_by: str, made_at: str | None = None) -> dict[str, str]:
     """Global attributes of a dataset: its title, its origin, and the versions of the sources and packages.
 
     The attributes have the names of the CF conventions and of the Attribute Convention for Data Discovery (ACDD).
+
+    Parameters
+    ----------
+    title, made_by
+        Title of the dataset, and the command or function that makes it.
+    made_at
+        Date. The default is ``SOURCE_DATE_EPOCH``, or the date of the last commit, or ``undated`` without both, so that
+        the pipeline makes the same bytes from the same inputs.
     """
+    made_at = made_at or _source_date() or _git("log", "-1", "--format=%cI") or "undated"
     return {
         "Conventions": "CF-1.11, ACDD-1.3",
         "title": title,
         "creator_name": "The founders of the study",
         "creator_type": "group",
         "license": "MIT",
-        "date_created": _made_at(),
+        "date_created": made_at,
         "source": SOURCE,
         "references": PAPER,
-        "history": f"{_made_at()} made by {made_by}",
+        "history": f"{made_at} made by {made_by}",
         "version": __version__,
         "commit": _git("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*") or "unknown",
         "packages": ", ".join(_installed()),

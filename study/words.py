@@ -36,6 +36,34 @@ def number(value: float, digits: int = 3) -> str:
     return printed(f"{float(f'{value:.{digits}g}'):g}".replace("inf", "∞"))
 
 
+def typed(value: float, digits: int = 3) -> str:
+    """A number with ``digits`` significant digits as Python and CSV files write it, or a dash for NaN."""
+    return "–" if math.isnan(value) else f"{float(f'{value:.{digits}g}'):g}"
+
+
+def step_size(step: float, spacing: float | None = None, digits: int = 3) -> str:
+    """A step size, never rounded up, or a dash for NaN.
+
+    A step with more than six significant digits is written as a fraction of ``spacing``, the time between samples, such
+    as ``0.02/3``. If it is none, all but ``digits`` digits are cut off.
+    """
+    if math.isnan(step):
+        return "–"
+    if math.isclose(step, float(f"{step:.6g}"), rel_tol=1e-9):
+        return typed(step, 6)
+    if spacing and spacing > step and math.isclose(spacing / step, round(spacing / step), rel_tol=1e-9):
+        return f"{spacing:.6g}/{round(spacing / step)}"
+    unit = 10.0 ** (math.floor(math.log10(step)) - digits + 1)
+    return typed(math.floor(step / unit) * unit, digits)
+
+
+def step_with_unit(seconds: float, spacing: float | None = None) -> str:
+    """A step size in s, ms or µs, never rounded up; see :func:`step_size`."""
+    units = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}
+    unit, size = next((one for one in units.items() if seconds >= one[1] / 10), ("µs", 1e-6))
+    return f"{step_size(seconds / size, None if spacing is None else spacing / size)}\u00a0{unit}"
+
+
 def percent(fraction: float) -> str:
     """A fraction in percent with a no-break space: 0 % if it is zero to round-off, and a dash for NaN."""
     if math.isnan(fraction):

@@ -1,5 +1,7 @@
 """``study.recommend``: the cheapest scheme for an allowed error."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +11,46 @@ import xarray as xr
 from study import io
 from study.algebra.scalars import is_number
 from study.registry import UnknownName, did_you_mean
+from study.words import number, percent, step_size, step_with_unit, text_of, typed
+
+#: Columns of step sizes, which are never printed larger than they are, and columns of whole numbers.
+STEP_SIZES = ("step_size", "largest_step")
+WHOLE = ("number_of_steps", "force_evaluations", "steps_tried", "controlled_steps", "controlled_force_evaluations")
+
+
+class Recommended(pd.DataFrame):
+    """The table of :func:`recommend`. It is printed below the answer in words, with numbers of three digits.
+
+    ``attrs`` holds the lines of the ``answer``; ``notes``, sentences on the error, the reference value and remarks; and
+    ``spacing``, the time between samples of a record in s.
+    """
+
+    @property
+    def _constructor(self) -> Callable[..., pd.DataFrame]:
+        return Recommended
+
+    def _formatted(self) -> pd.DataFrame:
+        """The table as text."""
+        forms: dict[object, Callable] = dict.fromkeys(WHOLE, lambda x: typed(x, 15))
+        forms |= dict.fromkeys(STEP_SIZES, partial(step_size, spacing=self.attrs.get("spacing")))
+
+        def printed(value, form):
+            return form(value) if isinstance(value, float | int) and not isinstance(value, bool) else value
+
+        columns = [one.map(lambda x, name=name: printed(x, forms.get(name, typed))) for name, one in self.items()]
+        return pd.DataFrame(dict(enumerate(columns)), index=self.index).set_axis(self.columns, axis=1)
+
+    def to_string(self, *arguments, **options):  # type: ignore[override]
+        """The answer and the table as text; the parameters are those of pandas."""
+        table = self._formatted().to_string(*arguments, **options)
+        return table if table is None else "\n".join([*self._words(), table])
+
+    def _repr_html_(self) -> str | None:
+        table = self._formatted()._repr_html_()  # type: ignore[operator]
+        return table if table is None else "".join(f"<p>{text_of(one)}</p>" for one in self._words()) + table
+
+    def _words(self) -> list[str]:
+        return [*self.attrs.get("answer", ()), *self.attrs.get("notes", ())]
 
 
 def recommend(
@@ -25,11 +67,12 @@ def recommend(
     Parameters
     ----------
     what
-        Dataset of :func:`study.assess`, or the name of an assessment in the section ``assess`` of the configuration.
-        The study has the assessments ``hardening`` and ``softening``, each over a hundred periods.
+        Dataset of :func:`study.assess`, its file, ``NAME.nc``, or the name of an assessment: of an assessment in the
+        section ``assess`` of the configuration, or of a file ``NAME.nc`` in ``folder`` or in the present folder. The
+        study has the assessments ``hardening`` and ``softening``, each over a hundred periods.
     error
-        Allowed error, as a fraction of the largest value of the quantity: 0.01 is one percent. It must be one of the
-        errors that were assessed.
+        Allowed error as a fraction, 0.01 for one percent, of the value that the coordinate ``relative_to`` of the
+        assessment states. It must be one of the errors that were assessed.
     quantity
         Quantity of the assessment that must keep the error. The default is its first quantity, which is
         ``displacement`` if the assessment was given no quantities.
@@ -39,7 +82,9 @@ def recommend(
     Returns
     -------
     pandas.DataFrame
-        One row for each ``scheme``, the fastest first; schemes without a recommended step size are last.
+        One row for each ``scheme``, the fastest first; schemes without a recommended step size are last. Schemes whose
+        times differ by less than their spread are ordered by the number of internal forces, or of steps if forces are
+        not counted. The printed table begins with the answer in words. Printed step sizes are never rounded up.
 
         ``kind``
             ``implicit`` or ``explicit``; ``unknown`` for a program's own scheme.
@@ -61,7 +106,8 @@ def recommend(
             Computing time of all steps of this run, and its interquartile range, in s. A call of
             :func:`study.run` adds less than a millisecond.
         ``ties_with_fastest``
-            Whether this time exceeds the shortest time by at most the mean of both interquartile ranges.
+            Whether this time exceeds the shortest time by at most the mean of both interquartile ranges, so that the
+            times do not decide which scheme is faster.
         ``force_evaluations``
             Number of internal forces evaluated in this run.
         ``forces_per_time``
@@ -100,7 +146,7 @@ def recommend(
             "recommend takes the dataset that study.assess returns, or the name of an assessment in the configuration, "
             f"not a {type(what).__name__}."
         )
-    assessed = io.open_dataset(f"assessment/{what}", folder) if isinstance(what, str) else what
+    assessed = _opened(what, Path(folder)) if isinstance(what, str) else what
     if "recommended_dt" not in assessed:
         raise ValueError("recommend takes a dataset of study.assess.")
     known = assessed.quantity.values.tolist()
@@ -135,14 +181,111 @@ def recommend(
             "verdict": words[one.verdict.values],
         },
         index=pd.Index(one.scheme.values, name="scheme"),
-    ).sort_values("time")
+    )
+    slower_by = table["time"] - table["time"].min()
+    fastest = table["time"].idxmin() if slower_by.notna().any() else None
+    ties = slower_by <= (table["time_spread"] + (table["time_spread"][fastest] if fastest is not None else 0.0)) / 2
+    table.insert(table.columns.get_loc("time_spread") + 1, "ties_with_fastest", ties)
+    table = table.loc[_ranked(table)]
     if "tolerance" in assessed:
         table["tolerance"] = one.tolerance.to_series()
         table["controlled_force_evaluations"] = one.controlled_force_evaluations.to_series()
         table["control_over_equal"] = table["controlled_force_evaluations"] / table["force_evaluations"]
     table.insert(table.columns.get_loc("error") + 1, "most_wrong", errors.idxmax(axis=1))
     table.insert(table.columns.get_loc("most_wrong") + 1, "most_wrong_error", errors.max(axis=1))
-    slower_by = table["time"] - table["time"].iloc[0]
-    ties = slower_by <= (table["time_spread"] + table["time_spread"].iloc[0]) / 2
-    table.insert(table.columns.get_loc("time_spread") + 1, "ties_with_fastest", ties)
-    return table
+    found_steps = Recommended(table)
+    found_steps.attrs = {
+        "spacing": assessed.attrs.get("spacing"),
+        "answer": [answer_line(assessed, table, quantity, error), *_asked(assessed, table)],
+        "notes": _notes(assessed, one),
+    }
+    return found_steps
+
+
+def _opened(name: str, folder: Path) -> xr.Dataset:
+    """The assessment in a file, ``name`` with or without ``.nc``, or the one of this name in the folder of results."""
+    own = [Path(name)] if name.endswith(".nc") else [folder / f"{name}.nc", Path(f"{name}.nc")]
+    of_study = folder / "assessment" / f"{name}.nc"
+    found = None if of_study.exists() else next((one for one in own if one.exists()), None)
+    if found is None and name.endswith(".nc"):
+        raise FileNotFoundError(f"there is no file '{name}'; `study assess --output {name}` writes it.")
+    return io.open_dataset(f"assessment/{name}", folder) if found is None else io.read(found)
+
+
+def _counts(table: pd.DataFrame) -> pd.Series:
+    """Number of forces of each scheme, or of steps if forces are not counted for all."""
+    forces = table["force_evaluations"][table["step_size"].notna()]
+    return table["force_evaluations"] if forces.notna().all() else table["number_of_steps"]
+
+
+def _ranked(table: pd.DataFrame) -> list:
+    """Names of the schemes, the fastest first; within the spread of times, the number of forces or steps decides."""
+    left, ranked, counts = table.sort_values("time", kind="stable"), list[object](), _counts(table)
+    while len(left):
+        first = left.iloc[0]
+        ties = ~(left["time"] - first.time > (left["time_spread"] + first.time_spread) / 2)
+        together = left[ties & (left["time"].notna() | np.isnan(first.time))]
+        ranked += counts[together.index].sort_values(kind="stable").index.tolist()
+        left = left.drop(together.index)
+    return ranked
+
+
+def answer_line(assessed: xr.Dataset, table: pd.DataFrame, quantity: str, error: float) -> str:
+    """The answer on one line: allowed error, scheme and step, such as ``1 % of displacement: Bathe, 5 ms``."""
+    best = table.iloc[0]
+    if not best.step_size > 0:
+        return f"{percent(error)} of {quantity}: no scheme was found ({', '.join(sorted(set(table.verdict)))})"
+    title = assessed.scheme_title.sel(scheme=best.name).item()
+    return f"{percent(error)} of {quantity}: {title}, {step_with_unit(best.step_size, assessed.attrs.get('spacing'))}"
+
+
+def _asked(assessed: xr.Dataset, table: pd.DataFrame) -> list[str]:
+    """Sentences on your own schemes and on the controller that were asked for."""
+    titles, counts, sentences = assessed.scheme_title.to_series(), _counts(table), list[str]()
+    own = [name for name in assessed.attrs.get("own_schemes", "").split("; ") if name in table.index]
+    others = counts[[name for name in table.index if name not in own and table.step_size[name] > 0]]
+    of = "forces" if counts.name == "force_evaluations" else "steps"
+    for name in own:
+        if not table.step_size[name] > 0:
+            sentences.append(f"{titles[name]}: no step was found ({table.verdict[name]})")
+        else:
+            step = step_with_unit(table.step_size[name], assessed.attrs.get("spacing"))
+            ratio = f", {number(counts[name] / others.min(), 2)} times the {of} of {titles[others.idxmin()]}"
+            sentences.append(f"{titles[name]}: {step}{ratio if others.notna().any() else ''}")
+    if "tolerance" in table:
+        controlled = table["controlled_force_evaluations"].dropna()
+        what = f"Controlled steps ({assessed.attrs['controller']})"
+        if controlled.empty:
+            return [*sentences, f"{what}: no tolerance was found"]
+        row = table.loc[controlled.idxmin()]
+        ratio = f", {number(row.control_over_equal, 2)} times the forces of equal steps"
+        sentences.append(
+            f"{what}: {titles[row.name]} with tolerance {typed(row.tolerance)}"
+            + (ratio if row.control_over_equal > 0 else "")
+        )
+    return sentences
+
+
+def _notes(assessed: xr.Dataset, one: xr.Dataset) -> list[str]:
+    """The value to which errors are relative, the reference value, and the remarks that concern the quantity."""
+    name = one.quantity.item()
+    notes = [f"Errors of {name} are {one.relative_to.item()}."] if "relative_to" in one.coords else []
+    notes += [reference_value(one)] if "reference_value" in one else []
+    others = [f"'{other}'" for other in assessed.quantity.values if other != name]
+    remarks = [one for one in assessed.attrs.get("remarks", "").split("; ") if one]
+    return notes + [f"{one[0].upper()}{one[1:]}." for one in remarks if not any(other in one for other in others)]
+
+
+def reference_value(one: xr.Dataset) -> str:
+    """The value of a quantity in the reference, in the component where it is largest, with its uncertainty and time."""
+    known = one.dropna("component", subset=["reference_value"])
+    if not known.sizes["component"]:
+        return f"The reference of {one.quantity.item()} has no single value."
+    largest = known.isel(component=int(abs(known.reference_value).argmax("component")))
+    unit = f" {one.quantity_units.item()}" if one.quantity_units.item() != "1" else ""
+    where = f" in component {largest.component.item()}" if known.sizes["component"] > 1 else ""
+    when = f" at t = {largest.reference_time.item():.4g} s" if largest.reference_time.notnull() else ""
+    return (
+        f"Reference of {one.quantity.item()}: {largest.reference_value.item():.7g}{unit}{where}{when}, uncertain by "
+        f"{largest.reference_value_uncertainty.item():.1g}{unit}."
+    )

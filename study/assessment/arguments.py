@@ -4,7 +4,11 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from study.assessment.errors import DEFAULT, named
+from study.assessment.search import ENERGY
 from study.marching.arguments import resolve
+from study.mechanics.definition import Problem
+from study.observer.motion import Quantity
 from study.scheme.base import Scheme
 from study.scheme.contract import check_attributes
 from study.scheme.named import schemes as schemes_by_name
@@ -64,3 +68,23 @@ def checked_errors(allowed: Sequence[float]) -> list[float]:
             "accurate enough for smaller errors."
         )
     return sorted(set(values.tolist()), reverse=True)
+
+
+def refusal(quantity: Quantity, problem: Problem) -> str | None:
+    """Why a quantity cannot be assessed, in one sentence; None if it can."""
+    if quantity.needs_acceleration and problem.history is not None:
+        return (
+            f"the quantity '{quantity.name}' takes ü, which does not follow from u and u̇ where the force of "
+            f"'{problem.title}' has a history; leave it out."
+        )
+    return quantity.refusal(problem)
+
+
+def wanted_quantities(quantities: Mapping[str, Quantity] | None, problem: Problem) -> dict[str, Quantity]:
+    """The given quantities, or the default ones that the problem has, by their names in the dataset."""
+    if quantities is None:
+        quantities = {name: one for name, one in DEFAULT.items() if not refusal(one, problem)}
+    wanted = named(quantities)
+    if ENERGY in wanted:
+        raise ValueError(f"the name '{ENERGY}' is reserved for the balance of energies; give the quantity another one.")
+    return wanted

@@ -7,22 +7,21 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
 from study.algebra.scalars import is_number
-from study.assessment import errors, failures, large, oscillation, search
-from study.assessment.arguments import checked_errors, chosen_schemes
+from study.assessment import failures, large, oscillation, search
+from study.assessment.arguments import checked_errors, chosen_schemes, refusal, wanted_quantities
 from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
+from study.assessment.deadline import OutOfTime, within
 from study.assessment.errors import DEFAULT
 from study.assessment.of_program import assess_program, narrowed
-from study.assessment.periods import highest_frequency_along, length_of, slowest_period
+from study.assessment.periods import highest_frequency_along, length_of, model_of, remark_on_record, slowest_period
 from study.assessment.progress import Progress
+from study.assessment.scales import lack_of_energy, measured, remarks_on_scales, with_reference
 from study.assessment.search import ENERGY, Search
-from study.assessment.solution import DenseSolution
 from study.assessment.tolerances import ToleranceSearch, variables_of
 from study.control.controllers import Controller
 from study.control.named import controllers
@@ -35,11 +34,8 @@ from study.problem.named import problems
 from study.program.confirmation import CERTAIN
 from study.program.definition import Program
 from study.scheme.base import Scheme
+from study.scheme.named import schemes as schemes_by_name
 from study.settings import cores
-
-#: Smallest ratio of the energy at the start to the largest kinetic energy. Below this ratio, the balance of energies is
-#: not assessed for a problem without a load.
-LEAST_ENERGY = 0.01
 
 
 def assess(
@@ -92,9 +88,10 @@ def assess(
         is left out because the energy at the start is too small to scale its errors. For a problem of more than 1,000
         unknowns the default is displacement and velocity, of at most 256 unknowns.
     errors
-        Allowed errors, as fractions of the largest value of a quantity. The error of the balance of energies is a
-        fraction of the energy put in, those of period and phase are fractions of the period, and that of the amplitude
-        is the loss per oscillation.
+        Allowed errors, as fractions of the value to which the errors of a quantity are relative: its largest value
+        along time, or the peak, the final value or the root mean square itself (``scale`` of :class:`study.Quantity`).
+        The error of the balance of energies is a fraction of the energy put in, those of period and phase are fractions
+        of the period, and that of the amplitude is the loss per oscillation.
     maps
         Whether to make a map of the failures of each scheme over step size and excitation, the multiple of initial
         values and load. A program, or a problem of more than 1,000 unknowns, has no map.
@@ -103,9 +100,9 @@ def assess(
         then also runs with controlled steps at random tolerances; the result has the tolerance that keeps each error,
         and its cost. A program, or a problem of more than 1,000 unknowns, cannot have a controller.
     seconds
-        Wall time in s after which the searches end. The results so far are returned. The verdict is ``out_of_time``
-        where the runs do not suffice. The reference of two solvers, the first runs of every scheme and the timing of
-        recommended steps are made in any case. If the time runs out, there is no map.
+        Wall time in s after which no work begins. The results so far are returned. The verdict is ``out_of_time`` where
+        the runs do not suffice, schemes without any run are left out with a warning, and there are neither maps nor
+        times. A run that has begun ends; the two solvers of the reference are given up.
 
     Returns
     -------
@@ -116,7 +113,10 @@ def assess(
         ``recommended_dt``; ``recommended_error``, ``time``, ``time_spread`` and ``force_evaluations`` of the run with
         the recommended step; ``steps_tried``, the number of steps tried from a twentieth of the recommended step up to
         it, and ``worst_error``, their largest error as a fraction of the allowed one. Over ``quantity``:
-        ``reference_uncertainty``. ``highest_frequency`` is the highest circular frequency of small motions about
+        ``reference_uncertainty``, and the coordinates ``relative_to``, the value to which errors are relative, and
+        ``quantity_units``. Over ``quantity`` and ``component``: ``reference_value``, the reduced value of the reference
+        or its largest value along time, ``reference_value_uncertainty`` in the same unit, and ``reference_time``, at
+        which the value is reached. ``highest_frequency`` is the highest circular frequency of small motions about
         points of the reference.
 
         With a controller: ``tolerance``, the largest round tolerance (1, 2 or 5 times a power of ten) that keeps the
@@ -124,19 +124,20 @@ def assess(
         and ``controlled_force_evaluations`` of the run with this tolerance.
 
         For a program: ``reason`` and ``run_time`` of each run; ``repeated``, the relative difference between a run of
-        each scheme and its repetition; and the attribute ``remarks``. Variables that have no value for a program are
-        NaN.
+        each scheme and its repetition. Variables that have no value for a program are NaN.
 
-        The attributes have the names of the solvers or schemes that gave the reference. They also have the time up to
-        which the reference holds, the versions and the processor. :func:`study.recommend` and :func:`study.report` take
-        this dataset.
+        The attributes have the names of the solvers or schemes that gave the reference. They also have the ``model`` in
+        two lines (unknowns, periods of small motions, duration; damping ratios and record), the ``remarks``, the time
+        up to which the reference holds, the versions and the processor. :func:`study.recommend` and
+        :func:`study.report` take this dataset.
 
     Raises
     ------
     KeyError
         If there is no such problem, scheme or controller.
     TypeError, ValueError
-        If an argument is invalid, the problem does not move, or no reference is accurate enough.
+        If an argument is invalid, the problem does not move, no reference is accurate enough, or the time ends before
+        there is a reference and a run.
 
     Examples
     --------
@@ -156,21 +157,27 @@ def assess(
     # scaled by one, so that it shares a compiled program with the same problem scaled by 0.99 and 1.01
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
-    wanted = _wanted(quantities, equation)
+    wanted = wanted_quantities(quantities, equation)
     of_energy = quantities is None and equation.potential is not None and not equation.dissipative
     length = requested = length_of(equation, duration)
     for name, quantity in wanted.items():
-        if reason := _refusal(replace(quantity, name=name), equation):
+        if reason := refusal(replace(quantity, name=name), equation):
             raise ValueError(reason)
     control = None if controller is None else resolve(controller, controllers, Controller)  # type: ignore[type-abstract]
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))
+    own_schemes = "; ".join(name for name, one in fit.items() if one not in schemes_by_name.values())
+    spacing, progress, end = search.spacing(equation, length), Progress(len(fit)), time.monotonic() + seconds
+    model = model_of(equation, length, spacing)
+    progress.say(f"{equation.title}: {'; '.join(model)}")
+    remarks = remark_on_record(equation, spacing)
     if np.size(equation.u0) > large.MOST:
         if control is not None:
             raise ValueError(f"controlled steps are assessed for up to {large.MOST:,} unknowns; leave controller out.")
-        program = large.program_of(equation, fit, length, quantities, search.spacing(equation, length))
-        ds = assess_program(program, allowed, seconds, Progress(len(fit)).report).assign_attrs(record_of(equation.load))
+        program = large.program_of(equation, fit, length, quantities, spacing)
+        ds = assess_program(program, allowed, seconds, progress.report)
+        ds.attrs |= {"model": "\n".join(model), "own_schemes": own_schemes} | record_of(equation.load)
         if quantities is None and np.size(equation.u0) > large.SHOWN:
             compared = f"{large.SHOWN} of {np.size(equation.u0):,} unknowns"
             ds.attrs["starts"] += f" Errors were compared at {compared}; others may have larger ones."
@@ -182,9 +189,16 @@ def assess(
             f"duration must be at most {search.MOST_STEPS * coarsest:g} s, which is {search.MOST_STEPS:,} steps at "
             f"{search.COARSEST} per period of the slowest small motion of '{equation.title}', not {length:g} s."
         )
-    progress, end = Progress(len(fit)), time.monotonic() + seconds
     progress.report(f"solving for a reference of '{equation.title}'")
-    reference = certified(equation, length, wanted, allowed[-1], coarsest, periodic=quantities is None)
+    unfinished = (
+        f"the reference of '{equation.title}' was not found in {seconds:g} s; allow more seconds, larger errors or a "
+        f"shorter duration: {model[0]}."
+    )
+    reference = within(
+        end,
+        lambda: certified(equation, length, wanted, allowed[-1], coarsest, periodic=quantities is None),
+        unfinished,
+    )
     length = reference.horizon
     if length < requested:
         warnings.warn(
@@ -193,8 +207,9 @@ def assess(
             RuntimeWarning,
             stacklevel=2,
         )
-    cases = cases_of(equation, reference, wanted, allowed[-1])
-    if of_energy and (lacking := _lack_of_energy(equation, reference.solution)):
+    remarks += remarks_on_scales(reference.targets)
+    cases = within(end, lambda: cases_of(equation, reference, wanted, allowed[-1]), unfinished)
+    if of_energy and (lacking := lack_of_energy(equation, reference.solution)):
         warnings.warn(lacking, RuntimeWarning, stacklevel=2)
         of_energy = False
     uncertainty = reference.uncertainty | ({ENERGY: 0.0} if of_energy else {})
@@ -203,7 +218,9 @@ def assess(
     finest = search.finest_step(length, slowest, highest, np.size(equation.u0))
     limits = [(name, error) for name in names for error in allowed if error >= CERTAIN * uncertainty[name]]
 
-    def of(scheme: Scheme) -> Assessed:
+    def of(scheme: Scheme) -> Assessed | None:
+        if time.monotonic() > end:
+            return None
         runs = Search(scheme, cases, length, min(coarsest, length), finest, of_energy, end)
         runs.search(limits, lambda top: progress.report(f"{scheme.title}: steps of {top / 2:.3g} to {top:.3g} s"))
         verdicts = {limit: runs.verdict(*limit) for limit in limits}
@@ -219,8 +236,8 @@ def assess(
         tolerances = {limit: with_control.verdict(*limit) for limit in along}
         return Assessed(runs.runs, verdicts, map_of_failures, tolerances)
 
-    found = _each(fit, of, progress)
-    ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed)
+    found = _each(fit, of, progress, f"no scheme was run on '{equation.title}' in {seconds:g} s; allow more seconds.")
+    ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed, end)
     if control is not None:
         ds = ds.merge(variables_of({name: one.tolerances for name, one in found.items()}, names, allowed))
         ds.attrs["controller"] = control.title
@@ -234,11 +251,15 @@ def assess(
         highest,
         {"long_name": "highest circular frequency of small motions about points of the motion", "units": "s-1"},
     )
+    ds = with_reference(ds, measured(reference, of_energy))
     titles = {name: one.long_name or name for name, one in (quantities or DEFAULT).items()}
     titles |= {ENERGY: "balance of energies, relative to the energy that was put in"} | oscillation.TITLES
     described = {"long_name": "description of the quantity"}
     ds = ds.assign_coords(quantity_title=("quantity", [titles[name] for name in names], described))
     ds.attrs |= {
+        "model": "\n".join(model),
+        "remarks": "; ".join(remarks),
+        "own_schemes": own_schemes,
         "reference": reference.route.name,
         "witness": reference.witness.name,
         "reference_tolerance": reference.rtol,
@@ -250,50 +271,22 @@ def assess(
         + (", quantities=quantities)" if quantities else ")"),
         "processor": processor(),
         "not_fit": "; ".join(str(chosen[name].refusal(equation)) for name in chosen if name not in fit),
+        **({} if spacing is None else {"spacing": spacing}),
         **record_of(equation.load),
     }
     return ds
 
 
-def _lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
-    """A sentence if the energy at the start is too small to scale the errors of the balance of energies; else empty.
+def _each(
+    schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed | None], progress: Progress, late: str
+) -> dict[str, Assessed]:
+    """Results by name of the scheme; after Ctrl-C, or for lack of time, results of the finished schemes only.
 
-    It is also empty for a problem with a load, whose work counts in this scale.
+    Raises
+    ------
+    OutOfTime
+        If there was no time for any scheme; ``late`` is the message.
     """
-    if problem.load is not None:
-        return ""
-    at_start = abs(float(problem.energy(problem.u0, problem.v0)))
-    momenta = np.asarray(jax.lax.map(problem.momentum, jnp.asarray(motion.v)))
-    kinetic = np.sum((motion.v * momenta).reshape(len(momenta), -1), axis=1).max() / 2
-    if at_start >= LEAST_ENERGY * kinetic:
-        return ""
-    return (
-        f"the balance of energies of '{problem.title}' is left out: errors would be relative to the energy at the "
-        f"start, {at_start:g}, and the kinetic energy reaches {kinetic:g}; add a constant to the potential."
-    )
-
-
-def _refusal(quantity: Quantity, problem: Problem) -> str | None:
-    """Why a quantity cannot be assessed, in one sentence; None if it can."""
-    if quantity.needs_acceleration and problem.history is not None:
-        return (
-            f"the quantity '{quantity.name}' takes ü, which does not follow from u and u̇ where the force of "
-            f"'{problem.title}' has a history; leave it out."
-        )
-    return quantity.refusal(problem)
-
-
-def _wanted(quantities: Mapping[str, Quantity] | None, problem: Problem) -> dict[str, Quantity]:
-    if quantities is None:
-        quantities = {name: one for name, one in DEFAULT.items() if not _refusal(one, problem)}
-    wanted = errors.named(quantities)
-    if ENERGY in wanted:
-        raise ValueError(f"the name '{ENERGY}' is reserved for the balance of energies; give the quantity another one.")
-    return wanted
-
-
-def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: Progress) -> dict[str, Assessed]:
-    """Results by name of the scheme; after Ctrl-C, results of the finished schemes only."""
     with progress.bar, ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
         waiting = {name: pool.submit(of, scheme) for name, scheme in schemes.items()}
         try:
@@ -303,9 +296,13 @@ def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress
         except KeyboardInterrupt:
             progress.stopped = True
             pool.shutdown(cancel_futures=True)
-    found = {name: one.result() for name, one in waiting.items() if not one.cancelled() and not one.exception()}
-    if not found:
+    done = {name: one.result() for name, one in waiting.items() if not one.cancelled() and not one.exception()}
+    found = {name: one for name, one in done.items() if one is not None}
+    if not done:
         raise KeyboardInterrupt
+    if not found:
+        raise OutOfTime(late)
     if left := [name for name in schemes if name not in found]:
-        warnings.warn(f"interrupted: {', '.join(left)} were not assessed.", RuntimeWarning, stacklevel=3)
+        why = "interrupted" if progress.stopped else "out of time"
+        warnings.warn(f"{why}: {', '.join(left)} were not assessed.", RuntimeWarning, stacklevel=3)
     return found

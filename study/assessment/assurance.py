@@ -1,8 +1,15 @@
 """Sentences on the reliability of an assessment: the runs that confirm its steps, and its reference."""
 
+import numpy as np
 import xarray as xr
 
 from study.words import number
+
+#: Largest number of components of a quantity whose reference values a page shows.
+SHOWN = 6
+
+#: Smallest number of confirming runs for which a bound with 95 % confidence is stated; with fewer, it exceeds 10 %.
+ASSURING = 30
 
 
 def percent(fraction: float) -> str:
@@ -16,15 +23,20 @@ def confirmation(assessed: xr.Dataset) -> str:
     if not tried.size:
         return ""
     few, many = tried.min(), tried.max()
-    bounds = " to ".join(percent(3 / n) for n in (many, few))
     worst = percent(float(assessed.worst_error.max()))
     # for a program neither confidence nor frequency is stated: some steps are not random, and frequencies are unknown
     of_program = "reason" in assessed
     kind = "finer steps, some of them random," if of_program else "random finer steps"
-    certain = (
-        f" With 95 % confidence, at most {bounds} of such steps exceed the allowed error; the bound falls with the "
-        "number of steps tried."
-    )
+    assured, others = tried[tried >= ASSURING], int(np.sum(tried < ASSURING))
+    certain = ""
+    if assured.size:
+        bounds = " to ".join(dict.fromkeys(percent(3 / n) for n in (assured.max(), assured.min())))
+        certain = f" With 95 % confidence, at most {bounds} of such steps exceed the allowed error."
+    if others:
+        certain += (
+            f" {others} of {len(tried)} recommended steps were confirmed by fewer than {ASSURING} steps, which is no "
+            "assurance for the steps that were not tried."
+        )
     frequency = (
         " Small motions about points of the motion have frequencies up to "
         f"ω = {assessed.highest_frequency.item():.4g} /s."
@@ -39,16 +51,24 @@ def confirmation(assessed: xr.Dataset) -> str:
 
 
 def limits_of_reference(assessed: xr.Dataset) -> str:
-    """The remarks on a program, or a sentence if the reference holds only for part of the duration; otherwise empty."""
-    if assessed.attrs.get("remarks"):
-        return f"{assessed.attrs['remarks']}."
+    """The remarks, and a sentence if the reference holds only for part of the duration; empty if there are none."""
+    sentences = [f"{assessed.attrs['remarks']}."] if assessed.attrs.get("remarks") else []
     held, requested = assessed.attrs["duration"], assessed.attrs["duration_requested"]
-    if held >= requested:
-        return ""
+    if held < requested:
+        sentences.append(
+            f"Beyond t = {held:.4g} s of the requested {requested:.4g} s, {assessed.attrs['reference']} and "
+            f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do if neighbouring "
+            "motions diverge. All errors are measured up to this time."
+        )
+    return " ".join(sentences)
+
+
+def other_durations(assessed: xr.Dataset) -> str:
+    """A sentence on the steps for longer and shorter durations."""
     return (
-        f"Beyond t = {held:.4g} s of the requested {requested:.4g} s, {assessed.attrs['reference']} and "
-        f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do if neighbouring "
-        "motions diverge. All errors are measured up to this time."
+        f"All steps hold for {assessed.attrs['duration']:.4g} s. The error in phase grows with the number n of "
+        "periods, so the step that keeps an error of the motion falls with 1/√n for a scheme of second order, and with "
+        "n^(−1/p) for order p: four times the duration needs half the step of a scheme of second order."
     )
 
 
@@ -65,3 +85,16 @@ def reference_of(assessed: xr.Dataset) -> str:
         f"{attributes['reference']} and, independent of it, {attributes['witness']}, both with a relative tolerance of "
         f"{attributes['reference_tolerance']:g}. They differ by {differences}."
     )
+
+
+def values_of_reference(assessed: xr.Dataset) -> list[tuple[str, ...]]:
+    """Rows of a table of the reference values: the components of each quantity, at most the ``SHOWN`` largest."""
+    rows = []
+    for name in assessed.quantity.values:
+        one = assessed[["reference_value", "reference_value_uncertainty", "reference_time"]].sel(quantity=name)
+        table = one.to_dataframe().dropna(subset="reference_value")
+        for row in table.loc[table.reference_value.abs().nlargest(SHOWN).index].itertuples():
+            when = "–" if np.isnan(row.reference_time) else f"{row.reference_time:.4g}"
+            unit, off = assessed.quantity_units.sel(quantity=name).item(), f"{row.reference_value_uncertainty:.1g}"
+            rows.append((name, str(row.Index), f"{row.reference_value:.7g}", off, unit, when))
+    return rows

@@ -1,5 +1,7 @@
 """The results of an assessment as a dataset, with the times of the recommended steps."""
 
+import math
+import time
 import warnings
 from typing import NamedTuple
 
@@ -28,7 +30,7 @@ NOT_TRIED = ENDS.index("not_tried")
 
 #: Attributes of the variables.
 ATTRIBUTES = {
-    "error": {"long_name": "error relative to the largest value", "units": "1"},
+    "error": {"long_name": "error, relative to the value that relative_to states", "units": "1"},
     "status": flags("how the run ended", ENDS, np.int8),
     "energy_imbalance": {"long_name": "error of the balance of energies", "units": "1"},
     "newton_iterations": {"long_name": "Newton iterations per step", "units": "1"},
@@ -89,10 +91,17 @@ def _timed(problem: Problem, scheme: Scheme, wanted: dict[float, int]) -> dict[f
     return times
 
 
-def _times(problem: Problem, schemes: dict[str, Scheme], found: dict[str, Assessed]) -> dict[str, dict]:
-    """Times of recommended steps by scheme, one scheme after the other; after Ctrl-C, times of the finished schemes."""
+def _times(
+    problem: Problem, schemes: dict[str, Scheme], found: dict[str, Assessed], end: float = math.inf
+) -> dict[str, dict]:
+    """Times of recommended steps by scheme, one scheme after the other.
+
+    After Ctrl-C, or after ``end`` of the monotonic clock, only the finished schemes have times.
+    """
     times = {}
     for name, one in found.items():
+        if time.monotonic() > end:
+            break
         steps = one.runs.groupby("dt").steps.first()
         wanted = {v.recommended: int(steps[v.recommended]) for v in one.verdicts.values() if v.recommended > 0}
         try:
@@ -110,9 +119,10 @@ def dataset_of(
     schemes: dict[str, Scheme],
     names: list[str],
     allowed: list[float],
+    end: float = math.inf,
 ) -> xr.Dataset:
     """Results of all schemes, with the times of the recommended steps, as a dataset."""
-    of_scheme = _times(problem, schemes, found)
+    of_scheme = _times(problem, schemes, found, end)
     own = {name: one.runs[one.runs.start == 1.0].set_index("dt") for name, one in found.items()}
     tried = pd.concat(own, names=["scheme"]).to_xarray().sel(scheme=list(found)).sortby("dt", ascending=False)
     rows = []
@@ -120,12 +130,12 @@ def dataset_of(
         times = of_scheme.get(name, {})
         for limit in ((quantity, error) for quantity in names for error in allowed):
             verdict = one.verdicts.get(limit, Recommendation(UNCERTAIN))
-            time, spread, forces, error = (np.nan,) * 4
+            taken, spread, forces, error = (np.nan,) * 4
             if verdict.recommended > 0:
                 run = own[name].loc[verdict.recommended]
-                time, spread = times.get(verdict.recommended, (np.nan,) * 2)
+                taken, spread = times.get(verdict.recommended, (np.nan,) * 2)
                 forces, error = run.forces, run[limit[0]]
-            rows.append((name, *limit, *verdict, error, time, spread, forces))
+            rows.append((name, *limit, *verdict, error, taken, spread, forces))
     index = ["scheme", "quantity", "allowed_error"]
     variables = ["verdict", "largest_dt", "recommended_dt", "steps_tried", "worst_error", "recommended_error"]
     verdicts = pd.DataFrame(rows, columns=[*index, *variables, "time", "time_spread", "force_evaluations"])
@@ -146,7 +156,7 @@ def dataset_of(
     )
     for name, attributes in ATTRIBUTES.items():
         ds[name].attrs |= attributes
-    ds.attrs = io.provenance(f"Which scheme and which step for the {problem.title}", "study.assess")
+    ds.attrs = io.provenance(f"Which scheme and which step: {problem.title}", "study.assess", io.now())
     parts = {name: one.map for name, one in found.items() if one.map is not None}
     if len(parts) == len(found):
         ds = ds.merge(xr.concat(list(parts.values()), "scheme").assign_coords(scheme=list(parts)))

@@ -122,8 +122,7 @@ class Target:
     times, values
         Times of the reference and times in between, and the quantity at these times, of shape (t, components).
     scale
-        Largest absolute value along time; if the quantity is reduced to a peak or a root mean square, the largest
-        component of the reduced quantity.
+        Scale of the error of each component, of shape (components,): :meth:`study.Quantity.scales`.
     """
 
     quantity: Quantity
@@ -131,7 +130,25 @@ class Target:
     solution: DenseSolution
     times: Times
     values: Values
-    scale: float
+    scale: np.ndarray
+
+    @property
+    def sizes(self) -> np.ndarray:
+        """Largest absolute value of each component along time, of shape (components,)."""
+        return np.abs(self.values).max(axis=0)
+
+    @cached_property
+    def own(self) -> np.ndarray:
+        """Reduced value of each component, or its largest absolute value along time, of shape (components,)."""
+        return self.until(self.times[-1:])[0]
+
+    @property
+    def reached(self) -> np.ndarray:
+        """Time at which each component has the value ``own``, of shape (components,); NaN for a root mean square."""
+        if self.quantity.reduce == "rms":
+            return np.full(self.own.shape, np.nan)
+        last = self.quantity.reduce == "final"
+        return np.where(last, self.times[-1], self.times[np.abs(self.values).argmax(axis=0)])
 
     def until(self, ends: Times) -> Values:
         """The reduced quantity of the reference from t = 0 to each of the ``ends``, of shape (ends, components)."""
@@ -160,20 +177,20 @@ def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Tar
     Raises
     ------
     ValueError
-        If the quantity is not finite along the reference, or zero at all times.
+        If the quantity is not finite along the reference, or zero at all times, or has another number of scales.
     """
     parts = np.arange(FINER) / FINER
     times = np.append((solution.t[:-1, None] + np.diff(solution.t)[:, None] * parts).ravel(), solution.t[-1])
     values = values_along(quantity, problem, solution, times)
     _check_finite(values, times, quantity, problem)
-    scale = float(np.abs(values).max())
-    if scale == 0:
+    if not values.any():
         raise ValueError(
             f"the quantity '{quantity.long_name}' of '{problem.title}' is zero at all times, so that an error relative "
             "to it has no meaning."
         )
-    found = Target(quantity, problem, solution, times, values, scale)
-    return found if quantity.reduce in (None, "final") else replace(found, scale=float(found.until(times[-1:]).max()))
+    found = Target(quantity, problem, solution, times, values, np.abs(values).max(axis=0))
+    own = found.own if quantity.reduce else found.sizes
+    return replace(found, scale=quantity.scales(own, found.sizes))
 
 
 class ErrorsAlong(Reduction):
@@ -182,14 +199,14 @@ class ErrorsAlong(Reduction):
     Attributes
     ----------
     quantities, scales
-        Quantities along time, and the scales of their errors.
+        Quantities along time, and the scales of the errors of their components.
     begin, length, coefficients
         Begin and length of the intervals of the reference, of shape (intervals,), and coefficients of the quintics in
         them, of shape (intervals, 6, ...).
     """
 
     quantities: tuple[Quantity, ...]
-    scales: jax.Array
+    scales: tuple[jax.Array, ...]
     begin: jax.Array
     length: jax.Array
     coefficients: jax.Array
@@ -208,8 +225,8 @@ class ErrorsAlong(Reduction):
             np.append(length, np.ones(padding)),
             np.append(table, np.zeros((padding, *table.shape[1:])), axis=0),
         )
-        scales = np.array([one.scale for one in targets])
-        return cls(tuple(one.quantity for one in targets), *map(jnp.asarray, (scales, *numbers)))
+        scales = tuple(jnp.asarray(one.scale) for one in targets)
+        return cls(tuple(one.quantity for one in targets), scales, *map(jnp.asarray, numbers))
 
     @property
     def variables(self) -> dict[str, dict[str, str]]:  # type: ignore[override]
@@ -227,13 +244,19 @@ class ErrorsAlong(Reduction):
         slope = tuple(k * one for k, one in enumerate(polynomial))[1:]
         exact = value(polynomial, s), value(slope, s) / self.length[place]
         off = [
-            jnp.max(jnp.abs(one.value(problem, t, state.u, state.v) - one.value(problem, t, *exact)))
-            for one in self.quantities
+            jnp.max(jnp.abs(one.value(problem, t, state.u, state.v) - one.value(problem, t, *exact)) / scale)
+            for one, scale in zip(self.quantities, self.scales, strict=True)
         ]
         return place, jnp.maximum(largest, jnp.stack(off))
 
     def result(self, carried, problem, state):
-        return dict(zip(self.variables, carried[1] / self.scales, strict=True))
+        return dict(zip(self.variables, carried[1], strict=True))
+
+
+def _relative(off: np.ndarray, scale: np.ndarray | float) -> np.ndarray:
+    """Absolute value of ``off`` over its scale. Over a scale of zero it is infinite, unless ``off`` is zero too."""
+    with np.errstate(divide="ignore"):
+        return np.divide(np.abs(off), scale, out=np.zeros(np.shape(off)), where=off != 0)
 
 
 def observers(targets: Sequence[Target]) -> list[Observer]:
@@ -251,23 +274,25 @@ def error(target: Target, runs: xr.Dataset, ends: Times) -> np.ndarray:
     got = runs[target.quantity.name].values
     if target.quantity.reduce is None:
         return got
-    return np.abs(got.reshape(len(ends), -1) - target.until(ends)).max(axis=1) / target.scale
+    return _relative(got.reshape(len(ends), -1) - target.until(ends), target.scale).max(axis=1)
 
 
 def difference(quantity: Quantity, problem: Problem, one: DenseSolution, other: DenseSolution) -> tuple[float, Times]:
-    """Difference of a quantity between two solutions, relative to its size in ``one``, at the times of ``other``.
+    """Difference of a quantity between two solutions, relative to its scale in ``one``, at the times of ``other``.
 
     Returns
     -------
     tuple
         First, the difference of the reduced quantities, or the largest difference along time if the quantity is not
-        reduced. Second, the largest difference up to each time, of shape (t,).
+        reduced. Second, the largest difference up to each time, of shape (t,), relative to the largest value along time
+        if the quantity is reduced.
     """
     values, others = (values_along(quantity, problem, s, other.t) for s in (one, other))
     _check_finite(values, other.t, quantity, problem)
-    scale = np.abs(values).max() or 1.0
-    along = np.maximum.accumulate(np.abs(values - others).max(axis=1) / scale)
+    sizes = np.abs(values).max(axis=0)
+    scale = quantity.scales(sizes, sizes) if quantity.reduce is None else np.maximum(sizes.max(), np.finfo(float).tiny)
+    along = np.maximum.accumulate(_relative(values - others, scale).max(axis=1))
     if quantity.reduce is None:
         return float(along[-1]), along
     first, second = (target(quantity, problem, s) for s in (one, other))
-    return float(np.abs(first.until(one.t[-1:]) - second.until(one.t[-1:])).max() / first.scale), along
+    return float(_relative(first.own - second.own, first.scale).max()), along

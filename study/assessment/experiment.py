@@ -116,4 +116,6 @@ def assessment(
         errors=errors,
         maps=maps,
     )
+    for of_own in ("date_created", "history"):  # the pipeline adds reproducible ones
+        del assessed.attrs[of_own]
     return assessed if periods is None else assessed.assign_attrs(periods=periods)

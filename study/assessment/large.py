@@ -124,10 +124,22 @@ def program_of(
     quantities: Mapping[str, Quantity] | None,
     spacing: float | None,
 ) -> Program:
-    """A problem as a program, with explicit schemes of high order as witnesses."""
+    """A problem as a program, with explicit schemes of high order as witnesses.
+
+    Raises
+    ------
+    ValueError
+        If a final value or a root mean square is to be relative to the peak, which its runs do not return.
+    """
     if quantities is None:
         shown = compared(problem)
         quantities = {"displacement": Quantity(lambda u: u[shown]), "velocity": Quantity(lambda v: v[shown])}
+    for name, one in quantities.items():
+        if one.scale == "peak" and one.reduce in ("final", "rms"):
+            raise ValueError(
+                f"the quantity '{name}' needs a number as scale, because '{problem.title}' has more than {MOST:,} "
+                "unknowns, whose runs do not return the peak of a final value."
+            )
     titles = {one.title for one in schemes.values()}
     of_high_order = {name: schemes_by_name[name] for name in WITNESSES}
     witnesses = {n: one for n, one in of_high_order.items() if one.title not in titles and not one.refusal(problem)}

@@ -10,11 +10,12 @@ import xarray as xr
 
 from study import io
 from study.assessment.dataset import ATTRIBUTES
+from study.assessment.scales import Measured, remark_on_components, with_reference
 from study.assessment.search import COARSEST_KEEPS, FINEST_FAILS, FOUND, OUT_OF_TIME, UNCERTAIN, round_step
 from study.io import flags, processor
 from study.program.attempt import STATUSES
 from study.program.confirmation import Limit
-from study.program.curves import INTERPOLATION
+from study.program.curves import INTERPOLATION, Curve
 from study.program.definition import Program
 from study.program.search import Search
 from study.program.truth import Estimate
@@ -60,7 +61,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
         If fewer than two schemes run to the end at three successively halved steps, or a quantity is always zero.
     """
     search = Search(program, allowed, round_step, seconds, report)
-    remarks = "; ".join(search.refinement.remarks)
+    remarks = "; ".join([*search.refinement.remarks, *_remarks_on_components(search)])
     if remarks:
         warnings.warn(f"{remarks}.", RuntimeWarning, stacklevel=3)
     names = list(search.truth.uncertainty)
@@ -77,10 +78,12 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
     ds["reference_uncertainty"] = "quantity", list(search.truth.uncertainty.values())
     ds["repeated"] = "scheme", [search.refinement.noise[name] for name in program.schemes]
     ds["highest_frequency"] = (), np.nan
+    ds = with_reference(ds, {name: _measured(one) for name, one in search.truth.best.motion.items()})
     for name, attributes in (ATTRIBUTES | OWN).items():
         ds[name].attrs |= attributes
     best, witness = search.truth.best, search.truth.witness
-    ds.attrs = io.provenance(f"Which scheme and which step for {program.title}", "study.assess") | {
+    ds.attrs = io.provenance(f"Which scheme and which step: {program.title}", "study.assess", io.now()) | {
+        "model": f"the program {program.title}, {program.duration:.4g} s",
         "reference": _described(best),
         "witness": _described(witness),
         "interpolation": INTERPOLATION,
@@ -92,8 +95,38 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
         "processor": processor(),
         "remarks": remarks,
         "folder": str(program.place),
+        **({"spacing": program.spacing} if program.spacing else {}),
     }
     return ds
+
+
+def _measured(curve: Curve) -> Measured:
+    """How a quantity is measured, and its value in the reference."""
+    if curve.values.ndim:
+        sizes = np.abs(curve.values).reshape(len(curve.t), -1)
+        value, reached = curve.sizes, curve.t[sizes.argmax(axis=0)]
+    else:
+        value, reached = np.atleast_1d(curve.values), np.full(1, np.nan)
+    if curve.quantity is not None:
+        return Measured(curve.quantity.relative_to(len(value)), curve.quantity.units, value, reached, curve.scale)
+    words = f"largest value along time{' of the largest component' * (len(value) > 1)}"
+    return Measured(
+        f"relative to the {words if curve.values.ndim else 'value itself'}", "1", value, reached, curve.scale
+    )
+
+
+def _remarks_on_components(search: Search) -> list[str]:
+    """Remarks on quantities whose components differ much in size."""
+    given = search.program.quantities
+    remedy = (
+        "study.Quantity(..., scale='each') gives each component its own scale" if given else "return them separately"
+    )
+    return [
+        remark
+        for name, curve in search.truth.best.motion.items()
+        if name not in given or given[name].scale in ("own", "peak")
+        for remark in remark_on_components(name, curve.sizes, remedy)
+    ]
 
 
 def _described(one: Estimate) -> str:

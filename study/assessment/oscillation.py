@@ -20,6 +20,13 @@ TITLES = {
     for name, variable in QUANTITIES.items()
 }
 
+#: Values to which the errors of the quantities are relative, in words.
+RELATIVE_TO = {
+    "period": "relative to the period",
+    "phase": "delays at the end in periods",
+    "amplitude": "losses of amplitude in an oscillation",
+}
+
 #: Fewest upward crossings of a reference whose period, phase and amplitude are assessed.
 FEWEST = 3
 

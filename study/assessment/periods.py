@@ -1,13 +1,22 @@
 """Slow periods and high frequencies of a problem, which set the scales of duration and steps."""
 
+import warnings
+from functools import partial
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
 import numpy as np
 
+from study.algebra.jit import jit
 from study.algebra.scalars import is_number
 from study.assessment.solution import DenseSolution
 from study.marching.run import sweep
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.frequencies import frequencies, highest_frequency
+from study.mechanics.loads import record_of
+from study.words import span
 
 #: Default duration of a free oscillation, in periods.
 PERIODS = 10
@@ -19,6 +28,9 @@ ESTIMATE = 100, 40
 #: Product of the number of unknowns and the number of points of the motion at which the highest frequency is computed.
 #: There are at least two points.
 STIFFEST = 100
+
+#: Largest number of unknowns of a problem whose damping ratios are computed.
+MOST_OF_DAMPING = 300
 
 
 def slowest_period(problem: Problem) -> float | None:
@@ -65,6 +77,71 @@ def length_of(problem: Problem, duration: float | None) -> float:
     if period is None:
         raise ValueError(f"'{problem.title}' has no period that gives the length of the runs: give duration=.")
     return PERIODS * period
+
+
+@partial(jit, compiler=eqx.filter_jit)
+def _rates(problem: Problem):
+    """∂ü/∂u and ∂ü/∂u̇ at u₀ and at rest."""
+    return jax.jacfwd(lambda u, v: acceleration(problem, 0.0, u, v), (0, 1))(
+        jnp.asarray(problem.u0), jnp.zeros(np.shape(problem.u0))
+    )
+
+
+def _damping_ratios(problem: Problem) -> str:
+    """The damping ratios of small motions about the start, −Re λ/|λ| of the complex roots λ, in words; may be empty."""
+    if problem.damping is None and not problem.takes_velocity:
+        return "no damping"
+    n = np.size(problem.u0)
+    if problem.massless or n > MOST_OF_DAMPING:
+        return ""
+    of_u, of_v = (np.asarray(one, float).reshape(n, n) for one in _rates(problem.untitled()))
+    if not np.isfinite(of_u).all() or not np.isfinite(of_v).all():
+        return ""
+    roots = np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [of_u, of_v]]))
+    roots = roots[np.abs(roots.imag) > 1e-9 * np.abs(roots)]
+    if not roots.size:
+        return "no small motion oscillates"
+    return f"damping ratios {span(np.abs(roots.real / np.abs(roots)), '.3g')}"
+
+
+def model_of(problem: Problem, duration: float, spacing: float | None) -> list[str]:
+    """The model in two lines: unknowns, periods and duration; damping ratios and record."""
+    n = np.size(problem.u0)
+    periods = periods_of(problem)
+    unknowns = f"{n:,} unknown{'s' * (n > 1)}"
+    if periods is None:
+        first = f"{unknowns}, {duration:.4g} s"
+    else:
+        many = float(f"{duration / periods.max():.3g}")
+        periods_in_words = f"period{'s' * (n > 1)} of small motion {span(periods, '.3g')} s"
+        of_duration = f"{duration:.4g} s are {many:,g} periods{' of the slowest' * (n > 1)}"
+        first = f"{unknowns}, {periods_in_words}, {of_duration}"
+    record = record_of(problem.load).get("record", "record")
+    excitation = "no load" if problem.load is None else "a load"
+    of_record = excitation if spacing is None else f"{record} with a spacing of {spacing:.6g} s"
+    return [first, "; ".join(one for one in (_damping_ratios(problem), of_record) if one)]
+
+
+def remark_on_record(problem: Problem, spacing: float | None) -> list[str]:
+    """A remark, in a list, with a warning, if the slowest period of small motion is below the spacing of a record."""
+    periods = periods_of(problem)
+    if spacing is None or periods is None or periods.max() >= spacing:
+        return []
+    remark = (
+        f"the slowest period of small motion of '{problem.title}', {periods.max():.3g} s, is below the spacing of the "
+        f"record, {spacing:.6g} s: check the units of mass and stiffness"
+    )
+    warnings.warn(f"{remark}.", RuntimeWarning, stacklevel=3)
+    return [remark]
+
+
+def periods_of(problem: Problem) -> np.ndarray | None:
+    """Periods of small motions about the start, or about u = 0 if none oscillates about the start; None without any."""
+    for at in (problem.u0, np.zeros(np.shape(problem.u0))):
+        found = frequencies(problem, at)
+        if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
+            return 2 * np.pi / found[of_motion]
+    return None
 
 
 def highest_frequency_along(problem: Problem, motion: DenseSolution) -> float:

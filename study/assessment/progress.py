@@ -31,6 +31,10 @@ class Progress:
             self._reported = time.monotonic()
             print(f"{what}{self._of_all()}", file=sys.stderr, flush=True)
 
+    def say(self, line: str) -> None:
+        """Print a line that stays."""
+        self.bar.write(line, file=sys.stderr)
+
     def update(self) -> None:
         """Count a finished scheme."""
         self.done += 1

@@ -3,7 +3,6 @@
 import io
 import itertools
 import sys
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +12,19 @@ import xarray as xr
 
 from study.analysis.outcomes import Outcome
 from study.analysis.recommendation import recommend
-from study.assessment.assurance import confirmation, limits_of_reference, percent, reference_of
+from study.assessment.assurance import (
+    confirmation,
+    limits_of_reference,
+    other_durations,
+    percent,
+    reference_of,
+    values_of_reference,
+)
 from study.assessment.failures import failed_runs
 from study.assessment.style import STYLE
+from study.assessment.tables import controlled, input_lines, needs, table_of, time_in_words
 from study.io import read, write
-from study.scheme.codes import names_in_codes
-from study.scheme.named import schemes
-from study.words import document, listed, number, text_of
+from study.words import document, listed, number, step_size, text_of
 
 #: Colours of curves, which differ in greyscale and for the colour-blind.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
@@ -40,26 +45,6 @@ INK = np.where(SHADES > 0.5, "black", "white")
 LETTERS = ("", "b", "r", "w", "c", "g", "s", "N", "∞")
 
 
-def _time(seconds: float) -> str:
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
-        if seconds >= size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds * 1e9:.3g} ns"
-
-
-def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
-    """A table of HTML; ``text`` has the indices, from zero, of the columns of text."""
-
-    def row_of(tag: str, row: list[object]) -> str:
-        kinds = (' class="text"' if i in text else "" for i in itertools.count())
-        # an empty cell in the head of the table is not marked as a heading
-        tags = (tag if one else "td" for one in row)
-        return "".join(f"<{t}{kind}>{text_of(one)}</{t}>" for t, kind, one in zip(tags, kinds, row, strict=False))
-
-    cells, body = row_of("th", list(head)), "".join(f"<tr>{row_of('td', list(row))}</tr>" for row in rows)
-    return f'<div class="scroll" tabindex="0"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
-
-
 def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     """Sentences on the fastest scheme of each kind that keeps an error of a quantity; if none does, on the reasons."""
     table = recommend(assessed, error=error, quantity=quantity)
@@ -71,8 +56,8 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     best = []
     for one in found.groupby("kind", sort=False).head(1).itertuples():
         text = (
-            f"{titles[one.Index]} ({one.kind}) with Δt = {number(one.step_size, 4)} s "
-            f"({one.number_of_steps:.0f} steps{f', {_time(one.time)}' if one.time > 0 else ''})"
+            f"{titles[one.Index]} ({one.kind}) with Δt = {step_size(one.step_size, assessed.attrs.get('spacing'))} s "
+            f"({one.number_of_steps:.0f} steps{f', {time_in_words(one.time)}' if one.time > 0 else ''})"
         )
         if "largest_safe_dt" in assessed and one.step_size >= assessed.map_dt.min():
             safe = assessed.largest_safe_dt.sel(scheme=one.Index)
@@ -83,7 +68,7 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
         best.append(text)
     ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
     return f"For {percent(error)} of {quantity}: {'; '.join(best)}." + (
-        f" As fast within the spread of times: {', '.join(ties)}." if ties else ""
+        f" Measured times do not distinguish it from {listed(ties)}; the number of evaluations decides." if ties else ""
     )
 
 
@@ -172,72 +157,27 @@ def figure_of(svg: str, caption: str) -> str:
     return f'<figure><div class="scroll">{svg}</div><figcaption>{text_of(caption)}</figcaption></figure>'
 
 
-def _input_lines(assessed: xr.Dataset) -> list[str]:
-    """Heading and table of the recommended schemes' input in other codes; empty if no code has such a scheme."""
-    recommended = assessed.recommended_dt.notnull().any(["quantity", "allowed_error"]).values
-    titles = set(assessed.scheme_title.values[recommended])
-    named = ((schemes[one.scheme].title, one.code, one.name, one.note) for one in names_in_codes())
-    rows = [row for row in named if row[0] in titles]
-    return ["<h2>In other codes</h2>", table_of(("", "code", "input", ""), rows, text=(1, 2, 3))] if rows else []
-
-
-def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
-    """Tables of the steps that schemes need, one table for each kind of scheme, the fastest scheme first."""
-    head = ("", "Δt (unrounded), s", "Δt·ω", "steps", "error", "time", "forces/s", "tried", "search")
-    parts = []
-    for kind, of_kind in table.groupby("kind", sort=False):
-        rows = [
-            (
-                titles[row.Index],
-                f"{number(row.step_size, 4)} ({number(row.largest_step, 4)})",
-                number(row.omega_step, 2),
-                f"{row.number_of_steps:.0f}",
-                percent(row.error),
-                "–" if np.isnan(row.time) else f"{_time(row.time)} ± {_time(row.time_spread / 2)}",
-                number(row.forces_per_time),
-                row.steps_tried,
-                row.verdict,
-            )
-            if row.step_size > 0
-            else (titles[row.Index], *"–––––––", row.verdict)
-            for row in of_kind.itertuples()
-        ]
-        parts.append(table_of((kind, *head[1:]), rows))
-    return "".join(parts)
-
-
-def _controlled(table: pd.DataFrame, titles: dict[str, str]) -> str:
-    """A table of the tolerances that keep an error; empty if there is no such tolerance."""
-    found = table[table["tolerance"] > 0] if "tolerance" in table else table[:0]
-    rows = [
-        (
-            titles[row.Index],
-            f"{row.tolerance:g}",
-            f"{row.controlled_force_evaluations:,.0f}",
-            number(row.control_over_equal, 2),
-        )
-        for row in found.itertuples()
-    ]
-    head = ("controlled steps", "tolerance", "forces", "forces over forces with equal steps")
-    return table_of(head, rows) if rows else ""
-
-
 def judgement(assessed: xr.Dataset) -> list[str]:
     """An assessment as parts of a page: answers, errors, energy, failures, reference."""
     titles = dict(zip(assessed.scheme.values, map(str, assessed.scheme_title.values), strict=True))
     quantities, limits = assessed.quantity.values.tolist(), assessed.allowed_error.values
     answers = ["".join(f"<p>{text_of(answer(assessed, q, limit))}</p>" for limit in limits) for q in quantities]
-    parts = [f'<div class="answer">{answers[0]}</div>']
+    first = [recommend(assessed, error=limit, quantity=quantities[0]).attrs["answer"] for limit in limits]
+    short = "".join(f"<p><b>{'. '.join(map(text_of, lines))}</b></p>" for lines in first)
+    parts = [f'<div class="answer">{short}{answers[0]}</div>']
+    if assessed.attrs.get("model"):
+        parts.append(f"<p>{'<br>'.join(map(text_of, assessed.attrs['model'].splitlines()))}</p>")
     if others := quantities[1:]:
         parts += [f'<details class="answer"><summary>For {text_of(listed(others))}</summary>', *answers[1:]]
         parts.append("</details>")
     if limits_of_reference(assessed):
         parts.append(f"<p>{text_of(limits_of_reference(assessed))}</p>")
-    parts.append(f"<p>{text_of(confirmation(assessed))}</p>")
+    parts.append(f"<p>{text_of(confirmation(assessed))}</p><p>{text_of(other_durations(assessed))}</p>")
     for quantity in quantities:
         parts.append(f"<h2>Error of {text_of(quantity)}</h2>")
         values = assessed.error.sel(quantity=quantity)
-        caption = f"Worst error of {quantity} around each step, relative to its peak. Dashed lines: allowed errors."
+        relative_to = assessed.relative_to.sel(quantity=quantity).item()
+        caption = f"Worst error of {quantity} around each step, {relative_to}. Dashed lines: allowed errors."
         against_step = figure_of(curves(assessed, assessed.dt, "step size, s", values, "error", limits), caption)
         against_time = figure_of(
             curves(assessed, times_of_runs(assessed), "time of a run, s", values, "error", limits),
@@ -247,7 +187,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         parts.append(f'<div class="pair">{against_step}{against_time}</div>')
         for limit in limits:
             table = recommend(assessed, error=limit, quantity=quantity)
-            parts.append(f"<p><b>{percent(limit)}</b></p>{_needs(table, titles)}{_controlled(table, titles)}")
+            parts.append(f"<p><b>{percent(limit)}</b></p>{needs(table, titles)}{controlled(table, titles)}")
     if np.isfinite(assessed.energy_imbalance).any():
         parts.append("<h2>Energy</h2>")
         parts.append(
@@ -282,8 +222,10 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         parts.append(table_of(head, rows, text=(2,)))
     if rows := failed_runs(assessed):
         parts += ["<h2>Runs that failed</h2>", table_of(("scheme", "Δt, s", "reason"), rows, text=(2,))]
-    parts += _input_lines(assessed)
-    return [*parts, "<h2>The reference</h2>", f"<p>{text_of(reference_of(assessed))}</p>"]
+    parts += input_lines(assessed)
+    head = ("quantity", "component", "value in the reference", "uncertainty", "unit", "reached at t, s")
+    values = table_of(head, values_of_reference(assessed))
+    return [*parts, "<h2>The reference</h2>", f"<p>{text_of(reference_of(assessed))}</p>", values]
 
 
 def made_by(attributes: dict) -> list[str]:

@@ -9,14 +9,15 @@ import xarray as xr
 from study import io
 from study.analysis.linear_theory import LinearTheory
 from study.assessment.assess import assess
-from study.assessment.report import COLOURS, MARKERS, figure_of, judgement, made_by, svg_of, table_of
+from study.assessment.report import COLOURS, MARKERS, figure_of, judgement, made_by, svg_of
 from study.assessment.style import STYLE
+from study.assessment.tables import table_of
 from study.io import processor
 from study.marching.arguments import resolve
 from study.scheme.base import Scheme
 from study.scheme.contract import check_attributes
 from study.scheme.named import schemes
-from study.words import document
+from study.words import document, number
 
 #: Default schemes for comparison.
 COMPARED = ("average_acceleration", "central_difference", "generalized_alpha", "rk4")
@@ -57,7 +58,11 @@ def _linear(chosen: dict[str, Scheme]) -> xr.Dataset:
             "claimed_order": of((s.order for s in chosen.values()), "claimed order of accuracy"),
             "stability_limit": of((t.stability_limit() for t in fine.values()), "largest stable ωΔt"),
             "radius_at_infinity": of(
-                (t.infinite_frequency_radius() for t in fine.values()), "spectral radius at infinite frequency"
+                (
+                    np.nan if scheme.explicit else theory.infinite_frequency_radius()
+                    for scheme, theory in zip(chosen.values(), fine.values(), strict=True)
+                ),
+                "spectral radius at infinite frequency, NaN for explicit schemes, where it is infinite",
             ),
         },
         {
@@ -107,7 +112,7 @@ def assess_scheme(
     chosen = {name: own} | {other: schemes[other] for other in others if schemes[other] is not own}
     durations = problems if isinstance(problems, Mapping) else dict.fromkeys(problems)
     linear = _linear(chosen)
-    linear.attrs = io.provenance(f"{own.title} compared with other schemes", "study.assess_scheme")
+    linear.attrs = io.provenance(f"{own.title} compared with other schemes", "study.assess_scheme", io.now())
     linear.attrs["processor"] = processor()
     found = {
         problem: assess(problem, chosen, duration=duration, errors=errors) for problem, duration in durations.items()
@@ -148,7 +153,7 @@ def scheme_page(assessed: SchemeAssessment) -> str:
             f"{one.claimed_order.item():g}",
             f"{one.order.item():.2f}",
             "∞" if np.isinf(one.stability_limit.item()) else f"{one.stability_limit.item():.3g}",
-            f"{one.radius_at_infinity.item():.3g}",
+            number(one.radius_at_infinity.item()),
         )
         for one in (linear.sel(scheme=name) for name in linear.scheme.values)
     ]
@@ -157,6 +162,8 @@ def scheme_page(assessed: SchemeAssessment) -> str:
     caption = "Spectral radius; a scheme is unstable where it exceeds one."
     parts.append(figure_of(_curve(linear, "spectral_radius", (0.0, 1.5)), caption))
     parts.append(figure_of(_curve(linear, "period_elongation", (-0.5, 1.0)), "Elongation of the period."))
+    if not linear.stability_limit[0] > 0:
+        parts.append(f"<p>{rows[0][0]} is unstable without damping at every step.</p>")
     for one in assessed.problems.values():
         parts += [f"<h2>{one.attrs['problem']}</h2>", *judgement(one)]
     return document(linear.attrs["title"], [*parts, *made_by(linear.attrs)], STYLE)

@@ -127,25 +127,13 @@ def finest_step(duration: float, slowest: float, highest: float, unknowns: int) 
     return duration / min(MOST_STEPS, steps)
 
 
-def _two_digits(x: float) -> float:
-    return float(f"{x:.1e}")
-
-
 def round_step(largest: float, spacing: float | None) -> float:
-    """The largest round step up to ``largest``: with two digits, or an integer multiple or fraction of ``spacing``.
-
-    The largest possible fraction may have many digits. A smaller fraction is then taken if it has two digits and is at
-    least half as large.
-    """
+    """The largest round step up to ``largest``: with two digits, or an integer multiple or fraction of ``spacing``."""
     largest *= 1 + 1e-9
     if spacing is None:
         unit = 10.0 ** (math.floor(math.log10(largest)) - 1)
-        return _two_digits(math.floor(largest / unit) * unit)
-    if largest >= spacing:
-        return math.floor(largest / spacing) * spacing
-    fewest = math.ceil(spacing / largest)
-    parts = (spacing / k for k in range(fewest, 2 * fewest + 1))
-    return next((part for part in parts if math.isclose(part, _two_digits(part))), spacing / fewest)
+        return float(f"{math.floor(largest / unit) * unit:.1e}")
+    return math.floor(largest / spacing) * spacing if largest >= spacing else spacing / math.ceil(spacing / largest)
 
 
 class Search:

@@ -98,7 +98,7 @@ class ToleranceSearch:
     of_energy
         Whether the balance of energies is one of the quantities.
     end
-        Value of ``time.monotonic()`` after which the search ends. The first runs are made in any case.
+        Value of ``time.monotonic()`` after which no runs begin.
     late
         Whether ``end`` had passed when the last runs ended.
     runs
@@ -119,6 +119,7 @@ class ToleranceSearch:
         self._estimator = estimators[usual_estimator(self.scheme, problem)]
         self._power = self._estimator.exponent(self.scheme)
         self._random = np.random.default_rng(0)
+        self.late = time.monotonic() > self.end
 
     def _run(self, start: float, tolerance: np.ndarray) -> None:
         """Make runs with the given tolerances, with start and load multiplied by ``start``."""

@@ -1,7 +1,9 @@
 """The motion along time, and quantities that follow from it."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -13,6 +15,7 @@ from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.function_checks import failure, index_beyond
 from study.observer.base import Observer, Record, Reduction
+from study.words import number
 
 #: Arguments that the function of a quantity may have, each with its meaning.
 ARGUMENTS = {
@@ -23,8 +26,14 @@ ARGUMENTS = {
     "ground": "acceleration of the ground",
 }
 
-#: Reductions of a quantity to one value per run; None records it along time.
-REDUCTIONS = (None, "peak", "final", "rms")
+#: Reductions of a quantity to one value per run, each with its value in words; None records it along time.
+REDUCTIONS = {None: "largest value along time", "peak": "peak", "final": "final value", "rms": "root mean square"}
+
+#: Scales of the errors of a quantity that have a name.
+SCALES = ("own", "each", "peak")
+
+#: Smallest scale of a component that has its own, as a fraction of the largest. A smaller component may be round-off.
+SMALLEST_SCALE = 1e-6
 
 
 class Trajectory(Record):
@@ -93,6 +102,13 @@ def _arguments_of(function: Callable) -> tuple[str, ...]:
     return names
 
 
+def _hashable(scale: Any) -> str | tuple[float, ...]:
+    """A scale as a name or a tuple of numbers; other objects stay as they are, and are refused."""
+    with suppress(TypeError, ValueError):
+        return scale if isinstance(scale, str) else tuple(np.atleast_1d(np.asarray(scale, float)).tolist())
+    return scale
+
+
 class Quantity(Record):
     r"""Your own quantity, a function of t, u, u̇ and ü: along time, or reduced to one value per run.
 
@@ -110,13 +126,21 @@ class Quantity(Record):
     reduce
         ``"peak"`` for the largest absolute value over all steps, ``"final"`` for the last value, ``"rms"`` for the root
         mean square over time by the trapezoidal rule, each for every component; None for the record along time.
+    scale
+        Value to which :func:`study.assess` relates the errors of the quantity. ``"own"`` is the value itself: the peak,
+        final value or root mean square, or without ``reduce`` the largest value along time. All components share one
+        scale, the largest of them, because a mass that hardly moves need not be accurate to its own size; a remark
+        states components that are more than a hundred times smaller. ``"each"`` gives each component its own value as
+        scale, but at least a millionth of the largest, as components of different units need. ``"peak"`` is the largest
+        value along time, also of a final value or a root mean square. A number, or an array with one number for each
+        component, is a scale in the unit of the quantity.
 
     Raises
     ------
     TypeError
         If ``function`` is not a function.
     ValueError
-        If the function has other arguments or none, or there is no such reduction.
+        If the function has other arguments or none, or there is no such reduction or scale.
     """
 
     function: Callable
@@ -124,11 +148,17 @@ class Quantity(Record):
     long_name: str = eqx.field(default="", static=True)
     units: str = eqx.field(default="1", static=True)
     reduce: str | None = eqx.field(default=None, static=True)
+    scale: str | float | Sequence[float] = eqx.field(default="own", static=True, converter=_hashable)
 
     def __check_init__(self):
         if not callable(self.function):
             raise TypeError(f"a quantity needs a function, not {self.function!r}.")
         _arguments_of(self.function)
+        numbers = isinstance(self.scale, tuple) and self.scale and all(0 < one < np.inf for one in self.scale)
+        if self.scale not in SCALES and not numbers:
+            raise ValueError(
+                f"scale must be {', '.join(map(repr, SCALES))}, or numbers greater than zero, not {self.scale!r}."
+            )
         if self.reduce not in REDUCTIONS:
             raise ValueError(f"reduce must be one of {', '.join(map(repr, REDUCTIONS))}, not {self.reduce!r}.")
 
@@ -140,6 +170,41 @@ class Quantity(Record):
     def needs_acceleration(self) -> bool:
         """Whether the function takes the acceleration."""
         return "a" in _arguments_of(self.function)
+
+    def scales(self, own: np.ndarray, along: np.ndarray) -> np.ndarray:
+        """Scale of the error of each component, of shape (m,).
+
+        Parameters
+        ----------
+        own
+            Reduced value of each component, or its largest absolute value along time, of shape (m,).
+        along
+            Largest absolute value of each component along time, of shape (m,).
+
+        Raises
+        ------
+        ValueError
+            If the quantity has neither one scale nor one for each component.
+        """
+        if isinstance(self.scale, tuple):
+            if len(self.scale) not in (1, len(own)):
+                raise ValueError(
+                    f"scale of '{self.long_name or self.name}' must be one number or one for each of its {len(own)} "
+                    f"components, not {len(self.scale)} numbers."
+                )
+            return np.broadcast_to(np.array(self.scale), np.shape(own))
+        sizes = np.abs(along if self.scale == "peak" else own)
+        largest = np.full(sizes.shape, sizes.max())
+        return np.maximum(sizes, SMALLEST_SCALE * largest) if self.scale == "each" else largest
+
+    def relative_to(self, components: int) -> str:
+        """The value to which errors of the quantity are relative, in words."""
+        if isinstance(self.scale, tuple):
+            return f"relative to {', '.join(map(number, self.scale))}{f' {self.units}' * (self.units != '1')}"
+        value = REDUCTIONS[None if self.scale == "peak" else self.reduce]
+        if self.scale == "each" and components > 1:
+            return f"relative to the {value} of each component"
+        return f"relative to the {value}{' of the largest component' * (components > 1)}"
 
     def marched(self) -> Observer:
         return self if self.reduce is None else _Reduced(self)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from study.observer.motion import Quantity
 from study.program.attempt import Run, Times, Values
 
 if TYPE_CHECKING:
@@ -26,15 +28,26 @@ SAME = 1e-6
 
 @dataclass(frozen=True)
 class Curve:
-    """A quantity along its times, of shape (t, ...), or a single number, of shape (), without times."""
+    """A quantity along its times, of shape (t, ...), or a single number, of shape (), without times.
+
+    ``quantity`` is the quantity of a problem that the values belong to, if any; it states the scale of errors.
+    """
 
     t: Times
     values: Values
+    quantity: Quantity | None = None
 
-    @property
-    def size(self) -> float:
-        """The largest absolute value."""
-        return float(np.abs(self.values).max())
+    @cached_property
+    def sizes(self) -> np.ndarray:
+        """Largest absolute value of each component, of shape (components,)."""
+        return np.abs(self.values).reshape(max(len(self.t), 1), -1).max(axis=0)
+
+    @cached_property
+    def scale(self) -> np.ndarray:
+        """Scale of the error of each component, by default the largest absolute value of all, (components,)."""
+        if self.quantity is None:
+            return np.full(self.sizes.shape, self.sizes.max())
+        return self.quantity.scales(self.sizes, self.sizes)
 
     @cached_property
     def _spline(self) -> CubicSpline:
@@ -68,27 +81,30 @@ class Curve:
         if not self.values.ndim:
             return self
         shared = (self.t >= other.t[0] - self._slack) & (self.t <= other.t[-1] + self._slack)
-        return Curve(self.t[shared], self.values[shared])
+        return Curve(self.t[shared], self.values[shared], self.quantity)
 
     def difference(self, finer: Curve) -> Values:
         """Values of this curve minus values of a finer one, at the times of this curve that the finer one covers."""
         shared = self.within(finer)
         return shared.values - finer.at(shared.t)
 
-    def distance(self, finer: Curve) -> float:
-        """Largest absolute value of the ``difference`` from a finer curve."""
-        return float(np.abs(self.difference(finer)).max(initial=0.0))
+    def distance(self, finer: Curve, scale: np.ndarray) -> float:
+        """Largest absolute value of the ``difference`` from a finer curve, relative to a scale, (components,)."""
+        off = np.abs(self.difference(finer)).reshape(-1, len(scale)).max(axis=0, initial=0.0)
+        return float(np.divide(off, scale, out=np.full(off.shape, np.inf), where=scale > 0).max())
 
     def between(self) -> float:
-        """Estimated error of interpolation between the times: half of the error if only every second time is used.
+        """Estimated relative error of interpolation between the times: half of the error with every second time.
 
         It is infinite for a curve of fewer than ``FEWEST`` times, and zero for a single number.
         """
         if not self.values.ndim:
             return 0.0
-        return self.distance(Curve(self.t[::2], self.values[::2])) / 2 if len(self.t) >= FEWEST else np.inf
+        every_second = Curve(self.t[::2], self.values[::2])
+        return self.distance(every_second, self.scale) / 2 if len(self.t) >= FEWEST else np.inf
 
 
-def curves(run: Run) -> dict[str, Curve]:
-    """The quantities of a run as curves, by name."""
-    return {name: Curve(run.t if one.ndim else np.empty(0), one) for name, one in run.values.items()}
+def curves(run: Run, quantities: Mapping[str, Quantity] | None = None) -> dict[str, Curve]:
+    """The quantities of a run as curves, by name; ``quantities`` has those of a problem."""
+    of = quantities or {}
+    return {name: Curve(run.t if one.ndim else np.empty(0), one, of.get(name)) for name, one in run.values.items()}

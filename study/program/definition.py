@@ -15,6 +15,7 @@ import numpy as np
 import platformdirs
 
 from study.algebra.scalars import is_number, is_whole
+from study.observer.motion import Quantity
 from study.program.attempt import Runnable
 
 #: Default number of steps of a run with the coarsest step, and of a run with the finest step.
@@ -147,6 +148,11 @@ class Program:
         """The name of the program, or the title or name of ``run``."""
         of_run = getattr(self.run, "title", None) or getattr(self.run, "__name__", type(self.run).__name__)
         return self.name or str(of_run)
+
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """The quantities of a problem that runs as a program, by name; they state the scales of errors."""
+        return {one.name: one for one in getattr(self.run, "quantities", ()) if isinstance(one, Quantity)}
 
     @property
     def place(self) -> Path:

@@ -88,9 +88,8 @@ class Refinement:
         while True:
             refined = [s for s in self._program.all_schemes if s not in done and not self._ends(s)]
             self.run((s, step) for s in refined for step in steps if (s, step) not in self._runs.made)
-            estimates = {s: estimate(self.last_completed(s)) for s in refined if not self._ignores(s)} | {
-                s: estimate(self.last_completed(s)) for s in done
-            }
+            estimated = [*(s for s in refined if not self._ignores(s)), *done]
+            estimates = {s: estimate(self.last_completed(s), self._program.quantities) for s in estimated}
             known = {s: one for s, one in estimates.items() if one}
             truth = agreed(known.values())
             if truth:

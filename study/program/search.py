@@ -107,7 +107,7 @@ class Search:
         if interrupted:
             self.refinement.remarks.append("interrupted: no step is recommended where more runs were needed")
         limits = [(name, error) for name in self.truth.uncertainty for error in self.allowed]
-        for scheme in self.program.all_schemes:
+        for scheme in self.program.schemes:
             runs = self.refinement.of(scheme)
             failed = [run for run in runs if not run.completed]
             unequal = [run for run in failed if run.status == "unequal_times"]

@@ -1,12 +1,13 @@
 """The motion on which two schemes of a program agree as their steps are halved, and its uncertainty."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
 
+from study.observer.motion import Quantity
 from study.program.attempt import Run
 from study.program.curves import Curve, curves
 
@@ -36,7 +37,7 @@ class Estimate(NamedTuple):
     order
         Orders of the extrapolated quantities, by name.
     error
-        Error of each quantity, relative to its size.
+        Error of each quantity, relative to its scale.
     fixed
         Whether the times of the output do not depend on the step: the finest two runs have the same times.
     """
@@ -57,11 +58,11 @@ class Truth(NamedTuple):
     best, witness
         The scheme that gives the motion, and the one with which it is compared.
     uncertainty
-        Uncertainty of each quantity, relative to its size: the difference of the two schemes plus the error of
+        Uncertainty of each quantity, relative to its scale: the difference of the two schemes plus the error of
         interpolation between the steps, or the larger of the two schemes' own errors if it exceeds this sum. The error
         of interpolation is left out if the times of the output are ``fixed``.
     between
-        Error of interpolation of each quantity, relative to its size.
+        Error of interpolation of each quantity, relative to its scale.
     """
 
     best: Estimate
@@ -83,17 +84,17 @@ class Truth(NamedTuple):
     @property
     def sizes(self) -> dict[str, float]:
         """Largest absolute value of each quantity."""
-        return {name: one.size for name, one in self.best.motion.items()}
+        return {name: float(one.sizes.max()) for name, one in self.best.motion.items()}
 
     def errors(self, run: Run) -> dict[str, float]:
-        """Largest error of each quantity at any time of a run, relative to its size; NaN if the run failed.
+        """Largest error of each quantity at any time of a run, relative to its scale; NaN if the run failed.
 
         If the times of the output are ``fixed``, a run at other times has the error of interpolation, too.
         """
         if not run.completed:
             return dict.fromkeys(self.uncertainty, math.nan)
         found = curves(run)
-        errors = {name: found[name].distance(true) / true.size for name, true in self.best.motion.items()}
+        errors = {name: found[name].distance(true, true.scale) for name, true in self.best.motion.items()}
         unseen = self.fixed and not self.shares_times(run)
         return {name: off + self.between[name] for name, off in errors.items()} if unseen else errors
 
@@ -106,30 +107,36 @@ class Truth(NamedTuple):
 def _extrapolated(coarser: Curve, finer: Curve, order: int) -> Curve:
     """Richardson's extrapolation, at the times of the coarser run."""
     shared = coarser.within(finer)
-    return Curve(shared.t, shared.values - shared.difference(finer) * (1 + 1 / (2**order - 1)))
+    values = shared.values - shared.difference(finer) * (1 + 1 / (2**order - 1))
+    return Curve(shared.t, values, shared.quantity)
 
 
-def estimate(runs: Sequence[Run]) -> Estimate | None:
-    """The motion by a scheme, from its completed runs with halved steps, the finest last; None if there are too few."""
+def estimate(runs: Sequence[Run], quantities: Mapping[str, Quantity] | None = None) -> Estimate | None:
+    """The motion by a scheme, from its completed runs with halved steps, the finest last; None if there are too few.
+
+    ``quantities`` has the quantities of a problem, which state the scales of errors, by name.
+    """
     if len(runs) < FEWEST_RUNS:
         return None
-    of_runs = [curves(run) for run in runs[-RUNS:]]
+    of_runs = [curves(run, quantities) for run in runs[-RUNS:]]
     motion: dict[str, Curve] = {}
     orders: dict[str, int] = {}
     error: dict[str, float] = {}
     for name in of_runs[-1]:
         along = [one[name] for one in of_runs]
-        motion[name], order, off = _limit(along)
-        size = motion[name].size
-        error[name] = off / size if size else math.inf
+        motion[name], order, error[name] = _limit(along)
         orders |= {name: order} if order else {}
     fixed = np.array_equal(runs[-1].t, runs[-2].t)
     return Estimate(runs[-1].scheme, runs[-1].dt, motion, orders, error, fixed)
 
 
 def _limit(along: Sequence[Curve]) -> tuple[Curve, int, float]:
-    """Limit of a quantity, the order of its extrapolation (zero without extrapolation), and the limit's uncertainty."""
-    apart = [coarser.distance(finer) for coarser, finer in pairwise(along)]
+    """Limit of a quantity, the order of its extrapolation (zero without extrapolation), and the limit's uncertainty.
+
+    The uncertainty is relative to the scale of the quantity.
+    """
+    scale = along[-1].scale
+    apart = [coarser.distance(finer, scale) for coarser, finer in pairwise(along)]
     observed = [math.log2(a / b) if a > 0 and b > 0 else math.nan for a, b in pairwise(apart)]
     order = round(observed[-1]) if observed[-1] > 0.5 else 0
     near = [abs(one - order) <= off for one, off in zip(reversed(observed), OFF_ORDER, strict=False)]
@@ -137,7 +144,7 @@ def _limit(along: Sequence[Curve]) -> tuple[Curve, int, float]:
     if order and along[-1].values.ndim and len(near) == len(OFF_ORDER) and all(near):
         before, last = (_extrapolated(coarser, finer, order) for coarser, finer in list(pairwise(along))[-2:])
         # the whole difference, as for a remainder of first order, which motions with kinks have
-        return last, order, before.distance(last)
+        return last, order, before.distance(last, scale)
     clipped = float(np.clip(observed[-1], *ORDERS)) if apart[-1] > 0 < apart[-2] else ORDERS[0]
     # at least half of the difference before the last one, because the last one may be small by chance
     return along[-1], 0, max(apart[-1], apart[-2] / 2) / (2**clipped - 1)
@@ -155,8 +162,8 @@ def _compared(one: Estimate, other: Estimate) -> Truth:
     fixed = one.fixed and other.fixed
     uncertainty, between = dict[str, float](), dict[str, float]()
     for name, motion in best.motion.items():
-        size, own = motion.size, max(one.error[name], other.error[name])
-        between[name] = motion.between() / size if size else math.inf
-        apart = coarser.motion[name].distance(finer.motion[name]) / size if size else math.inf
+        own = max(one.error[name], other.error[name])
+        between[name] = motion.between()
+        apart = coarser.motion[name].distance(finer.motion[name], motion.scale)
         uncertainty[name] = max(apart if fixed else apart + between[name], own)
     return Truth(best, witness, uncertainty, between)
