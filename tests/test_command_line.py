@@ -51,6 +51,21 @@ def test_a_recommendation_is_printed(capsys, tmp_path):
     assert capsys.readouterr().out == f"{table.to_string()}\n"
 
 
+def test_an_assessment_is_found_by_its_file(capsys, tmp_path, monkeypatch):
+    """`study assess --output mynm` writes mynm.nc, which all of these words name."""
+    monkeypatch.chdir(tmp_path)
+    study.io.write(small_results.assessment().assign_attrs(source=study.io.SOURCE), "mynm.nc")
+    study.io.write(small_results.assessment().assign_attrs(source=study.io.SOURCE), "sub/mynm.nc")
+    ways = ["mynm"], ["mynm.nc"], ["mynm", "--folder", "."], ["sub/mynm"], ["sub/mynm.nc"], ["mynm", "--folder", "sub"]
+    for way in ways:
+        main(["recommend", *way, "--error", "0.01"])
+    printed = capsys.readouterr().out
+    assert printed == len(ways) * f"{study.recommend('mynm', error=0.01).to_string()}\n"
+    with pytest.raises(SystemExit):
+        main(["recommend", "other.nc", "--error", "0.01"])
+    assert "there is no file 'other.nc'; `study assess --output other.nc` writes it." in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "words, sentence",
     [

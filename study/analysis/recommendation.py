@@ -242,10 +242,12 @@ def answer_line(assessed: xr.Dataset, table: pd.DataFrame, quantity: str, error:
 def _asked(assessed: xr.Dataset, table: pd.DataFrame) -> list[str]:
     """Sentences on your own schemes and on the controller that were asked for."""
     titles, counts, sentences = assessed.scheme_title.to_series(), _counts(table), list[str]()
-    own = [name for name in assessed.attrs.get("own_schemes", "").split("; ") if name in table.index]
+    own = [name for name in assessed.attrs.get("asked_for", "").split("; ") if name in table.index]
     others = counts[[name for name in table.index if name not in own and table.step_size[name] > 0]]
     of = "forces" if counts.name == "force_evaluations" else "steps"
+    remarks = assessed.attrs.get("remarks", "").split("; ")
     for name in own:
+        sentences += [one for one in remarks if one.startswith(f"{titles[name]} is")]
         if not table.step_size[name] > 0:
             sentences.append(f"{titles[name]}: no step was found ({table.verdict[name]})")
         else:

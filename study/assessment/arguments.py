@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from study.analysis.linear_theory import LinearTheory
 from study.assessment.errors import DEFAULT, named
 from study.assessment.search import ENERGY
 from study.marching.arguments import resolve
@@ -26,6 +27,9 @@ USUAL = (
     "rho_bathe",
     "rk4",
 )
+
+#: Ratios of step to period at which the stability of your own scheme is examined.
+FINE = np.logspace(-3, 0, 31)
 
 #: Least allowed error.
 LEAST_ERROR = 1e-10
@@ -55,6 +59,15 @@ def chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | S
     if not chosen:
         raise ValueError("schemes is empty; name at least one, or leave schemes out for the default ones.")
     return chosen
+
+
+def remarks_on_stability(own: Iterable[Scheme]) -> list[str]:
+    """Remarks on your own explicit schemes that are unstable without damping at every step."""
+    return [
+        f"{one.title} is unstable without damping at every step"
+        for one in own
+        if one.explicit and not LinearTheory(one, FINE).stability_limit() > 0
+    ]
 
 
 def checked_errors(allowed: Sequence[float]) -> list[float]:

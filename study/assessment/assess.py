@@ -12,7 +12,7 @@ import xarray as xr
 
 from study.algebra.scalars import is_number
 from study.assessment import failures, large, oscillation, search
-from study.assessment.arguments import checked_errors, chosen_schemes, refusal, wanted_quantities
+from study.assessment.arguments import checked_errors, chosen_schemes, refusal, remarks_on_stability, wanted_quantities
 from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.deadline import OutOfTime, within
@@ -167,17 +167,19 @@ def assess(
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))
-    own_schemes = "; ".join(name for name, one in fit.items() if one not in schemes_by_name.values())
+    own_schemes = {name: one for name, one in fit.items() if one not in schemes_by_name.values()}
+    asked = "; ".join(own_schemes)
     spacing, progress, end = search.spacing(equation, length), Progress(len(fit)), time.monotonic() + seconds
     model = model_of(equation, length, spacing)
     progress.say(f"{equation.title}: {'; '.join(model)}")
-    remarks = remark_on_record(equation, spacing)
+    remarks = remark_on_record(equation, spacing) + remarks_on_stability(own_schemes.values())
     if np.size(equation.u0) > large.MOST:
         if control is not None:
             raise ValueError(f"controlled steps are assessed for up to {large.MOST:,} unknowns; leave controller out.")
         program = large.program_of(equation, fit, length, quantities, spacing)
         ds = assess_program(program, allowed, seconds, progress.report)
-        ds.attrs |= {"model": "\n".join(model), "own_schemes": own_schemes} | record_of(equation.load)
+        ds.attrs |= {"model": "\n".join(model), "asked_for": asked} | record_of(equation.load)
+        ds.attrs["remarks"] = "; ".join([*remarks, *([ds.attrs["remarks"]] if ds.attrs["remarks"] else [])])
         if quantities is None and np.size(equation.u0) > large.SHOWN:
             compared = f"{large.SHOWN} of {np.size(equation.u0):,} unknowns"
             ds.attrs["starts"] += f" Errors were compared at {compared}; others may have larger ones."
@@ -259,7 +261,7 @@ def assess(
     ds.attrs |= {
         "model": "\n".join(model),
         "remarks": "; ".join(remarks),
-        "own_schemes": own_schemes,
+        "asked_for": asked,
         "reference": reference.route.name,
         "witness": reference.witness.name,
         "reference_tolerance": reference.rtol,

@@ -1,5 +1,6 @@
 """Recommendations from a made-up assessment with known step sizes and computing times."""
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -39,6 +40,57 @@ def test_times_within_their_spreads_tie(assessed):
     assert study.recommend(assessed, error=0.01).ties_with_fastest.tolist() == [True, False]
     assessed.time_spread.loc[{"scheme": "average_acceleration"}] = 90e-6
     assert study.recommend(assessed, error=0.01).ties_with_fastest.tolist() == [True, True]
+
+
+def test_times_within_their_spread_are_ranked_by_counts(assessed):
+    """48.3 ± 102 µs does not distinguish a scheme from 12.4 µs: the number of forces decides, or of steps."""
+    assessed.time.values[:], assessed.time_spread.values[:] = [[[12.4e-6]], [[48.3e-6]]], [[[1e-6]], [[102e-6]]]
+    assert study.recommend(assessed, error=0.1, quantity="energy").index[0] == "average_acceleration"
+    assessed.force_evaluations.loc[{"scheme": "central_difference"}] = 10.0
+    table = study.recommend(assessed, error=0.1, quantity="energy")
+    assert table.index[0] == "central_difference" and table.ties_with_fastest.all()
+    assert "do not distinguish it from Average acceleration" in answer(assessed, "energy", 0.1)
+    assessed.force_evaluations[:] = float("nan")
+    assert study.recommend(assessed, error=0.01).index[0] == "average_acceleration"  # 1,000 steps instead of 2,000
+    assessed.time_spread[:] = 1e-6
+    assert study.recommend(assessed, error=0.01).index[0] == "average_acceleration"
+    assessed.time.loc[{"scheme": "central_difference"}] = 1e-6
+    assert study.recommend(assessed, error=0.01).index[0] == "central_difference"
+
+
+def _with_step(assessed, step):
+    """The assessment with one recommended step for all schemes, quantities and errors."""
+    steps = assessed.recommended_dt.copy(data=np.full(assessed.recommended_dt.shape, step))
+    return assessed.assign(recommended_dt=steps).assign_coords(dt=[step, 1.0, 2.0, 3.0][: assessed.sizes["dt"]])
+
+
+def test_what_is_printed_can_be_typed_back(assessed):
+    assessed = _with_step(assessed, 3.6e-6).assign_attrs(duration=0.0999972)
+    assessed["highest_frequency"], assessed.largest_dt[:] = float("nan"), 3.8666251e-6
+    table = study.recommend(assessed, error=0.01)
+    text = table[["step_size", "largest_step", "omega_step", "number_of_steps", "time"]].to_string()
+    row = text.splitlines()[-1].split()
+    assert row[1:5] == ["3.6e-06", "3.86e-06", "–", "27777"] and float(row[1]) == 3.6e-6
+    assert "NaN" not in text and "nan" not in text
+    assert str(table).startswith("1\u00a0% of displacement: Central difference, 3.6\u00a0µs\n")
+    assert table.step_size.dtype == float and table.head(1).to_string().startswith("1\u00a0% of")
+    assert "<p>1\u00a0% of displacement: " in table._repr_html_()
+
+
+def test_a_fraction_of_a_spacing_is_printed_as_such(assessed):
+    assessed = _with_step(assessed, 0.02 / 3).assign_attrs(spacing=0.02)
+    text = study.recommend(assessed, error=0.01)[["step_size"]].to_string()
+    assert text.splitlines()[0].endswith("20/3\u00a0ms") and text.splitlines()[-1].split()[-1] == "0.02/3"
+
+
+def test_a_scheme_that_was_asked_for_is_compared(assessed):
+    remark = "Central difference is unstable without damping at every step"
+    assessed.attrs |= {"asked_for": "central_difference", "remarks": remark}
+    compared = "Central difference: 5\u00a0ms, 2 times the forces of Average acceleration"
+    assert study.recommend(assessed, error=0.01).attrs["answer"][1:] == [remark, compared]
+    assessed.attrs["asked_for"] = "average_acceleration"
+    none = "Average acceleration: no step was found (not even the finest step)"
+    assert study.recommend(assessed, error=0.01, quantity="energy").attrs["answer"][1] == none
 
 
 def test_a_name_stands_for_the_dataset_of_that_name(assessed, tmp_path):

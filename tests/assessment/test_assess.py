@@ -1,5 +1,10 @@
 """The assessment of a problem, end to end."""
 
+import math
+import time
+from datetime import UTC, datetime, timedelta
+from types import SimpleNamespace
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -7,7 +12,8 @@ from scipy.integrate import solve_ivp
 
 import study
 from reference import taylor
-from study.assessment import errors
+from study.assessment import assess as assessing
+from study.assessment import errors, search
 from study.assessment.certified import certified
 from study.assessment.reference import Reference
 from study.assessment.report import answer, page
@@ -69,9 +75,9 @@ def test_a_reduced_quantity_is_compared_up_to_the_end_of_the_run(driven, reduce)
     """A run ends with the last whole step within the duration; the reference is reduced over the same time."""
     wanted = errors.named({"x": study.Quantity(lambda u, v: jnp.stack([u, v]), reduce=reduce)})
     found = certified(driven, DURATION, wanted, tightest=1e-4, coarsest=1.0, periodic=False)
-    search = Search(study.schemes["newmark"], {1.0: Case(driven, found.targets, None)}, DURATION, 0.1, 0.01, False)
-    search.run(np.array([0.0123, 0.0237]))
-    for dt, steps, error in search.runs[["dt", "steps", "x"]].itertuples(index=False):
+    one = Search(study.schemes["newmark"], {1.0: Case(driven, found.targets, None)}, DURATION, 0.1, 0.01, False)
+    one.run(np.array([0.0123, 0.0237]))
+    for dt, steps, error in one.runs[["dt", "steps", "x"]].itertuples(index=False):
         assert steps == int(DURATION / dt)
         t = np.linspace(0, steps * dt, 20_001)
         exact, ds = _by_scipy(t), study.run(driven, "newmark", dt=dt, steps=steps)
@@ -81,7 +87,7 @@ def test_a_reduced_quantity_is_compared_up_to_the_end_of_the_run(driven, reduce)
             "final": lambda y: y[:, -1],
             "rms": lambda y: np.sqrt(np.trapezoid(y**2, axis=1) / (y.shape[1] - 1)),
         }[reduce]
-        scale = np.abs(exact).max() if reduce == "final" else of(exact).max()
+        scale = np.abs(of(exact)).max()
         assert error == pytest.approx(np.abs(of(got) - of(exact)).max() / scale, rel=0.02)
 
 
@@ -128,14 +134,54 @@ def test_recommend_lists_what_was_run(assessed):
     assert table["time"].is_monotonic_increasing and table.ties_with_fastest.iloc[0]
 
 
-def test_what_there_is_no_time_for_is_said(driven, assessed):
+def test_what_there_is_no_time_for_is_said(driven, assessed, monkeypatch):
+    # the time of the searches ends after the first runs
+    monkeypatch.setattr(search, "time", SimpleNamespace(monotonic=lambda: math.inf))
     hurried = study.assess(
-        driven, "newmark", duration=DURATION, quantities=QUANTITIES, errors=(0.05, 0.01), seconds=0.0
+        driven, "newmark", duration=DURATION, quantities=QUANTITIES, errors=(0.05, 0.01), seconds=1000.0
     )
     words = np.array(hurried.verdict.flag_meanings.split())[hurried.verdict]
     assert set(words.ravel()) == {"out_of_time"} and hurried.recommended_dt.isnull().all()
     assert 0 < hurried.sizes["dt"] < assessed.sizes["dt"] / 3
     assert "out of time" in answer(hurried, "path", 0.01) and "outcome" not in hurried
+
+
+def test_a_reference_that_takes_too_long_is_given_up(driven, monkeypatch):
+    monkeypatch.setattr(assessing, "certified", lambda *arguments, **options: time.sleep(60))
+    start = time.monotonic()
+    with pytest.raises(ValueError, match="the reference of 'driven' was not found in 0.2 s; allow more .*: 1 unknown"):
+        study.assess(driven, "rk4", duration=DURATION, seconds=0.2)
+    assert time.monotonic() - start < 20
+
+
+def test_an_assessment_is_dated_by_its_time(assessed, monkeypatch):
+    made = datetime.fromisoformat(assessed.attrs["date_created"])
+    assert timedelta(0) <= datetime.now(UTC) - made < timedelta(hours=1)
+    assert assessed.attrs["history"].startswith(assessed.attrs["date_created"])
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
+    assert study.io.now() == study.io.provenance("", "")["date_created"] == "1970-01-01T00:00:00+00:00"
+
+
+def test_the_reference_itself_is_part_of_the_answer(driven, assessed):
+    """Peak, its time and the root mean square agree with SciPy within the stated uncertainty."""
+    t = np.linspace(0, DURATION, 200_001)
+    u, v = _by_scipy(t)
+    peak, path = (assessed.sel(quantity=name) for name in ("peak", "path"))
+    off = 1e-7 + peak.reference_value_uncertainty[0]
+    assert abs(peak.reference_value[0] - np.abs(u).max()) < off and peak.reference_value.isnull()[1]
+    assert peak.reference_time[0] == pytest.approx(t[np.abs(u).argmax()], abs=0.05)
+    assert path.reference_value.values == pytest.approx([np.abs(u).max(), np.abs(v).max()], abs=1e-6)
+    force = (np.cos(1.2 * t) * 0.5 - 0.1 * v - u - u**3) ** 2
+    rms = assessed.sel(quantity="force")
+    assert rms.reference_value[0] == pytest.approx(np.sqrt(np.trapezoid(force, t) / DURATION), rel=1e-5)
+    assert rms.reference_time.isnull().all() and rms.relative_to == "relative to the root mean square"
+    assert path.relative_to == "relative to the largest value along time of the largest component"
+    assert assessed.attrs["model"].splitlines() == [
+        "1 unknown, period of small motion 6.28 s, 20 s are 3.18 periods",
+        "damping ratios 0.05; a load",
+    ]
+    assert "Reference of peak: " in study.recommend(assessed, error=0.01, quantity="peak").to_string()
+    assert "relative to the peak. Dashed" in page(assessed) and "four times the duration needs half" in page(assessed)
 
 
 def test_failures_are_mapped_and_explained(assessed):
@@ -163,9 +209,9 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     reference = Reference(problem, duration)
     exactly = reference.solution(reference.routes[0], reference.grid(exact / 4), 1e-12)
     targets = {name: errors.target(q, problem, exactly) for name, q in quantities.items()}
-    search = Search(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, 1.0, duration / steps, True)
-    search.run(np.array([duration / steps]))
-    one = search.runs.iloc[0]
+    searched = Search(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, 1.0, duration / steps, True)
+    searched.run(np.array([duration / steps]))
+    one = searched.runs.iloc[0]
     ds = study.run(problem, "rk4", dt=duration / steps, steps=steps, observe=["trajectory", MaxEnergyError()])
     once = taylor.trajectory(problem, np.arange(1, 33) * exact / 32).u
     wanted = np.concatenate([[1.5], np.tile(once, 20)])

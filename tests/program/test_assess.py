@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 import study
 from study.assessment.failures import failed_runs
 from study.assessment.search import VERDICTS, round_step
-from study.program import runs, search
+from study.program import runs, search, truth
 from study.program.attempt import STATUSES, WHOLE, Run
 from study.program.curves import Curve
 from study.program.refinement import NoTruth
@@ -45,17 +45,17 @@ def spring(request, tmp_path_factory):
 
 def test_the_truth_is_as_uncertain_as_it_says(spring):
     own, ds, hardening = spring
-    truth = Search(own, [0.1, 0.01, 0.001], round_step, math.inf, lambda *words: None).truth
+    found = Search(own, [0.1, 0.01, 0.001], round_step, math.inf, lambda *words: None).truth
 
     def rate(t, y):
         return [y[1], -y[0] - hardening * y[0] ** 3]
 
-    t = np.linspace(0, truth.best.motion["velocity"].t[-1], 5001)
+    t = np.linspace(0, found.best.motion["velocity"].t[-1], 5001)
     exact = solve_ivp(rate, (0, models.DURATION), [1.0, 0.0], method="DOP853", t_eval=t, rtol=1e-12, atol=1e-13).y
     for name, along in zip(ALONG, exact, strict=True):
-        off = np.abs(truth.best.motion[name].at(t) - along).max() / np.abs(along).max()
-        assert off <= truth.uncertainty[name] <= 1e-4
-        assert truth.uncertainty[name] == ds.reference_uncertainty.sel(quantity=name)
+        off = np.abs(found.best.motion[name].at(t) - along).max() / np.abs(along).max()
+        assert off <= found.uncertainty[name] <= 1e-4
+        assert found.uncertainty[name] == ds.reference_uncertainty.sel(quantity=name)
     assert "by order 2" in ds.attrs["reference"] and "by order 2" in ds.attrs["witness"]
 
 
@@ -89,6 +89,37 @@ def test_error_against_time_is_drawn(spring, tmp_path):
     assert (found.time > 0).any() and "error of velocity" in (tmp_path / "work.svg").read_text()
     with pytest.raises(KeyError, match="no quantity 'speed'; known are displacement"):
         study.work_precision(own, figure=tmp_path / "work.svg", quantity="speed")
+
+
+def _of_two_units(scheme, dt):
+    """Displacement, and a rotation of a ten-thousandth of the velocity."""
+    made = models.linear(scheme, dt)
+    motion = np.stack([made["displacement"], 1e-4 * np.asarray(made["velocity"])], axis=1)
+    return {"t": made["t"], "motion": motion, "last": made["displacement"][-1]}
+
+
+def test_components_of_different_units_are_remarked(tmp_path):
+    with pytest.warns(RuntimeWarning, match="1 of 2 components of 'motion' stay below .* return them separately"):
+        ds = study.assess(program(_of_two_units, tmp_path), errors=[0.1])
+    assert ds.reference_value.sel(quantity="motion").values == pytest.approx([1.0, 1e-4], rel=1e-3)
+    assert ds.reference_value.sel(quantity="last")[0] == pytest.approx(np.cos(models.DURATION), abs=1e-3)
+    assert ds.relative_to.sel(quantity="last") == "relative to the value itself"
+    assert "components of 'motion'" in study.recommend(ds, error=0.1).to_string()
+
+
+def test_each_component_of_a_quantity_may_have_its_own_scale():
+    """A component with amplitude 1e-4 and a relative error of dt² counts as one of amplitude 1 does."""
+    runs = []
+    for dt in (0.1, 0.05, 0.025, 0.0125):
+        t = np.arange(0, 1 + dt / 2, dt)
+        values = np.stack([np.cos(t) * (1 + 0.01 * dt**2), 1e-4 * np.cos(t) * (1 + dt**2)], axis=1)
+        runs.append(Run("a", dt, "completed", "", 1.0, 1.0, t, {"u": values}))
+    each = study.Quantity(lambda u: u, "u", scale="each")
+    found = truth.estimate(runs, {"u": each}), truth.estimate(runs)
+    assert found[0].motion["u"].scale == pytest.approx([1.0, 1e-4])
+    for one, error in zip(found, (0.1**2, 0.01 * 0.1**2), strict=True):
+        made = truth.Truth(one, one, {"u": 0.0}, {"u": 0.0}).errors(runs[0])
+        assert made["u"] == pytest.approx(error, rel=0.01)
 
 
 def test_a_second_question_repeats_one_run_of_each_scheme(spring):

@@ -1,0 +1,15 @@
+"""Sentences on the reliability of an assessment."""
+
+from study.assessment.assurance import confirmation
+from tests import small_results
+
+
+def test_few_tries_are_no_assurance():
+    ds = small_results.assessment().assign_attrs(starts="")
+    assert "at most 0.429\u00a0% of such steps exceed the allowed error." in confirmation(ds)
+    ds.steps_tried[0, 0, 0] = 3
+    text = confirmation(ds)
+    assert "at most 0.429\u00a0% of such steps" in text and "100\u00a0%" not in text
+    assert "1 of 7 recommended steps were confirmed by fewer than 30 steps, which is no assurance" in text
+    ds.steps_tried[:] = 3
+    assert "With 95 %" not in confirmation(ds)

@@ -1,0 +1,118 @@
+"""Values to which errors are relative, and remarks on them, on linear motions in closed form."""
+
+import numpy as np
+import pytest
+
+import study
+from study.assessment import errors
+from study.assessment.reference import Reference
+from study.assessment.scales import remark_on_components, remarks_on_scales
+from study.assessment.search import Case, Search
+
+#: Translation in mm and rotation in rad: K has entries of different units.
+MASS, STIFFNESS = np.array([1.0, 4e3]), np.array([[100.0, -2e3], [-2e3, 4e7]])
+
+
+def _targets(problem, duration, quantities):
+    reference = Reference(problem, duration)
+    exactly = reference.solution(reference.routes[0], reference.grid(duration / 20), 1e-12)
+    return {name: errors.target(one, problem, exactly) for name, one in errors.named(quantities).items()}
+
+
+def _errors(problem, duration, targets, dt):
+    found = Search(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, dt, dt, False)
+    found.run(np.array([dt]))
+    return found.runs.iloc[0]
+
+
+@pytest.fixture(scope="module")
+def decaying():
+    """ü + 0.1 u̇ + u = 0 from u = 1 at rest: after 30 s it is at a fifth of its start."""
+    return study.Problem(lambda u: u, 1.0, damping=0.1, title="decaying")
+
+
+def _exact(t):
+    ratio, omega = 0.05, np.sqrt(1 - 0.05**2)
+    return np.exp(-ratio * t) * (np.cos(omega * t) + ratio / omega * np.sin(omega * t))
+
+
+def test_the_error_of_a_final_value_is_relative_to_it(decaying):
+    duration, dt = 30.0, 0.5
+    wanted = {scale: study.Quantity(lambda u: u, reduce="final", scale=scale) for scale in ("own", "peak", "each")}
+    wanted |= {"number": study.Quantity(lambda u: u, reduce="final", scale=0.2)}
+    found = _errors(decaying, duration, _targets(decaying, duration, wanted), dt)
+    got = study.run(decaying, "rk4", dt=dt, steps=60, every=60).u[-1].item()
+    off = abs(got - _exact(duration))
+    for scale, value in (
+        ("own", abs(_exact(duration))),
+        ("each", abs(_exact(duration))),
+        ("peak", 1.0),
+        ("number", 0.2),
+    ):
+        assert found[scale] == pytest.approx(off / value, rel=1e-6)
+
+
+def test_a_residual_drift_has_an_error_of_its_own_size():
+    """A spring that yields once keeps u = 0.5 as its drift: k (u − 0.5) about which it swings with damping."""
+    settled = study.Problem(lambda u: u - 0.05, 1.0, damping=0.4, title="settled")
+    ratio, omega = 0.2, np.sqrt(1 - 0.04)
+    exact = 0.05 + 0.95 * np.exp(-0.2 * 20) * (np.cos(omega * 20) + ratio / omega * np.sin(omega * 20))
+    targets = _targets(settled, 20.0, {"drift": study.Quantity(lambda u: u, reduce="final")})
+    assert targets["drift"].own == pytest.approx([exact], rel=1e-9)
+    got = study.run(settled, "rk4", dt=1.0, steps=20).u[-1].item()
+    assert _errors(settled, 20.0, targets, 1.0).drift == pytest.approx(abs(got - exact) / abs(exact), rel=1e-6)
+
+
+def test_a_final_value_near_zero_gets_a_remark(decaying):
+    wanted = {"end": study.Quantity(lambda u: u, reduce="final")}
+    # u(t) = 0 where tan ωt = −ω/ζ
+    omega = np.sqrt(1 - 0.05**2)
+    zero = (np.pi - np.arctan(omega / 0.05)) / omega
+    with pytest.warns(RuntimeWarning, match="the final value of 'end', .* is close to zero"):
+        (remark,) = remarks_on_scales(_targets(decaying, zero + 1e-5, wanted))
+    assert "scale='peak'" in remark
+    wanted["end"] = study.Quantity(lambda u: u, reduce="final", scale="peak")
+    assert remarks_on_scales(_targets(decaying, zero + 1e-5, wanted)) == []
+
+
+def test_components_of_different_units_have_errors_of_their_own_size():
+    problem = study.Problem(stiffness=STIFFNESS, mass=np.diag(MASS), u0=[50.0, 0.0], v0=[0.0, 0.5], title="mixed")
+    wanted = {scale: study.Quantity(lambda u: u, scale=scale) for scale in ("own", "each")}
+    wanted |= {"given": study.Quantity(lambda u: u, scale=[50.0, 0.0081])}
+    duration, dt = 2.0, 0.028
+    targets = _targets(problem, duration, wanted)
+    # modal solution: M^(−1/2) K M^(−1/2) has the eigenvalues ω²
+    root = np.sqrt(MASS)
+    squares, modes = np.linalg.eigh(STIFFNESS / np.outer(root, root))
+    omega = np.sqrt(squares)
+    at_start, rate = modes.T @ (root * [50.0, 0.0]), modes.T @ (root * [0.0, 0.5])
+
+    def exact(t):
+        swings = at_start * np.cos(np.outer(t, omega)) + rate / omega * np.sin(np.outer(t, omega))
+        return swings @ modes.T / root
+
+    ds = study.run(problem, "rk4", dt=dt, steps=int(duration / dt))
+    off = np.abs(ds.u - exact(ds.t.values)).max("t").values
+    peaks = np.abs(exact(np.linspace(0, duration, 100_001))).max(axis=0)
+    found = _errors(problem, duration, targets, dt)
+    assert found.own == pytest.approx(off.max() / peaks.max(), rel=1e-3) and found.own < 0.01
+    assert found.each == pytest.approx((off / peaks).max(), rel=1e-3) and found.each > 0.5
+    assert found.given == pytest.approx((off / [50.0, 0.0081]).max(), rel=1e-3)
+    with pytest.warns(RuntimeWarning, match="1 of 2 components of 'own' stay below a hundredth of the largest"):
+        (remark,) = remarks_on_scales(targets)
+    assert "scale='each'" in remark
+
+
+def test_a_component_of_round_off_neither_dominates_nor_gets_a_remark():
+    each = study.Quantity(lambda u: u, scale="each")
+    assert each.scales(np.array([1.0, 1e-14]), np.ones(2)).tolist() == [1.0, 1e-6]
+    assert remark_on_components("u", np.array([1.0, 0.02, 1e-14, 0.0]), "") == []
+    assert "1 of 3 components" in remark_on_components("u", np.array([1.0, 0.005, 0.0]), "")[0]
+
+
+def test_unfit_scales_are_refused():
+    for scale in ("largest", 0.0, [1.0, -1.0], [], float("nan"), None):
+        with pytest.raises(ValueError, match="scale must be 'own', 'each', 'peak', or numbers greater than zero"):
+            study.Quantity(lambda u: u, scale=scale)
+    with pytest.raises(ValueError, match="scale of 'x' must be one number or one for each of its 3 components, not 2"):
+        study.Quantity(lambda u: u, "x", scale=[1.0, 2.0]).scales(np.ones(3), np.ones(3))
