@@ -8,6 +8,8 @@ from typing import Any
 
 #: Translation of digits and a hyphen into superscripts, for exponents.
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+#: Value that scales the errors of a quantity, by the name of its reduction; a quantity along time has none.
+SCALED_BY = {"": "largest value along time", "peak": "peak", "final": "final value", "rms": "root mean square"}
 # a power such as 5e-05; digits within a word, such as the hash of a commit, are not a number
 _POWER = re.compile(r"(?<![\w.])(\d(?:\.\d+)?)e([+-]?)0*(\d{1,3})(?!\w)")
 #: Largest fraction that :func:`percent` prints as zero, because it may be round-off.
@@ -62,6 +64,12 @@ def step_with_unit(seconds: float, spacing: float | None = None) -> str:
     units = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}
     unit, size = next((one for one in units.items() if seconds >= one[1] / 10), ("µs", 1e-6))
     return f"{step_size(seconds / size, None if spacing is None else spacing / size)}\u00a0{unit}"
+
+
+def relative_to(value: str = "", components: int = 1, each: bool = False) -> str:
+    """The value to which errors of a quantity are relative, by the name of its reduction; along time it is empty."""
+    of = f" of {'each' if each else 'the largest'} component" if components > 1 else ""
+    return f"relative to the {SCALED_BY[value]}{of}"
 
 
 def percent(fraction: float) -> str:

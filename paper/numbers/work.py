@@ -11,7 +11,7 @@ from paper.products import numbers
 from paper.published import SCHEMES, printed_cpu_times
 from paper.requirements import OF_THE_ASSESSMENTS
 from study.analysis.recommendation import recommend
-from study.words import listed
+from study.words import listed, relative_to
 
 #: Error of the displacement at which the fastest schemes and solvers are compared.
 EXACTING = 1e-10
@@ -96,6 +96,7 @@ def of_recommendations(springs: list[xr.Dataset]) -> dict:
             for quantity, of_quantity in explicit.groupby(best.quantity)
         },
         "work_of_all": len(best),
+        "error_relative_to": relative_to(),
         "work_explicit_tied": sum("implicit" in tied for tied in best.tied[explicit]),
         "explicit_wins_most": bool(explicit.mean() > 0.5),
         "work_ranking_of_all": ", ".join(f"{one} ({count})" for one, count in best.title.value_counts().items()),

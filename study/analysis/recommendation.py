@@ -43,7 +43,7 @@ class Recommended(pd.DataFrame):
     def to_string(self, *arguments, **options):  # type: ignore[override]
         """The answer and the table as text; the parameters are those of pandas."""
         table = self._formatted().to_string(*arguments, **options)
-        return table if table is None else "\n".join([*self._words(), table])
+        return table if table is None else "\n".join([*self._words(), table]).replace("\u00a0", " ")
 
     def _repr_html_(self) -> str | None:
         table = self._formatted()._repr_html_()  # type: ignore[operator]

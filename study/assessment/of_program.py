@@ -21,6 +21,7 @@ from study.program.search import Search
 from study.program.truth import Estimate
 from study.registry import UnknownName, did_you_mean
 from study.scheme.named import schemes as schemes_by_name
+from study.words import relative_to
 
 #: Attributes of variables in the dataset of a program. The dataset of a problem lacks these variables or describes them
 #: otherwise.
@@ -109,10 +110,8 @@ def _measured(curve: Curve) -> Measured:
         value, reached = np.atleast_1d(curve.values), np.full(1, np.nan)
     if curve.quantity is not None:
         return Measured(curve.quantity.relative_to(len(value)), curve.quantity.units, value, reached, curve.scale)
-    words = f"largest value along time{' of the largest component' * (len(value) > 1)}"
-    return Measured(
-        f"relative to the {words if curve.values.ndim else 'value itself'}", "1", value, reached, curve.scale
-    )
+    words = relative_to(components=len(value)) if curve.values.ndim else "relative to the value itself"
+    return Measured(words, "1", value, reached, curve.scale)
 
 
 def _remarks_on_components(search: Search) -> list[str]:

@@ -15,7 +15,7 @@ from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.function_checks import failure, index_beyond
 from study.observer.base import Observer, Record, Reduction
-from study.words import number
+from study.words import number, relative_to
 
 #: Arguments that the function of a quantity may have, each with its meaning.
 ARGUMENTS = {
@@ -26,8 +26,8 @@ ARGUMENTS = {
     "ground": "acceleration of the ground",
 }
 
-#: Reductions of a quantity to one value per run, each with its value in words; None records it along time.
-REDUCTIONS = {None: "largest value along time", "peak": "peak", "final": "final value", "rms": "root mean square"}
+#: Reductions of a quantity to one value per run; None records it along time.
+REDUCTIONS = (None, "peak", "final", "rms")
 
 #: Scales of the errors of a quantity that have a name.
 SCALES = ("own", "each", "peak")
@@ -201,10 +201,7 @@ class Quantity(Record):
         """The value to which errors of the quantity are relative, in words."""
         if isinstance(self.scale, tuple):
             return f"relative to {', '.join(map(number, self.scale))}{f' {self.units}' * (self.units != '1')}"
-        value = REDUCTIONS[None if self.scale == "peak" else self.reduce]
-        if self.scale == "each" and components > 1:
-            return f"relative to the {value} of each component"
-        return f"relative to the {value}{' of the largest component' * (components > 1)}"
+        return relative_to("" if self.scale == "peak" else self.reduce or "", components, self.scale == "each")
 
     def marched(self) -> Observer:
         return self if self.reduce is None else _Reduced(self)
