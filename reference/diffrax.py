@@ -12,10 +12,12 @@ import optimistix
 
 from reference.solution import (
     ATOL_BELOW_RTOL,
+    ENDS,
     RouteFailed,
     Solution,
     StepLimit,
     Times,
+    check_time,
     check_tolerance,
     check_trajectory,
     release,
@@ -29,6 +31,8 @@ SMALLEST_RTOL = 1e-15
 #: Relative tolerance of a first run, which only compiles the program.
 LOOSE_RTOL = 1e-3
 MAX_STEPS = 1_000_000
+#: Number of parts into which the times are divided if the wall time is limited.
+PIECES = 256
 #: Number of stages that are counted for a step, without the last stage of ``Dopri8`` and ``Tsit5``, which the next step
 #: uses again. A stage of these explicit methods evaluates the right side once, an implicit stage several times.
 STAGES = {"Dopri8": 13, "Tsit5": 6, "Kvaerno5": 7}
@@ -68,27 +72,28 @@ def _controller(rtol, stops=None):
 
 
 @partial(jit, compiler=eqx.filter_jit)
-def _solve(problem: Problem, t, rtol, method: str, max_steps: int):
-    """States at the times ``t``, number of steps, and status of diffrax."""
+def _solve(problem: Problem, begin, t, rtol, method: str, max_steps: int):
+    """States at the times ``t``, number of steps, status, and the last time and state, the next ``begin``."""
+    t0, y0 = begin
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(right_side),
         _solver(method),
-        t0=0.0,
+        t0=t0,
         t1=t[-1],
         dt0=None,
-        y0=jnp.stack([jnp.asarray(problem.u0), jnp.asarray(problem.v0)]),
+        y0=y0,
         args=problem,
         stepsize_controller=_controller(rtol, stops=t),
         saveat=diffrax.SaveAt(ts=t),
         max_steps=max_steps,
         throw=False,
     )
-    return solution.ys, solution.stats["num_steps"], solution.result
+    return solution.ys, solution.stats["num_steps"], solution.result, (t[-1], solution.ys[-1])
 
 
 @partial(jit, compiler=eqx.filter_jit)
-def _solve_with_history(problem: Problem, t, rtol, method: str, max_steps: int):
-    """States at the times ``t``, number of steps, and status of diffrax. The history is committed at each time."""
+def _solve_with_history(problem: Problem, begin, t, rtol, method: str, max_steps: int):
+    """As :func:`_solve`, with the history, which is committed at each time, as part of ``begin``."""
 
     def stretch(carry, ends):
         y, history, before = carry
@@ -109,10 +114,10 @@ def _solve_with_history(problem: Problem, t, rtol, method: str, max_steps: int):
         result = diffrax.RESULTS.where(diffrax.is_okay(before), solution.result, before)
         return (y, committed.at_time(ends[1]).committed(*y).history, result), (y, solution.stats["num_steps"])
 
-    start = jnp.stack([jnp.asarray(problem.u0), jnp.asarray(problem.v0)])
-    begin = start, problem.at_time(0.0).committed(*start).history, diffrax.RESULTS.successful
-    (*_, result), (states, steps) = jax.lax.scan(stretch, begin, (jnp.append(0.0, t[:-1]), t))
-    return states, steps.sum(), result
+    t0, *state = begin
+    begin = *state, diffrax.RESULTS.successful
+    (*state, result), (states, steps) = jax.lax.scan(stretch, begin, (jnp.append(t0, t[:-1]), t))
+    return states, steps.sum(), result, (t[-1], *state)
 
 
 def _check(problem: Problem, method: str, result) -> None:
@@ -141,7 +146,7 @@ def trajectory(
     method
         ``Dopri8``, ``Tsit5`` or ``Kvaerno5``.
     max_steps
-        Limit of the number of steps, accepted and rejected. For a force with a history, the limit applies to the steps
+        Limit of the number of steps, accepted and rejected; of each piece if the wall time is limited. For a force with a history, the limit applies to the steps
         from one time to the next.
 
     Raises
@@ -155,15 +160,31 @@ def trajectory(
     """
     check_tolerance(f"diffrax {method}", rtol, SMALLEST_RTOL)
     check_trajectory(f"diffrax {method}", problem, t, unknowns=np.inf)
-    times = jnp.asarray(t, float)
-    solve = _solve if problem.history is None else _solve_with_history
-    jax.block_until_ready(solve(problem.untitled(), times, jnp.asarray(LOOSE_RTOL), method, max_steps))  # compiles
-    start = time.perf_counter()
-    states, steps, result = solve(problem.untitled(), times, jnp.asarray(rtol), method, max_steps)
-    _check(problem, method, result)
-    u, v = np.moveaxis(np.asarray(states), 1, 0)
-    seconds = time.perf_counter() - start
-    return Solution(u, v, int(steps) * STAGES[method], seconds)
+    times, end = np.asarray(t, float), ENDS.get()
+    start = jnp.stack([jnp.asarray(problem.u0), jnp.asarray(problem.v0)])
+    begin: tuple = jnp.zeros(()), start
+    if problem.history is not None:
+        begin = *begin, problem.committed(*start).history
+    solve = partial(_solve if problem.history is None else _solve_with_history, problem.untitled())
+    pieces = [times] if end == np.inf else _pieces(times)
+    if end == np.inf:
+        jax.block_until_ready(solve(begin, jnp.asarray(times), jnp.asarray(LOOSE_RTOL), method, max_steps))  # compiles
+    clock, parts, total = time.perf_counter(), [], 0
+    for piece in pieces:
+        check_time(end)
+        states, steps, result, begin = solve(begin, jnp.asarray(piece), jnp.asarray(rtol), method, max_steps)
+        _check(problem, method, result)
+        parts.append(np.asarray(states))
+        total += int(steps)
+    u, v = np.moveaxis(np.concatenate(parts)[: len(t)], 1, 0)
+    return Solution(u, v, total * STAGES[method], time.perf_counter() - clock)
+
+
+def _pieces(t: Times) -> list[Times]:
+    """The times in ``PIECES`` parts of one length, so that one program is compiled; the last time is repeated."""
+    length = -(-len(t) // PIECES)
+    parts = -(-len(t) // length)
+    return np.split(np.pad(t, (0, parts * length - len(t)), mode="edge"), parts)
 
 
 @partial(jit, compiler=eqx.filter_jit)

@@ -19,6 +19,7 @@ from reference.solution import (
     Solution,
     StepLimit,
     Times,
+    check_time,
     check_tolerance,
     check_trajectory,
     release,
@@ -74,8 +75,7 @@ def _in_time(fill: Callable) -> Callable:
         return fill
 
     def checked(t, y, rate):
-        if time.monotonic() > end:
-            raise TimeoutError("CVODE has run out of time.")
+        check_time(end)
         fill(t, y, rate)
 
     return checked

@@ -196,11 +196,8 @@ def assess(
         f"the reference of '{equation.title}' was not found in {seconds:g} s; allow more seconds, larger errors or a "
         f"shorter duration: {model[0]}."
     )
-    reference = within(
-        end,
-        lambda: certified(equation, length, wanted, allowed[-1], coarsest, periodic=quantities is None),
-        unfinished,
-    )
+    with within(end, unfinished):
+        reference = certified(equation, length, wanted, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
     if length < requested:
         warnings.warn(
@@ -210,7 +207,8 @@ def assess(
             stacklevel=2,
         )
     remarks += remarks_on_scales(reference.targets)
-    cases = within(end, lambda: cases_of(equation, reference, wanted, allowed[-1]), unfinished)
+    with within(end, unfinished):
+        cases = cases_of(equation, reference, wanted, allowed[-1])
     if of_energy and (lacking := lack_of_energy(equation, reference.solution)):
         warnings.warn(lacking, RuntimeWarning, stacklevel=2)
         of_energy = False

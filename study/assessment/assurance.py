@@ -89,7 +89,7 @@ def reference_of(assessed: xr.Dataset) -> str:
 
 def values_of_reference(assessed: xr.Dataset) -> list[tuple[str, ...]]:
     """Rows of a table of the reference values: the components of each quantity, at most the ``SHOWN`` largest."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name in assessed.quantity.values:
         one = assessed[["reference_value", "reference_value_uncertainty", "reference_time"]].sel(quantity=name)
         table = one.to_dataframe().dropna(subset="reference_value")

@@ -15,6 +15,8 @@ from reference import taylor
 from study.assessment import assess as assessing
 from study.assessment import errors, search
 from study.assessment.certified import certified
+from study.assessment.deadline import OutOfTime
+from study.assessment.progress import Progress
 from study.assessment.reference import Reference
 from study.assessment.report import answer, page
 from study.assessment.search import Case, Search
@@ -146,12 +148,20 @@ def test_what_there_is_no_time_for_is_said(driven, assessed, monkeypatch):
     assert "out of time" in answer(hurried, "path", 0.01) and "outcome" not in hurried
 
 
-def test_a_reference_that_takes_too_long_is_given_up(driven, monkeypatch):
-    monkeypatch.setattr(assessing, "certified", lambda *arguments, **options: time.sleep(60))
+def test_a_reference_that_takes_too_long_is_given_up(driven):
     start = time.monotonic()
     with pytest.raises(ValueError, match="the reference of 'driven' was not found in 0.2 s; allow more .*: 1 unknown"):
-        study.assess(driven, "rk4", duration=DURATION, seconds=0.2)
+        study.assess(driven, "rk4", duration=DURATION * 5000, seconds=0.2)
     assert time.monotonic() - start < 20
+
+
+def test_schemes_for_which_there_is_no_time_are_named():
+    progress = Progress(2)
+    with pytest.warns(RuntimeWarning, match="out of time: late were not assessed"):
+        found = assessing._each({"one": 1, "late": 2}, lambda one: "runs" if one == 1 else None, progress, "")
+    assert found == {"one": "runs"}
+    with pytest.raises(OutOfTime, match="no scheme was run"):
+        assessing._each({"late": 2}, lambda one: None, Progress(1), "no scheme was run")
 
 
 def test_an_assessment_is_dated_by_its_time(assessed, monkeypatch):

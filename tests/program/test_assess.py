@@ -116,6 +116,7 @@ def test_each_component_of_a_quantity_may_have_its_own_scale():
         runs.append(Run("a", dt, "completed", "", 1.0, 1.0, t, {"u": values}))
     each = study.Quantity(lambda u: u, "u", scale="each")
     found = truth.estimate(runs, {"u": each}), truth.estimate(runs)
+    assert found[0] is not None and found[1] is not None
     assert found[0].motion["u"].scale == pytest.approx([1.0, 1e-4])
     for one, error in zip(found, (0.1**2, 0.01 * 0.1**2), strict=True):
         made = truth.Truth(one, one, {"u": 0.0}, {"u": 0.0}).errors(runs[0])
