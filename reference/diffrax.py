@@ -146,8 +146,8 @@ def trajectory(
     method
         ``Dopri8``, ``Tsit5`` or ``Kvaerno5``.
     max_steps
-        Limit of the number of steps, accepted and rejected; of each piece if the wall time is limited. For a force with a history, the limit applies to the steps
-        from one time to the next.
+        Limit of the number of steps, accepted and rejected. If the wall time is limited, the limit applies to each of
+        ``PIECES`` pieces. For a force with a history, it applies to the steps from one time to the next.
 
     Raises
     ------

@@ -174,7 +174,7 @@ def test_an_assessment_is_dated_by_its_time(assessed, monkeypatch):
 
 def test_the_reference_itself_is_part_of_the_answer(driven, assessed):
     """Peak, its time and the root mean square agree with SciPy within the stated uncertainty."""
-    t = np.linspace(0, DURATION, 200_001)
+    t = np.linspace(0, DURATION, 20_001)
     u, v = _by_scipy(t)
     peak, path = (assessed.sel(quantity=name) for name in ("peak", "path"))
     off = 1e-7 + peak.reference_value_uncertainty[0]
@@ -191,7 +191,6 @@ def test_the_reference_itself_is_part_of_the_answer(driven, assessed):
         "damping ratios 0.05; a load",
     ]
     assert "Reference of peak: " in study.recommend(assessed, error=0.01, quantity="peak").to_string()
-    assert "relative to the peak. Dashed" in page(assessed) and "four times the duration needs half" in page(assessed)
 
 
 def test_failures_are_mapped_and_explained(assessed):
