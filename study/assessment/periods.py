@@ -33,21 +33,27 @@ STIFFEST = 100
 MOST_OF_DAMPING = 300
 
 
-def slowest_period(problem: Problem) -> float | None:
-    """Period of the slowest small motion: about the start or about u = 0, the shorter of the two.
-
-    If small motions oscillate about neither, it is 2π √(max |u₀| / max |ü₀|), or None if u₀ or ü₀ is zero.
-    """
+def periods_of(problem: Problem) -> np.ndarray | None:
+    """Periods of small motions: about the start or about u = 0, where the slowest is shorter; None without any."""
     oscillating = []
     for at in (problem.u0, np.zeros(np.shape(problem.u0))):
         found = frequencies(problem, at)
         if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
             oscillating.append(2 * np.pi / found[of_motion])
-    if not oscillating:  # for example, if the start and u = 0 are maxima of the potential
+    return min(oscillating, key=np.max, default=None)
+
+
+def slowest_period(problem: Problem) -> float | None:
+    """The slowest of :func:`periods_of`.
+
+    If small motions oscillate about neither state, it is 2π √(max |u₀| / max |ü₀|), or None if u₀ or ü₀ is zero.
+    """
+    found = periods_of(problem)
+    if found is None:  # for example, if the start and u = 0 are maxima of the potential
         pull = np.abs(np.asarray(acceleration(problem, 0.0, problem.u0, problem.v0))).max()
         far = np.abs(problem.u0).max()
         return 2 * np.pi * float(np.sqrt(far / pull)) if far > 0 and pull > 0 else None
-    return float(min(one.max() for one in oscillating))
+    return float(found.max())
 
 
 def _period(problem: Problem) -> float | None:
@@ -133,15 +139,6 @@ def remark_on_record(problem: Problem, spacing: float | None) -> list[str]:
     )
     warnings.warn(f"{remark}.", RuntimeWarning, stacklevel=3)
     return [remark]
-
-
-def periods_of(problem: Problem) -> np.ndarray | None:
-    """Periods of small motions about the start, or about u = 0 if none oscillates about the start; None without any."""
-    for at in (problem.u0, np.zeros(np.shape(problem.u0))):
-        found = frequencies(problem, at)
-        if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
-            return 2 * np.pi / found[of_motion]
-    return None
 
 
 def highest_frequency_along(problem: Problem, motion: DenseSolution) -> float:

@@ -70,7 +70,7 @@ def test_the_command_writes_a_dataset_and_a_page_of_its_own(assessed):
     assert not re.search(r"(src|href)=(?!.data:,)|@import|url\(", text) and "http" not in text
     assert text.index("For 5\u00a0% of displacement") < text.index("<h2>")
     assert "relative to the largest value along time. Dashed" in text and "four times the duration needs half" in text
-    assert "<b>5\u00a0% of displacement: Runge-Kutta, " in text and "1 unknown, period of small motion 6.81 s" in text
+    assert "<b>5\u00a0% of displacement: Runge-Kutta, " in text and "1 unknown, period of small motion 6.28 s" in text
     assert "heyoka" in text and study.__version__ in text
     assert "integrator Newmark 0.5 0.25" in text and "frequencies up to ω = " in text
 
