@@ -223,8 +223,8 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     if rows := failed_runs(assessed):
         parts += ["<h2>Runs that failed</h2>", table_of(("scheme", "Δt, s", "reason"), rows, text=(2,))]
     parts += input_lines(assessed)
-    head = ("quantity", "component", "value in the reference", "uncertainty", "unit", "reached at t, s")
-    values = table_of(head, values_of_reference(assessed))
+    of_values = ("quantity", "component", "value in the reference", "uncertainty", "unit", "reached at t, s")
+    values = table_of(of_values, values_of_reference(assessed))
     return [*parts, "<h2>The reference</h2>", f"<p>{text_of(reference_of(assessed))}</p>", values]
 
 

@@ -4,6 +4,7 @@ import math
 import time
 from datetime import UTC, datetime, timedelta
 from types import SimpleNamespace
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -15,6 +16,7 @@ from reference import taylor
 from study.assessment import assess as assessing
 from study.assessment import errors, search
 from study.assessment.certified import certified
+from study.assessment.dataset import Assessed
 from study.assessment.deadline import OutOfTime
 from study.assessment.progress import Progress
 from study.assessment.reference import Reference
@@ -156,12 +158,12 @@ def test_a_reference_that_takes_too_long_is_given_up(driven):
 
 
 def test_schemes_for_which_there_is_no_time_are_named():
-    progress = Progress(2)
+    progress, schemes = Progress(2), dict[str, Any](one=1, late=2)
     with pytest.warns(RuntimeWarning, match="out of time: late were not assessed"):
-        found = assessing._each({"one": 1, "late": 2}, lambda one: "runs" if one == 1 else None, progress, "")
-    assert found == {"one": "runs"}
+        found = assessing._each(schemes, lambda one: Assessed(None, {}, None) if one == 1 else None, progress, "")
+    assert list(found) == ["one"]
     with pytest.raises(OutOfTime, match="no scheme was run"):
-        assessing._each({"late": 2}, lambda one: None, Progress(1), "no scheme was run")
+        assessing._each(schemes, lambda one: None, Progress(2), "no scheme was run")
 
 
 def test_an_assessment_is_dated_by_its_time(assessed, monkeypatch):
