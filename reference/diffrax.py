@@ -164,7 +164,7 @@ def trajectory(
     start = jnp.stack([jnp.asarray(problem.u0), jnp.asarray(problem.v0)])
     begin: tuple = jnp.zeros(()), start
     if problem.history is not None:
-        begin = *begin, problem.committed(*start).history
+        begin = *begin, problem.at_time(0.0).committed(*start).history
     solve = partial(_solve if problem.history is None else _solve_with_history, problem.untitled())
     pieces = [times] if end == np.inf else _pieces(times)
     if end == np.inf:

@@ -41,8 +41,8 @@ class Program:
         ``run(scheme, dt)`` runs the program with a scheme and a step in s up to ``duration``. It returns a mapping from
         names to quantities: arrays along its times ``t``, of shape (t,) or (t, components), and single numbers such as
         a peak. The components of an array share the scale of errors, so components of different units should be
-        quantities of their own. The times are the ends of all steps, or of every n-th step. A program that measures its computing time
-        in s returns it as ``seconds``. An exception is recorded and ends only that run.
+        quantities of their own. The times are the ends of all steps, or of every n-th step. A program that measures its
+        computing time in s returns it as ``seconds``. An exception is recorded and ends only that run.
     schemes
         Names of schemes for ``run``, at least two including the witnesses. If the study has a scheme of the same name,
         the assessment takes the title of the study's scheme, and whether it is explicit or implicit.
