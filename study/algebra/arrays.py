@@ -42,11 +42,11 @@ ScipySparse: TypeAlias = Any
 
 
 def as_float64(value: Any) -> Any:
-    """A number or an array, converted to float64; a value that JAX traces is returned unchanged."""
+    """A number or an array, copied as float64; a value that JAX traces is returned unchanged."""
     if isinstance(value, jax.core.Tracer):
         return value
     check_unmasked("an array", value)
-    return np.asarray(value, np.float64)[()]
+    return np.array(value, np.float64)[()]
 
 
 def real_numbers(name: str, value: Any) -> np.ndarray:

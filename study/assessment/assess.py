@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from study.algebra.reads import reading
 from study.algebra.scalars import is_number
 from study.assessment import failures, large, oscillation, search
 from study.assessment.arguments import checked_errors, chosen_schemes, refusal, remarks_on_stability, wanted_quantities
@@ -196,7 +197,8 @@ def assess(
         f"the reference of '{equation.title}' was not found in {seconds:g} s; allow more seconds, larger errors or a "
         f"shorter duration: {model[0]}."
     )
-    with within(end, unfinished):
+    # functions inside the force are traced anew too if what they read has changed
+    with within(end, unfinished), reading(equation.reads):
         reference = certified(equation, length, wanted, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
     if length < requested:
@@ -207,7 +209,7 @@ def assess(
             stacklevel=2,
         )
     remarks += remarks_on_scales(reference.targets)
-    with within(end, unfinished):
+    with within(end, unfinished), reading(equation.reads):
         cases = cases_of(equation, reference, wanted, allowed[-1])
     if of_energy and (lacking := lack_of_energy(equation, reference.solution)):
         warnings.warn(lacking, RuntimeWarning, stacklevel=2)

@@ -45,7 +45,7 @@ class Problem(Evaluation):
     nothing: it is not in the compiled loop.
 
     Force, potential and load may read globals, closures, attributes, dictionaries and arrays. A run uses the values
-    that these have when the run is called.
+    that these have when the run is called. Numbers and arrays given to the problem itself are copied.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from study.algebra.arrays import Scalar, Vector, VectorLike
+from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
 from study.mechanics.definition import Problem
 from study.mechanics.ground import GroundLoad
 
@@ -14,7 +14,7 @@ from study.mechanics.ground import GroundLoad
 class HarmonicLoad(eqx.Module):
     """A harmonic load f(t) = amplitude · cos(ωt − phase), with an amplitude of the shape of u."""
 
-    amplitude: VectorLike = eqx.field(converter=np.asarray)
+    amplitude: VectorLike = eqx.field(converter=as_float64)
     frequency: float = eqx.field(converter=np.float64)
     phase: float = eqx.field(converter=np.float64)
 
@@ -70,7 +70,7 @@ def record_of(load: Callable | None) -> dict[str, str]:
 class HalfSine(eqx.Module):
     """Half a period of a sine, f(t) = amplitude · sin(πt/duration), then zero, with an amplitude of the shape of u."""
 
-    amplitude: VectorLike = eqx.field(converter=np.asarray)
+    amplitude: VectorLike = eqx.field(converter=as_float64)
     duration: float = eqx.field(converter=np.float64)
 
     def __call__(self, t: Scalar) -> Vector:

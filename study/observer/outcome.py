@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from study.algebra.jit import jit
 from study.keywords import KeywordsOnly
 from study.mechanics.definition import Problem
 from study.observer.base import Record, Reduction
@@ -111,7 +112,7 @@ class OutcomeObserver(KeywordsOnly, Reduction):
         problem = problems[problem] if isinstance(problem, str) else problem
         if refusal := _refusal(problem):
             raise ValueError(refusal)
-        potential = eqx.filter_jit(problem.stored_energy)
+        potential = jit(problem.stored_energy, compiler=eqx.filter_jit)
         u0 = float(problem.u0)
         try:
             found = optimize.minimize_scalar(potential, bracket=(u0, 0.99 * u0 if u0 else 0.01), tol=1e-12)
