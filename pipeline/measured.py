@@ -23,9 +23,18 @@ def run(file: str, *command: str) -> None:
     seconds = time.monotonic() - begin
     own, of_children = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     processor = sum(one.ru_utime + one.ru_stime for one in (own, of_children))
-    memory = max(own.ru_maxrss, of_children.ru_maxrss) / 1024
     Path(file).parent.mkdir(parents=True, exist_ok=True)
-    Path(file).write_text(f"s\tcpu_time\tmax_rss\n{seconds:.3f}\t{processor:.3f}\t{memory:.1f}\n")
+    Path(file).write_text(f"s\tcpu_time\tmax_rss\n{seconds:.3f}\t{processor:.3f}\t{_memory():.1f}\n")
+
+
+def _memory() -> float:
+    """Largest memory of this process in MB."""
+    try:
+        # Linux, whose getrusage may state the memory of the process that started this one
+        status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
+        return int(status["VmHWM"].split()[0]) / 1024
+    except OSError:  # macOS, in bytes
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
 
 
 if __name__ == "__main__":
