@@ -61,6 +61,10 @@ class Estimator(eqx.Module):
         estimates, carried = self.estimate(scheme, problem, carried, state, new, t, dt, effort)
         return new, effort, estimates, carried
 
+    def misses(self, quotients: jax.Array) -> jax.Array | bool:
+        """Whether a step is no solution, from its estimates, each divided by the largest value so far of its norm."""
+        return False
+
     def estimate(self, scheme, problem, carried, old, new, t, dt, effort) -> tuple[Sizes, Any]:
         """The estimates for a step from the state ``old`` to ``new``, and the next state of the estimator."""
         raise NotImplementedError

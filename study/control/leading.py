@@ -64,6 +64,7 @@ def linear_ratio(scheme: Scheme, estimator: str, part: np.ndarray, steps: float)
         "zienkiewicz_xie_balance": of_u,
         # the parabola treats the carried acceleration as exact, so its estimate lacks c
         "three_point": np.maximum(of_u, abs(1 / 12 - s**2 / 2) * cosine),
-        "half_step_residual": abs(1 / 8 - s**2 / 2 + c) * cosine / angle,
+        # without a force at the end of the step, the accelerations are those of the equation of motion
+        "half_step_residual": (abs(1 / 8 - s**2 / 2 + c) if scheme.force_at_end else 1 / 8) * cosine / angle,
     }
     return estimates.get(estimator, unknown) / np.maximum(of_u, of_v)

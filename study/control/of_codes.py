@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from study.algebra.matrices import times
 from study.control.controllers import SMALLEST, TINY, Controller, Decision
 from study.control.estimators import Estimator, carried_acceleration, ends_of_step
-from study.mechanics.balance import load
+from study.mechanics.balance import acceleration, load
 from study.scheme.base import check_ranges
 
 
@@ -21,8 +21,10 @@ class HalfStepResidual(Estimator):
         \eta &= \max |M \ddot u_h + C \dot u_h + p(u_h) - f(t_h)| / \max |M \ddot u|
 
     with u̇_h = u̇₀ + Δt (ü₀ + ü_h)/4. An α-method carries the accelerations at s Δt after both ends of the step, with
-    s = α_m − α_f. Therefore s (ü₁ − ü₀) is first subtracted from both accelerations. The estimate takes one
-    additional force per step. It is of second order in Δt, and the error of the step is of third order.
+    s = α_m − α_f. Therefore s (ü₁ − ü₀) is first subtracted from both accelerations. If no force of the scheme is
+    evaluated at the end of the step, ü₀ and ü₁ follow from the equation of motion instead, unless it is linear or an
+    unknown has no mass. The estimate takes one additional force per step, or two. It is of second order in Δt, and the
+    error of the step is of third order.
 
     References
     ----------
@@ -44,17 +46,25 @@ class HalfStepResidual(Estimator):
     def sizes(self, problem, state):
         return (jnp.max(jnp.abs(problem.momentum(carried_acceleration(state)))),)
 
+    def start(self, scheme, problem, state):
+        carries = scheme.force_at_end or problem.linear or problem.massless
+        return () if carries else acceleration(problem, 0.0, state.u, state.v)
+
     def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
-        before, after = ends_of_step(old, new)
-        shift = scheme.acceleration_offset * (after - before)
-        before, after = before - shift, after - shift
+        if isinstance(carried, tuple):
+            before, after = ends_of_step(old, new)
+            shift = scheme.acceleration_offset * (after - before)
+            before, after = before - shift, after - shift
+        else:
+            before = carried
+            carried = after = acceleration(problem, t + dt, new.u, new.v)
         half, a = dt / 2, (before + after) / 2
         u = old.u + half * old.v + half**2 / 4 * (before + a)
         v = old.v + half / 2 * (before + a)
         missing = problem.momentum(a) + problem.at_time(t + half).internal_force(u, v) - load(problem, t + half)
         if problem.damping is not None:
             missing = missing + times(problem.damping, v)
-        return (jnp.max(jnp.abs(missing)),), ()
+        return (jnp.max(jnp.abs(missing)),), carried
 
 
 class ApparentFrequency(Estimator):

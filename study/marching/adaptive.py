@@ -154,15 +154,15 @@ class AdaptiveMarch(eqx.Module):
             )
             here = march.problem.at(state).at_time(now)
             scales = tuple(map(jnp.maximum, trial.scales, self.estimator.sizes(here, state)))
-            estimate = jnp.max(
-                jnp.stack([e / jnp.where(s > 0, s, 1.0) for e, s in zip(estimates, scales, strict=True)])
-            )
+            quotients = jnp.stack([e / jnp.where(s > 0, s, 1.0) for e, s in zip(estimates, scales, strict=True)])
+            estimate = jnp.max(quotients)
             k = self.estimator.exponent(scheme)
             decision = self.controller.decide(
                 trial.controller, estimate / tolerance, k, dt, here, state, now, tolerance
             )
         effort = effort.including(of_control)
         solved = jnp.asarray(effort.converged) & _finite(state) & jnp.isfinite(estimate)
+        solved &= ~jnp.asarray(self.estimator.misses(quotients))
         accepted = solved & decision.accepted
         # a step that was shortened because of a stated time does not reduce the size of the next step
         shortened = accepted & (dt < trial.dt) & (not self.controller.sizes_are_given)

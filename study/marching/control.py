@@ -8,6 +8,7 @@ import numpy as np
 from study.algebra.arrays import real_numbers
 from study.algebra.scalars import is_number
 from study.control.controllers import Controller, Prescribed
+from study.control.end_of_step import WithEnd
 from study.control.estimators import Estimator, Unestimated
 from study.control.named import controllers, estimators
 from study.marching.arguments import checked_step_size, positive_integer, resolve
@@ -54,6 +55,15 @@ def usual_estimator(scheme: Scheme, problem: Problem) -> str:
     return next(name for name in fits if not estimators[name].refusal(scheme, problem))
 
 
+def with_end(estimator: Estimator, scheme: Scheme, problem: Problem) -> Estimator:
+    """The estimator, with the force at the end of a step if no force of the scheme is evaluated there.
+
+    A linear structure meets no contact, so its estimator stays the same.
+    """
+    seen = scheme.force_at_end or problem.linear or isinstance(estimator, WithEnd)
+    return estimator if seen else WithEnd(estimator)
+
+
 def checked_control(
     problem: Problem,
     scheme: Scheme,
@@ -89,6 +99,8 @@ def checked_control(
     chosen: Estimator = resolve(estimator, estimators, Estimator)  # type: ignore[type-abstract]
     if reason := chosen.refusal(scheme, problem):
         raise ValueError(reason)
+    if not control.sizes_are_given:
+        chosen = with_end(chosen, scheme, problem)
     if tolerance is None and control.needs_tolerance:
         raise ValueError(f"the controller '{control.title}' needs a tolerance.")
     values = np.asarray(1.0) if tolerance is None else real_numbers("tolerance", tolerance)

@@ -71,6 +71,7 @@ class HHTAlpha1996(OneStep):
     source: ClassVar[str] = "Hilber et al. (1977)"
     doi: ClassVar[str] = "10.1002/eqe.4290050306"
     explicit = False
+    force_at_end = True
 
     def __post_init__(self):
         if self.beta is None:
@@ -205,6 +206,10 @@ class GeneralizedAlpha(OneStep):
     @property
     def acceleration_offset(self) -> float:
         return self.alpha_m - self.alpha_f
+
+    @property
+    def force_at_end(self) -> bool:
+        return self.alpha_f == 0
 
     @property
     def needs_mass(self) -> bool:

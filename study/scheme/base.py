@@ -97,6 +97,15 @@ class Scheme(KeywordsOnly, eqx.Module):
         return None
 
     @property
+    def force_at_end(self) -> bool:
+        """Whether the state after a step depends on the internal force at the end of the step or a prediction of it.
+
+        If not, a step may end in a contact that no force of the step has met. Runs with a tolerance then evaluate the
+        force at the end of each step in addition (:class:`study.control.end_of_step.WithEnd`).
+        """
+        return False
+
+    @property
     def needs_mass(self) -> bool:
         """Whether every unknown must have mass.
 
@@ -227,6 +236,10 @@ class Wrapper(Scheme):
     @property
     def acceleration_offset(self) -> float | None:
         return self.scheme.acceleration_offset
+
+    @property
+    def force_at_end(self) -> bool:
+        return self.scheme.force_at_end
 
     @property
     def needs_mass(self) -> bool:

@@ -19,6 +19,7 @@ class Composite(OneStep):
     family: ClassVar[str] = "Multi-step and composite"
     explicit = False
     acceleration_offset = 0.0
+    force_at_end = True
 
     @property
     @abc.abstractmethod

@@ -153,6 +153,7 @@ class EnergyMomentum(OneStep):
     doi: ClassVar[str] = "10.1007/BF02440162"
     order = 2
     explicit = False
+    force_at_end = True
     stability_limit = math.inf
 
     def refusal(self, problem):

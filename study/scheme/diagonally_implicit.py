@@ -99,6 +99,7 @@ class DiagonallyImplicit(OneStep):
     doi: ClassVar[str] = "10.48550/arXiv.2209.13820"
     explicit = False
     acceleration_offset = 0.0
+    force_at_end = True
     stability_limit = math.inf
 
     def __check_init__(self):

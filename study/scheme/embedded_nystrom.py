@@ -93,6 +93,7 @@ class EmbeddedNystrom(OneStep):
     doi: ClassVar[str] = "10.1016/0898-1221(87)90066-8"
     explicit = True
     acceleration_offset = 0.0
+    force_at_end = True
 
     @property
     def order(self) -> int:

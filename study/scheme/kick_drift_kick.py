@@ -58,6 +58,7 @@ class KickDriftKick(Alternating):
 
     source: ClassVar[str] = "Blanes and Moan (2002)"
     doi: ClassVar[str] = "10.1016/S0377-0427(01)00492-7"
+    force_at_end = True
 
     def __check_init__(self):
         if len(self.kicks) != len(self.drifts) + 1:

@@ -118,6 +118,7 @@ class Chang(OneStep):
     doi: ClassVar[str] = "10.1061/(ASCE)0733-9399(2002)128:9(935)"
     order = 2
     explicit = True
+    force_at_end = True
     stability_limit = math.inf
 
     def increment(self, problem, state, t, dt):

@@ -98,6 +98,7 @@ class Newmark(OneStep):
 
     family: ClassVar[str] = "Newmark and Wilson"
     acceleration_offset = 0.0
+    force_at_end = True
 
     def __check_init__(self):
         check_ranges(self, beta=(0.0, 0.5), gamma=(0.0, 1.0))

@@ -54,6 +54,7 @@ class NohBathe(OneStep):
     order = 2
     explicit = True
     acceleration_offset = 0.0
+    force_at_end = True
 
     def __check_init__(self):
         check_ranges(self, p=(0.5, 0.9))

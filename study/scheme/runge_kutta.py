@@ -45,6 +45,7 @@ class RungeKutta4(OneStep):
     doi: ClassVar[str] = ""
     order = 4
     explicit = True
+    force_at_end = True
     stability_limit = 2 * math.sqrt(2)
 
     def start(self, problem, u0, v0, dt):
@@ -90,6 +91,7 @@ class Nystrom4(OneStep):
     doi: ClassVar[str] = ""
     order = 4
     explicit = True
+    force_at_end = True
     stability_limit = math.sqrt(8 + 2 ** (7 / 3) - 2 ** (8 / 3))
 
     def start(self, problem, u0, v0, dt):

@@ -84,6 +84,10 @@ class SingleSolve(OneStep):
         return c, -numerator / ((1 + b) * (1 + s) * (b * s - s - 2) ** 2), 1 / (2 * c)
 
     @property
+    def force_at_end(self) -> bool:
+        return self._coefficients[0] >= 1 - 1e-12
+
+    @property
     def stability_limit(self) -> float | None:
         c, weight_u, _ = self._coefficients
         return math.sqrt((2 * c - 1) / (c**2 / 2 + c * weight_u - 1 / 4)) if c > 0.5 else None

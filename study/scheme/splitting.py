@@ -173,6 +173,7 @@ class Composition(OneStep):
 
     family: ClassVar[str] = "Splitting"
     explicit = True
+    force_at_end = True
 
     def __check_init__(self):
         check_weights("Composition", "weights", self.weights)

@@ -66,6 +66,10 @@ class WangAdamsTamma(OneStep):
         check_ranges(self, c1=(0.3, 0.4))
 
     @property
+    def force_at_end(self) -> bool:
+        return self.c1 >= 1 / 3  # the second stage is then at or after the end
+
+    @property
     def stability_limit(self) -> float:
         return math.sqrt(24 - 6 / self.c1)
 

@@ -62,6 +62,7 @@ class WilsonTheta(OneStep):
     doi: ClassVar[str] = "10.1002/eqe.4290010305"
     explicit = False
     acceleration_offset = 0.0
+    force_at_end = True
 
     def __check_init__(self):
         check_ranges(self, theta=(1.0, float("inf")), beta=(0.0, 0.5), gamma=(0.0, 1.0))
