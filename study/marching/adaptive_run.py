@@ -13,7 +13,7 @@ import xarray as xr
 from jax import lax
 
 from study.algebra.jit import jit
-from study.control.estimators import Estimator, Sizes
+from study.control.estimators import Sizes
 from study.io import flags
 from study.marching.adaptive import (
     OF_EACH_STEP,
@@ -33,16 +33,17 @@ from study.marching.result import COMPLETED, FAILED_AT_STEP_ATTRIBUTES, STATUSES
 from study.marching.shapes import Displacements, PerRun
 from study.mechanics.definition import Problem
 from study.mechanics.state import Effort
-from study.observer.base import Observer, Reduction
-from study.observer.diagnostics import Evaluations
+from study.observer.base import Observer
 from study.scheme.base import Scheme
 from study.scheme.bathe import bathe
+from study.scheme.contract import started, stepped
 from study.scheme.wrapper.unequal_steps import UnequalSteps
+from study.scheme.wrapper.with_history import WithHistory
 
 #: Maximum number of samples of one run that are stored by one call of the compiled program.
 MOST_ROOM = 2**15
 
-#: Number of equal steps of the trial run, which measures the sizes of a motion if one of them is zero at the start. Its
+#: Number of equal parts of a trial run, which measures the sizes of a motion if one of them is zero at the start. Its
 #: scheme dissipates energy, because a size that grows in an unresolved contact would loosen every tolerance.
 OF_TRIAL = 200
 
@@ -72,23 +73,6 @@ _OF_RUN = {
 }
 
 
-class Scales(Reduction):
-    """Largest value along a run of each size of the motion that the estimator measures."""
-
-    estimator: Estimator
-
-    variables = {"scale": {"long_name": "largest size of the motion", "units": "1"}}
-
-    def start(self, problem, state):
-        return jnp.stack(self.estimator.sizes(problem, state))
-
-    def update(self, carried, problem, state, t, effort):
-        return jnp.maximum(carried, jnp.stack(self.estimator.sizes(problem, state)))
-
-    def result(self, carried, problem, state):
-        return {"scale": carried}
-
-
 def _start(march: March, starts: tuple) -> tuple[jax.Array, jax.Array]:
     return starts or (jnp.asarray(march.problem.u0), jnp.asarray(march.problem.v0))
 
@@ -103,20 +87,28 @@ def _begin(of, lanes: bool, adaptive, arguments, starts, dt, tolerance, room: in
 
 
 @partial(jit, compiler=eqx.filter_jit)
-def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts) -> tuple[Sizes, Effort]:
-    """Largest value of each size of the motion in a run with equal steps, or zero if not finite, and its effort."""
+def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts, grid) -> tuple[Sizes, Effort]:
+    """Largest value of each size of the motion in a run with steps to the times of a grid, and the effort of the run.
+
+    A value that is not finite becomes zero. The times of the load are among those of the grid, because otherwise the
+    run could step over a pulse.
+    """
 
     def one(arguments, starts):
         march = of(adaptive, arguments)
-        start = _start(march.march, starts)
-        dt = march.times[-1] / OF_TRIAL
-        observers = [Scales(adaptive.estimator), Evaluations()]
-        trial = March.of(march.march.problem, bathe, observers)
-        progress = trial.start(*start, dt, 0)[0]
-        progress = lax.fori_loop(0, OF_TRIAL, lambda _, progress: trial.stepped(progress, dt), progress)
-        found = trial.result(progress)[1]
-        scale, counts = found.pop("scale"), (found[name] for name in Evaluations.variables)
-        return tuple(jnp.where(jnp.isfinite(scale), scale, 0.0)), Effort(0, True, None, 0, *counts).of_trial()
+        problem = march.march.problem
+        scheme = bathe if problem.history is None else WithHistory(bathe)
+
+        def step(carry, ends):
+            state, largest, effort = carry
+            state, of_step = stepped(scheme, problem.at(state), state, ends[0], ends[1] - ends[0])
+            sizes = march.estimator.sizes(problem.at(state).at_time(ends[1]), state)
+            return (state, tuple(map(jnp.maximum, largest, sizes)), effort.then(of_step.of_trial())), None
+
+        state, effort = started(scheme, problem, *_start(march.march, starts), grid[1])
+        begin = state, march.estimator.sizes(problem.at(state).at_time(0.0), state), effort.of_trial()
+        (_, largest, effort), _ = lax.scan(step, begin, jnp.stack([grid[:-1], grid[1:]], axis=1))
+        return tuple(jnp.where(jnp.isfinite(size), size, 0.0) for size in largest), effort
 
     return (jax.vmap(one) if lanes else one)(arguments, starts)
 
@@ -255,7 +247,8 @@ class Adaptive:
         trial, initial, stored = _begin(*begin, dt, tolerance, room)
         if control.estimator.relative and not all(np.all(np.asarray(one)) for one in trial.scales):
             # estimates are relative to sizes of the motion so far, and at least one size is zero at the start
-            scales, effort = _scales_of_trial(*begin)
+            grid = np.union1d(np.linspace(0.0, control.times[-1], OF_TRIAL + 1), control.times)
+            scales, effort = _scales_of_trial(*begin, grid)
             trial = trial._replace(scales=tuple(map(jnp.maximum, trial.scales, scales)), rejected=effort)
         parts = []
         while True:

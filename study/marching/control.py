@@ -1,6 +1,6 @@
 """Checks of the arguments that choose the steps of a run with a tolerance."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -75,8 +75,14 @@ def checked_control(
     times: Any,
     dt: Any,
     steps: Any,
+    of_load: Callable[[float], np.ndarray],
 ) -> Control:
     """Settings that determine the steps of a run, from the arguments of :func:`study.run`.
+
+    Parameters
+    ----------
+    of_load
+        Function that returns the times of the load within a duration at which steps must end.
 
     Raises
     ------
@@ -111,13 +117,12 @@ def checked_control(
         duration = float(control.sizes.sum())
     if not (is_number(duration) and 0 < duration < np.inf):
         raise ValueError(f"duration must be a time greater than zero, not {duration!r}.")
-    if times is None:
-        kinks = np.asarray(() if isinstance(control, Prescribed) else getattr(problem.load, "kinks", ()), float)
-        inside = kinks[(kinks > 0) & (kinks < duration)]
-    else:
-        inside = real_numbers("times", times).ravel()
-        if not np.all((inside > 0) & (inside <= duration)):
+    inside = np.zeros(0) if isinstance(control, Prescribed) else of_load(float(duration))
+    if times is not None:
+        given = real_numbers("times", times).ravel()
+        if not np.all((given > 0) & (given <= duration)):
             raise ValueError(f"times must lie between zero and the duration, {duration:g} s, not {times!r}.")
+        inside = np.union1d(inside, given)
     first = checked_step_size(FIRST_STEP * duration if dt is None else dt)
     most = MOST_STEPS if steps is None else positive_integer("steps", steps)
     return Control(chosen, control, values, first, np.union1d(inside, [duration]), most)

@@ -19,6 +19,8 @@ from study.marching.result import Result
 from study.marching.shapes import CountOfLanes, OfLanes
 from study.mechanics.definition import Problem
 from study.mechanics.function_checks import NOT_TRACEABLE, failure
+from study.mechanics.loads import times_of
+from study.mechanics.scan import Times
 from study.observer.base import Observer
 
 
@@ -90,6 +92,22 @@ def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) 
                 f"lane {lane} of over has an unknown without mass, which a family of problems cannot have."
             )
     return list(made.values())
+
+
+def times_of_lanes(
+    make: Callable[..., Problem], over: Mapping[str, np.ndarray], made: Sequence[Problem], duration: float
+) -> Times:
+    """Times within ``duration`` at which the steps of all lanes should end, from their loads.
+
+    They are the declared kinks of the loads of ``made``, some lanes as numbers, or events of the loads of all lanes.
+    """
+    loads = [problem.load for problem in made if problem.load is not None]
+    if not loads:
+        return np.zeros(0)
+    if any(np.size(getattr(load, "kinks", ())) for load in loads):
+        return np.unique(np.concatenate([times_of(load, duration) for load in loads]))
+    lanes = {name: jnp.asarray(value) for name, value in over.items()}
+    return times_of(lambda t: jax.vmap(lambda own: make(**own).load(t))(lanes), duration)  # type: ignore[misc]
 
 
 def march_family(

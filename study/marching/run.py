@@ -31,12 +31,13 @@ from study.marching.arguments import (
 from study.marching.control import checked_control
 from study.marching.ensemble import FEW, march_in_tiles, march_one_by_one
 from study.marching.failure import ON_FAILURE
-from study.marching.family import checked_family, checked_lanes, march_family
+from study.marching.family import checked_family, checked_lanes, march_family, times_of_lanes
 from study.marching.march import March
 from study.marching.program import Program
 from study.marching.result import COMPLETED, NO_SOLUTION, NOT_FINITE, Labels, Result
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
 from study.mechanics.definition import Problem
+from study.mechanics.loads import times_of
 from study.observer.base import Observer, Record
 from study.problem.named import problems
 from study.scheme.base import Scheme
@@ -238,8 +239,11 @@ def run(
     start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
     _check_fit(equation, method, chosen)
     if controlled:
+        of_load = (
+            partial(times_of, equation.load) if over is None else partial(times_of_lanes, problem, values, equations)
+        )
         control = checked_control(
-            equation, method, chosen, estimator, controller, tolerance, duration, times, dt, steps
+            equation, method, chosen, estimator, controller, tolerance, duration, times, dt, steps, of_load
         )
         limit = checked_bound(bound, equations, start, velocity, float(control.times[-1]))
         lanes = number_of_lanes(equation, start, velocity, {"tolerance": control.tolerance, "dt": control.dt}, values)

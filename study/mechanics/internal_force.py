@@ -145,7 +145,12 @@ def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array)
                 wanted.append((partial(_switches, equation.params[_CALLS[name]], given), equation.invars))
     # the same program, with the operands of these operations as its results
     operands = [operand for _, operands in wanted for operand in operands]
-    to_operands = core.ClosedJaxpr(jaxpr.replace(outvars=operands), program.consts)
+    needed, kept = {x for x in operands if not isinstance(x, core.Literal)}, []
+    for equation in reversed(jaxpr.eqns):
+        if not needed.isdisjoint(equation.outvars):
+            kept.insert(0, equation)
+            needed |= {x for x in equation.invars if not isinstance(x, core.Literal)}
+    to_operands = core.ClosedJaxpr(jaxpr.replace(eqns=kept, outvars=operands), program.consts)
     values = iter(core.jaxpr_as_fun(to_operands)(*arguments))
     return [switch for function, operands in wanted for switch in function(*islice(values, len(operands)))]
 
@@ -166,6 +171,21 @@ def switches(force: Callable, *arguments: Any) -> Float[Array, "switches"]:
     program = eqx.filter_make_jaxpr(force)(*given)[0]
     found = _switches(program, [True] * len(program.jaxpr.invars), *given)
     return jnp.concatenate([jnp.zeros(0), *(jnp.ravel(switch).astype(float) for switch in found)])
+
+
+def numbers(function: Callable, *arguments: Any) -> np.ndarray:
+    """The real numbers that occur in the traced program of a function, as constants or in tables, each once."""
+    program = eqx.filter_make_jaxpr(function)(*map(jnp.asarray, arguments))[0]
+    found = [np.zeros(0), *map(np.ravel, program.consts)]
+
+    def collect(jaxpr: core.Jaxpr) -> None:
+        for equation in jaxpr.eqns:
+            found.extend(np.ravel(x.val) for x in equation.invars if isinstance(x, core.Literal))
+            for inner in _inner(equation):
+                collect(inner)
+
+    collect(program.jaxpr)
+    return np.unique(np.concatenate([one.astype(float) for one in found if one.dtype.kind in "fiu"]))
 
 
 def depends_on_last(force: Callable, *arguments: Any) -> bool:

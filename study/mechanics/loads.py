@@ -9,6 +9,7 @@ import numpy as np
 from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
 from study.mechanics.definition import Problem
 from study.mechanics.ground import GroundLoad
+from study.mechanics.scan import Times, events
 
 
 class HarmonicLoad(eqx.Module):
@@ -54,6 +55,24 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
         (problem.load.load, problem.load.factor) if isinstance(problem.load, _Scaled) else (problem.load, 1.0)
     )
     return eqx.tree_at(lambda p: p.load, problem, _Scaled(load, factor * before)).examined()
+
+
+def times_of(load: Callable | None, duration: float) -> Times:
+    """Times within ``duration`` at which steps should end: the kinks that a load declares, or :func:`events` of a load.
+
+    Of a sum of a ground motion and a load, both parts are considered.
+    """
+    if load is None:
+        return np.zeros(0)
+    if isinstance(load, _Scaled):
+        return times_of(load.load, duration)
+    if isinstance(load, GroundLoad):
+        times = np.union1d(load.ground.kinks, times_of(load.load, duration))
+    elif np.size(declared := getattr(load, "kinks", ())):
+        times = np.asarray(declared, float).ravel()
+    else:
+        times = events(load, duration)
+    return times[(times > 0) & (times < duration)]
 
 
 def record_of(load: Callable | None) -> dict[str, str]:

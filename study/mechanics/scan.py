@@ -1,0 +1,249 @@
+"""Times at which a function of time has kinks, jumps or short pulses, from samples that are refined where it bends."""
+
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from study.mechanics.internal_force import numbers, switches
+
+#: Number of intervals between the first samples, and the least number of them if the function has many values. It is a
+#: prime number: a train of pulses whose period divides the duration would otherwise fall between the samples.
+INTERVALS, FEWEST = 8191, 251
+
+#: Caps on samples × values: of those that are computed at once, which bounds the memory, and of the first samples.
+AT_ONCE, IN_ALL = 2**22, 2**25
+
+#: Number of samples up to which a short array suffices.
+FEW = 1024
+
+#: Largest number of values that are compared one by one; more are first combined to this number by random weights.
+COLUMNS = 32
+
+#: Largest and smallest number of parts into which the neighbourhood of a sample is divided, and largest number of
+#: divisions. The more neighbourhoods there are, the fewer parts they have.
+MOST_PARTS, FEWEST_PARTS, LEVELS = 256, 32, 16
+
+#: Least ratio of the bend at a sample to the median bend for a refinement, and least growth of the bend by a division
+#: for another one. At a kink the bend grows with the number of parts; where the function is smooth it stays the same.
+SALIENT, GROWING = 8.0, 4.0
+
+#: Smallest deviation from a straight line that counts, as a fraction of the range of the function.
+SMALLEST = 1e-9
+
+#: Largest bend before a smooth pulse if the function counts as quiet there, as a fraction of the bend in the pulse.
+QUIET = 1e-2
+
+#: Largest number of neighbourhoods that are divided. Those with the largest deviations are divided.
+MOST = 4096
+
+#: Number of samples between two times found.
+BETWEEN = 17
+
+#: Width of a neighbourhood at which its division ends, as a fraction of the duration.
+NARROW = 1e-12
+
+#: Distance of further samples from a number of the program, as a fraction of the duration.
+NEXT_TO = 1e-9
+
+#: Times in seconds.
+Times = Float[np.ndarray, "times"]
+
+#: Values of a function at samples, and their bends.
+Values = Float[np.ndarray, "*samples columns"]
+
+
+def events(function: Callable, duration: float) -> Times:
+    """Times within ``duration`` at which a function of time jumps or has a kink, or at which a short pulse lies.
+
+    The function is sampled at equidistant times, and at every number of its program, such as 3.3 in ``t > 3.3`` or the
+    times of a table. Samples with an exceptional deviation from the straight line through their neighbours are refined
+    again and again. A time is found if the bend grows with each refinement. A change of a comparison in the program is
+    a jump, so both ends of ``(t > 3.3) & (t < 3.30001)`` are found. A smooth pulse after a quiet stretch gives three
+    times: its start, its largest value and its end. Other smooth functions give no times. Between two times found, the
+    time of the largest deviation from a straight line is added.
+
+    A pulse that lasts at least a 4,000th of the duration is certain to be found, for up to 4,000 values; the samples
+    become fewer for more values. A shorter pulse is found if one of its times is a number of the program.
+
+    Parameters
+    ----------
+    function
+        Function of the time, whose values have one shape. It is called anew for each scan, because what it reads may
+        have changed, and no program is compiled for it.
+    duration
+        Duration in s.
+    """
+    with jax.enable_x64(True):
+        scan = _Scan(function, duration)
+        t, values = scan.first()
+        h = t[1] - t[0]
+        deviation = _deviation(values)
+        typical = np.median(deviation, axis=0)
+        salient = np.any(deviation > np.maximum(SALIENT * typical, SMALLEST), axis=1)
+        first, last = _pairs(salient)  # a deviation with the index i belongs to the sample i + 1
+        regions, strengths = np.stack([t[first], t[last + 2]], axis=1), np.maximum(deviation[first], deviation[last])
+
+        known, beside, off = scan.at_numbers(t, values)
+        struck = np.any(off > np.maximum(SALIENT * typical, SMALLEST), axis=1)
+        known, beside, off = known[struck], beside[struck], off[struck]
+        around = np.stack([beside - h, beside + h], axis=1)
+        found = scan.divided(np.concatenate([regions, around]), np.concatenate([strengths, off]))
+        found = np.concatenate([found, _pulses(t, values, deviation, salient, found)])
+        for number, size in zip(known, off, strict=True):
+            place = int(number / h)
+            quiet = np.any(deviation[max(place - 9, 0) : max(place - 1, 1)].max(axis=0) < QUIET * size)
+            if quiet and not np.any(abs(found - number) < h):
+                found = np.append(found, [t[place], number, t[place + 1]])
+        found = np.unique(found[(found > NEXT_TO * duration) & (found < (1 - NEXT_TO) * duration)])
+        found = found[np.diff(found, prepend=0.0) > NEXT_TO * duration]
+        return np.union1d(found, scan.farthest(found))
+
+
+class _Scan:
+    """A function of time and the signs of its comparisons, as columns of numbers of about the range one."""
+
+    def __init__(self, function: Callable, duration: float):
+        self._function, self._duration, zero = function, duration, jnp.zeros(())
+        known = numbers(function, zero)
+        self._numbers = known[(known > 0) & (known < duration)]
+        self._compares = jax.eval_shape(lambda t: switches(function, t), zero).size > 0
+        self._size = max(jax.eval_shape(self._of_time, zero).size, 1)
+        self._scale = self._weights = None
+
+    def _of_time(self, t):
+        value = jnp.ravel(jnp.asarray(self._function(t), float))
+        return jnp.append(value, jnp.sign(switches(self._function, t))) if self._compares else value
+
+    def _raw(self, t: Times) -> Values:
+        """Values at the times, computed in parts of few lengths, for which JAX compiles each operation once."""
+        once = int(np.clip(AT_ONCE // self._size, 1, FEW if len(t) <= FEW else INTERVALS + 1))
+        parts = []
+        for begin in range(0, len(t), once):
+            some = t[begin : begin + once]
+            padded = jnp.asarray(np.pad(some, (0, once - len(some)), mode="edge"))
+            try:
+                part = jax.vmap(self._of_time)(padded)
+            except NotImplementedError:  # a function that calls the host may take one time only
+                part = jax.lax.map(self._of_time, padded)
+            if self._weights is not None:
+                part = part @ self._weights
+            parts.append(np.asarray(part)[: len(some)])
+        return np.concatenate(parts)
+
+    def first(self) -> tuple[Times, Values]:
+        """Equidistant times, and the columns of values at them."""
+        count = int(np.clip(IN_ALL // self._size, FEWEST, INTERVALS))
+        t = np.linspace(0.0, self._duration, count + 1)
+        if self._size > COLUMNS:
+            few = np.append(t[:: max(count // 64, 1)], self._numbers[:64])
+            spread = np.ptp(self._raw(few), axis=0)
+            random = np.random.default_rng(0).uniform(-1.0, 1.0, (self._size, COLUMNS))
+            self._weights = jnp.asarray(random / np.where(spread > 0, spread, spread.max() or 1.0)[:, None])
+        values = self._raw(t)
+        spread = np.ptp(values, axis=0)
+        self._scale = np.where(spread > 0, spread, 1.0)
+        return t, values / self._scale
+
+    def values(self, t: Times) -> Values:
+        """Columns of values at the times."""
+        return self._raw(t) / self._scale
+
+    def at_numbers(self, t: Times, values: Values) -> tuple[Times, Times, Values]:
+        """The numbers of the program, a time next to each, and the deviation there from the chord between samples."""
+        tiny = NEXT_TO * self._duration
+        known = self._numbers[(self._numbers > tiny) & (self._numbers < self._duration - tiny)]
+        if not len(known):
+            return known, known, np.zeros((0, values.shape[1]))
+        three = known[:, None] + tiny * np.array([-1, 0, 1])
+        place = np.minimum((three / (t[1] - t[0])).astype(int), len(t) - 2)
+        part = ((three - t[place]) / (t[1] - t[0]))[..., None]
+        chord = (1 - part) * values[place] + part * values[place + 1]
+        off = np.abs(self.values(three.ravel()).reshape(chord.shape) - chord)
+        most = np.argmax(off.max(axis=2), axis=1)
+        return known, three[np.arange(len(known)), most], off.max(axis=1)
+
+    def divided(self, regions: np.ndarray, strengths: Values) -> Times:
+        """Times in the regions (regions, 2) at which the function jumps or has a kink.
+
+        A region is divided as long as its deviation from a straight line falls less than that of a smooth function.
+        ``strengths`` are the deviations by which the regions were found.
+        """
+        found = [np.zeros(0)]
+        for level in range(LEVELS):
+            most = np.argsort(strengths.max(axis=1, initial=0.0))[::-1][:MOST]
+            regions, strengths = regions[most], strengths[most]
+            if not len(regions):
+                break
+            parts = int(np.clip(FEW // len(regions), FEWEST_PARTS, MOST_PARTS))
+            t = np.linspace(*regions.T, parts + 1, axis=1)
+            deviation = _deviation(self.values(t.ravel()).reshape(*t.shape, -1))
+            growing = np.any(
+                (deviation > SMALLEST) & (deviation > strengths[:, None] * GROWING * (3 / parts) ** 2), axis=2
+            )
+            # a jump between neighbouring numbers, or a kink whose deviation has become too small
+            narrow = regions[:, 1] - regions[:, 0] <= NARROW * self._duration
+            small = ~np.any(deviation > SMALLEST, axis=(1, 2)) & (level > 1)
+            found.append(self._number_in(regions[narrow | small]))
+            growing[narrow] = False
+            place, first, last = _pairs(growing)
+            regions = np.stack([t[place, first], t[place, last + 2]], axis=1)
+            strengths = np.maximum(deviation[place, first], deviation[place, last])
+        return np.concatenate([*found, self._number_in(regions)])
+
+    def farthest(self, found: Times) -> Times:
+        """The time between each two neighbouring times at which the function is farthest from a straight line.
+
+        Without it, a step could reach from the start of a half-sine to its end, where the load is zero.
+        """
+        if len(found) < 2:
+            return np.zeros(0)
+        tiny = NEXT_TO * self._duration / 2
+        t = np.linspace(found[:-1] + tiny, found[1:] - tiny, BETWEEN, axis=1)
+        values = self.values(t.ravel()).reshape(*t.shape, -1)
+        part = np.linspace(0.0, 1.0, BETWEEN)[:, None]
+        off = np.abs(values - (1 - part) * values[:, :1] - part * values[:, -1:]).max(axis=2)
+        return t[np.arange(len(t)), off.argmax(axis=1)][off.max(axis=1) > SMALLEST]
+
+    def _number_in(self, regions: np.ndarray) -> Times:
+        """The number of the program in each region (regions, 2), or the end of the region if there is none."""
+        if not len(self._numbers):
+            return regions[:, 1]
+        wide = regions[:, 1] + (regions[:, 1] - regions[:, 0])
+        number = self._numbers[np.maximum(np.searchsorted(self._numbers, wide, side="right") - 1, 0)]
+        inside = (number >= 2 * regions[:, 0] - regions[:, 1]) & (number <= wide)
+        return np.where(inside, number, regions[:, 1])
+
+
+def _deviation(values: Values) -> Values:
+    """Deviation of each inner sample from the straight line through its neighbours, which are equally far away."""
+    return np.abs(values[..., 2:, :] - 2 * values[..., 1:-1, :] + values[..., :-2, :]) / 2
+
+
+def _pairs(marked: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Indices of the first and last of each marked element or pair of neighbours along the last axis.
+
+    A kink between two samples marks both, so they are one pair. Of several marked neighbours the first two are a pair,
+    the next two another one, and so on. For an array of two axes the index along the first axis comes first.
+    """
+    place = np.broadcast_to(np.arange(marked.shape[-1]), marked.shape)
+    run = place - np.maximum.accumulate(np.where(marked, -1, place), axis=-1)
+    *others, first = np.nonzero(run % 2 == 1)
+    follows = np.pad(marked, [(0, 0)] * (marked.ndim - 1) + [(0, 1)])[(*others, first + 1)]
+    return (*others, first, first + follows)
+
+
+def _pulses(t: Times, values: Values, deviation: Values, salient: np.ndarray, found: Times) -> Times:
+    """Start, largest value and end of each smooth pulse: salient samples after a quiet stretch, without a time found."""
+    times: list[float] = []
+    places = np.flatnonzero(salient)
+    for pulse in np.split(places, np.flatnonzero(np.diff(places) > 2) + 1) if len(places) else ():
+        first, last = pulse[0], pulse[-1] + 2  # samples next to the pulse
+        before = deviation[max(2 * first - last, 0) : first]
+        quiet = len(before) and np.any(before.max(axis=0) < QUIET * deviation[first : last - 1].max(axis=0))
+        if quiet and not np.any((found >= t[first]) & (found <= t[last])):
+            size = np.abs(values[first : last + 1] - values[first]).max(axis=1)
+            times += [t[first], t[first + size.argmax()], t[last]]
+    return np.array(times)
