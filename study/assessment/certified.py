@@ -1,5 +1,6 @@
 """The certified reference of a problem, by two solvers whose tolerance is tightened until they agree."""
 
+import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -7,11 +8,11 @@ import numpy as np
 from study.assessment import errors, oscillation, search
 from study.assessment.errors import Target
 from study.assessment.oscillation import Oscillation
-from study.assessment.reference import NoReference, Reference, Route
+from study.assessment.reference import FINE, NoReference, Reference, Route
 from study.assessment.search import Case
 from study.assessment.solution import DenseSolution
 from study.mechanics.definition import Problem
-from study.mechanics.loads import excited
+from study.mechanics.loads import excited, times_of
 from study.observer.motion import Quantity
 
 #: Target and maximum of the uncertainty of the reference, as fractions of the smallest allowed error.
@@ -19,6 +20,10 @@ AIMED, ACCEPTED = 1 / 100, 1 / 10
 
 #: Relative tolerances of the two solvers, from the first try to the last.
 TOLERANCES = (1e-8, 1e-10, 1e-12, 1e-14)
+
+#: Ratio of the difference of the solutions right after they part to the one at which they part, above which they part
+#: suddenly: where a motion is chaotic, their difference grows by a small factor from one point of the grid to the next.
+SUDDEN = 100
 
 #: Smallest fraction of the duration over which the two solutions must agree.
 SHORTEST = 0.05
@@ -49,6 +54,31 @@ def _holds(
     return float(min(ends))
 
 
+def _suddenly(
+    one: DenseSolution, other: DenseSolution, quantities: dict[str, Quantity], problem: Problem, horizon: float
+) -> float:
+    """Largest difference in any quantity up to two points of the grid of ``one`` after a time."""
+    end = one.t[min(int(np.searchsorted(one.t, horizon)) + 2, len(one.t) - 1)]
+    along = (errors.difference(quantity, problem, one, other)[1] for quantity in quantities.values())
+    return float(max(difference[other.t <= end].max() for difference in along))
+
+
+def _check_shortest(reference: Reference) -> None:
+    """Warn if the load has a pulse that the scan can only find by a number of the program."""
+    load, duration = reference.problem.load, reference.duration
+    if load is None or np.size(getattr(load, "kinks", ())):
+        return
+    gaps = np.diff(times_of(load, duration, FINE))
+    if gaps.size and (shortest := gaps.min()) < duration / FINE:
+        warnings.warn(
+            f"the load of '{reference.problem.title}' has a pulse of about {shortest:.1g} s; another one shorter "
+            f"than {2 * duration / FINE:.1g} s may have been missed: give the load an attribute kinks with the times "
+            "at which it or its slope jumps.",
+            RuntimeWarning,
+            stacklevel=4,
+        )
+
+
 def certified(
     problem: Problem,
     duration: float,
@@ -68,6 +98,7 @@ def certified(
         If the problem does not move, or a quantity is not finite or is zero at all times.
     """
     reference = Reference(problem, duration)
+    _check_shortest(reference)
     (route, witness), grid = reference.routes, reference.grid(coarsest)
     reached: tuple | None = None
     for rtol in TOLERANCES:
@@ -91,11 +122,20 @@ def certified(
     horizon = duration
     if max(apart.values()) > ACCEPTED * tightest:
         horizon = _holds(one, other, quantities, problem, AIMED * tightest)
+        undeclared = problem.load is not None and not np.size(getattr(problem.load, "kinks", ()))
+        kinks = "give the load an attribute kinks with the times at which it or its slope jumps"
+        smooth = not problem.kinked and problem.history is None
+        if undeclared and smooth and _suddenly(one, other, quantities, problem, horizon) > SUDDEN * AIMED * tightest:
+            raise NoReference(
+                f"{route.name} and {witness.name} part suddenly on '{problem.title}' after t = {horizon:.4g}, as at a "
+                f"short pulse of the load: {kinks}."
+            )
         if horizon < SHORTEST * duration:
             raise NoReference(
                 f"{route.name} and {witness.name} differ by {max(apart.values()):.1e} on '{problem.title}' at a "
-                f"tolerance of {rtol:g}, and agree to {AIMED * tightest:.1e} only up to t = {horizon:.4g}: allow a "
-                "larger error or a shorter duration."
+                f"tolerance of {rtol:g}, and agree to {AIMED * tightest:.1e} only up to t = {horizon:.4g}: "
+                + (f"{kinks}, or " if undeclared else "")
+                + "allow a larger error or a shorter duration."
             )
         one, other = (s.until(horizon) for s in (one, other))
         apart = {name: errors.difference(q, problem, one, other)[0] for name, q in quantities.items()}

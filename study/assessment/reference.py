@@ -14,14 +14,14 @@ from study.assessment.solution import MOST_POINTS, DenseSolution, History, Times
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.frequencies import frequencies
-from study.mechanics.internal_force import switches
+from study.mechanics.loads import times_of
 
 #: Number of points of the first grid in the shortest period of small motions or in the coarsest step, whichever is
 #: shorter.
 POINTS = 12
 
-#: Number of equal parts of the duration. In each part a change of a comparison in the load, such as t < 0.2, is sought.
-SWITCHES = 4096
+#: Number of intervals of the scan of a load, a prime number. It is finer than before a run, which takes less time.
+FINE = 131_071
 
 #: Least number of intervals between two kinks of the force, because a contact may be far shorter than a period.
 POINTS_BETWEEN_KINKS = 10
@@ -44,8 +44,9 @@ class NoReference(ValueError):
 class Kinks(NamedTuple):
     """Times within the duration at which the acceleration has kinks or jumps.
 
-    ``of_load`` are the kinks that a load declares, such as the samples of a record. At the times ``of_force``, a
-    comparison in a force or load changes. There the load may jump, so a solver restarts.
+    ``of_load`` are the kinks that a load declares, such as the samples of a record. ``of_force`` are the kinks of a
+    force, and the times that a scan of the load found (:func:`study.mechanics.scan.events`). There the load may jump,
+    so a solver restarts.
     """
 
     of_load: Times
@@ -66,33 +67,6 @@ def _sundials():
     except ImportError as error:
         raise NoReference(f"references need the extra 'reference' of this package: {error}.") from None
     return sundials
-
-
-@eqx.filter_jit
-def _switches(load, times):
-    return jax.lax.map(lambda t: switches(load, t), times)
-
-
-def _switches_of_load(load: Callable | None, duration: float) -> Times:
-    """Times at which a comparison in the function of a load changes; empty without a load, or if it declares its kinks.
-
-    Without these times, both solvers would step over a short pulse.
-    """
-    from scipy import optimize  # imported here, because the import is slow
-
-    if load is None or hasattr(load, "kinks"):
-        return np.zeros(0)
-    times = np.linspace(0.0, duration, SWITCHES + 1)
-    values = np.asarray(_switches(load, times))
-    places = np.argwhere(np.sign(values[1:]) != np.sign(values[:-1]))
-    roots = (
-        optimize.brentq(
-            lambda t, k=k: _switches(load, np.array([t]))[0, k], *times[[i, i + 1]], xtol=1e-300, rtol=1e-15
-        )
-        for i, k in places
-        if values[i, k] * values[i + 1, k] <= 0
-    )
-    return np.unique(np.asarray(list(roots), float))
 
 
 @partial(jit, compiler=eqx.filter_jit)
@@ -149,8 +123,9 @@ class Reference:
 
     def _kinks(self) -> Kinks:
         load, end = self.problem.load, self.duration
-        declared, found = np.asarray(getattr(load, "kinks", []), float), _switches_of_load(load, end)
-        of_load, of_force = (times[(times > 0) & (times < end)] for times in (declared, found))
+        declared = np.asarray(getattr(load, "kinks", []), float)
+        of_load = declared[(declared > 0) & (declared < end)]
+        of_force = np.setdiff1d(times_of(load, end, FINE), of_load)
         if self.problem.kinked or self.problem.history is not None:
             stops = np.union1d(of_load, of_force)
             sundials = _sundials()
@@ -178,7 +153,8 @@ class Reference:
 
         of_diffrax = Route(f"diffrax {one_step}", by_diffrax)
         of_cvode = Route(f"CVODE {several_steps}", by_cvode)
-        if np.ndim(problem.u0):
+        # the steps of the Taylor method end at no given times, so they could pass over a pulse
+        if np.ndim(problem.u0) or len(np.union1d(*self.kinks)):
             return of_diffrax, of_cvode
         from reference import symbolic, taylor  # imported here, because the import takes a second
 

@@ -153,10 +153,15 @@ def run(
     estimator, controller
         Names in ``study.estimators`` and ``study.controllers``, or your own. The default estimator is the first of
         ``embedded_pair``, ``zienkiewicz_xie`` (if the scheme has an ``acceleration_offset``) and ``step_doubling`` that
-        fits the scheme and the problem. The default controller is ``pi``. ``Prescribed`` by default has no estimator.
+        fits the scheme and the problem. For a scheme whose formula does not evaluate the force at the end of a step
+        (``force_at_end``), every estimate also contains the force there, except with ``Prescribed``. The default controller is ``pi``. ``Prescribed`` by default has no estimator.
     times
-        Times at which a step of a run with a tolerance must end; by default the kinks of the load, such as the samples
-        of a ground motion, or none with ``Prescribed``.
+        Times at which a step of a run with a tolerance must end, in addition to those of the load. These are the
+        ``kinks`` of the load, such as the samples of a ground motion. If a load declares none, they follow from a scan
+        of the load: its jumps, its kinks, and the start, peak and end of short pulses. A pulse that lasts at least a
+        4,000th of the duration is certain to be found, for up to 4,000 unknowns. Shorter pulses are found if one of
+        their times is a number in the load, such as 3.3 in ``t > 3.3`` or a time of a table; declare the ``kinks`` of
+        others. ``Prescribed`` uses ``times`` alone.
     observe
         Names in ``study.observers``, or your own :class:`study.Reduction` and :class:`study.Record`.
     u0, v0

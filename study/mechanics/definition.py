@@ -82,8 +82,8 @@ class Problem(Evaluation):
         C: a number, a diagonal, a matrix (dense or sparse; symmetric if the tangent is matrix-free) or
         :class:`study.Rayleigh`; zero by default.
     load
-        f(t), of the shape of ``u``. If its slope jumps, an attribute ``kinks`` may hold the times of the jumps. The
-        steps of references and, by default, of runs with a tolerance then end at these times.
+        f(t), of the shape of ``u``. An attribute ``kinks`` may hold the times at which it or its slope jumps. The steps
+        of references and of runs with a tolerance end at these times. Without it, the load is scanned for them.
     ground, influence
         Motion of the ground, and the displacement ι (of the shape of ``u``) of the unknowns for a unit displacement of
         the ground, by default one for each unknown. The unknowns are then relative to the ground, whose acceleration a

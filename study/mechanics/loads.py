@@ -9,7 +9,7 @@ import numpy as np
 from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
 from study.mechanics.definition import Problem
 from study.mechanics.ground import GroundLoad
-from study.mechanics.scan import Times, events
+from study.mechanics.scan import INTERVALS, Times, events
 
 
 class HarmonicLoad(eqx.Module):
@@ -57,21 +57,21 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
     return eqx.tree_at(lambda p: p.load, problem, _Scaled(load, factor * before)).examined()
 
 
-def times_of(load: Callable | None, duration: float) -> Times:
+def times_of(load: Callable | None, duration: float, intervals: int = INTERVALS) -> Times:
     """Times within ``duration`` at which steps should end: the kinks that a load declares, or :func:`events` of a load.
 
-    Of a sum of a ground motion and a load, both parts are considered.
+    Of a sum of a ground motion and a load, both parts are considered. A scan has ``intervals`` intervals.
     """
     if load is None:
         return np.zeros(0)
     if isinstance(load, _Scaled):
-        return times_of(load.load, duration)
+        return times_of(load.load, duration, intervals)
     if isinstance(load, GroundLoad):
-        times = np.union1d(load.ground.kinks, times_of(load.load, duration))
+        times = np.union1d(load.ground.kinks, times_of(load.load, duration, intervals))
     elif np.size(declared := getattr(load, "kinks", ())):
         times = np.asarray(declared, float).ravel()
     else:
-        times = events(load, duration)
+        times = events(load, duration, intervals)
     return times[(times > 0) & (times < duration)]
 
 

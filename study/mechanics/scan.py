@@ -16,15 +16,12 @@ INTERVALS, FEWEST = 8191, 251
 #: Caps on samples × values: of those that are computed at once, which bounds the memory, and of the first samples.
 AT_ONCE, IN_ALL = 2**22, 2**25
 
-#: Number of samples up to which a short array suffices.
-FEW = 1024
-
 #: Largest number of values that are compared one by one; more are first combined to this number by random weights.
 COLUMNS = 32
 
 #: Largest and smallest number of parts into which the neighbourhood of a sample is divided, and largest number of
 #: divisions. The more neighbourhoods there are, the fewer parts they have.
-MOST_PARTS, FEWEST_PARTS, LEVELS = 256, 32, 16
+MOST_PARTS, FEWEST_PARTS, LEVELS = 2048, 32, 16
 
 #: Least ratio of the bend at a sample to the median bend for a refinement, and least growth of the bend by a division
 #: for another one. At a kink the bend grows with the number of parts; where the function is smooth it stays the same.
@@ -39,11 +36,15 @@ QUIET = 1e-2
 #: Largest number of neighbourhoods that are divided. Those with the largest deviations are divided.
 MOST = 4096
 
-#: Number of samples between two times found.
-BETWEEN = 17
+#: Number of samples between two times found, and least deviation from a straight line between them that counts, as a
+#: fraction of the range.
+BETWEEN, BULGE = 17, 1e-5
 
 #: Width of a neighbourhood at which its division ends, as a fraction of the duration.
 NARROW = 1e-12
+
+#: Number of random times at which the function is compared with its samples.
+AT_RANDOM = 63
 
 #: Distance of further samples from a number of the program, as a fraction of the duration.
 NEXT_TO = 1e-9
@@ -55,7 +56,7 @@ Times = Float[np.ndarray, "times"]
 Values = Float[np.ndarray, "*samples columns"]
 
 
-def events(function: Callable, duration: float) -> Times:
+def events(function: Callable, duration: float, intervals: int = INTERVALS) -> Times:
     """Times within ``duration`` at which a function of time jumps or has a kink, or at which a short pulse lies.
 
     The function is sampled at equidistant times, and at every number of its program, such as 3.3 in ``t > 3.3`` or the
@@ -65,8 +66,8 @@ def events(function: Callable, duration: float) -> Times:
     times: its start, its largest value and its end. Other smooth functions give no times. Between two times found, the
     time of the largest deviation from a straight line is added.
 
-    A pulse that lasts at least a 4,000th of the duration is certain to be found, for up to 4,000 values; the samples
-    become fewer for more values. A shorter pulse is found if one of its times is a number of the program.
+    A pulse that lasts at least two intervals is certain to be found. A shorter pulse is found if one of its times is a
+    number of the program. With more than ``IN_ALL`` samples × values, there are fewer intervals.
 
     Parameters
     ----------
@@ -75,18 +76,21 @@ def events(function: Callable, duration: float) -> Times:
         have changed, and no program is compiled for it.
     duration
         Duration in s.
+    intervals
+        Number of intervals between the first samples.
     """
     with jax.enable_x64(True):
         scan = _Scan(function, duration)
-        t, values = scan.first()
+        t, values = scan.first(intervals)
         h = t[1] - t[0]
         deviation = _deviation(values)
-        typical = np.median(deviation, axis=0)
+        known, beside, off, at_random = scan.between(t, values)
+        # samples at about a whole period of a load hide its oscillation, which random times show
+        typical = np.maximum(np.median(deviation, axis=0), np.median(at_random, axis=0))
         salient = np.any(deviation > np.maximum(SALIENT * typical, SMALLEST), axis=1)
         first, last = _pairs(salient)  # a deviation with the index i belongs to the sample i + 1
         regions, strengths = np.stack([t[first], t[last + 2]], axis=1), np.maximum(deviation[first], deviation[last])
 
-        known, beside, off = scan.at_numbers(t, values)
         struck = np.any(off > np.maximum(SALIENT * typical, SMALLEST), axis=1)
         known, beside, off = known[struck], beside[struck], off[struck]
         around = np.stack([beside - h, beside + h], axis=1)
@@ -119,7 +123,7 @@ class _Scan:
 
     def _raw(self, t: Times) -> Values:
         """Values at the times, computed in parts of few lengths, for which JAX compiles each operation once."""
-        once = int(np.clip(AT_ONCE // self._size, 1, FEW if len(t) <= FEW else INTERVALS + 1))
+        once = int(np.clip(AT_ONCE // self._size, 1, INTERVALS + 1))
         parts = []
         for begin in range(0, len(t), once):
             some = t[begin : begin + once]
@@ -127,15 +131,15 @@ class _Scan:
             try:
                 part = jax.vmap(self._of_time)(padded)
             except NotImplementedError:  # a function that calls the host may take one time only
-                part = jax.lax.map(self._of_time, padded)
+                part = jax.lax.map(self._of_time, jnp.asarray(some))
             if self._weights is not None:
                 part = part @ self._weights
             parts.append(np.asarray(part)[: len(some)])
         return np.concatenate(parts)
 
-    def first(self) -> tuple[Times, Values]:
+    def first(self, intervals: int) -> tuple[Times, Values]:
         """Equidistant times, and the columns of values at them."""
-        count = int(np.clip(IN_ALL // self._size, FEWEST, INTERVALS))
+        count = int(np.clip(IN_ALL // self._size, FEWEST, intervals))
         t = np.linspace(0.0, self._duration, count + 1)
         if self._size > COLUMNS:
             few = np.append(t[:: max(count // 64, 1)], self._numbers[:64])
@@ -151,19 +155,21 @@ class _Scan:
         """Columns of values at the times."""
         return self._raw(t) / self._scale
 
-    def at_numbers(self, t: Times, values: Values) -> tuple[Times, Times, Values]:
-        """The numbers of the program, a time next to each, and the deviation there from the chord between samples."""
+    def between(self, t: Times, values: Values) -> tuple[Times, Times, Values, Values]:
+        """The numbers of the program, a time next to each, and the deviation there from the chord between samples.
+
+        The last array has deviations at random times.
+        """
         tiny = NEXT_TO * self._duration
         known = self._numbers[(self._numbers > tiny) & (self._numbers < self._duration - tiny)]
-        if not len(known):
-            return known, known, np.zeros((0, values.shape[1]))
-        three = known[:, None] + tiny * np.array([-1, 0, 1])
-        place = np.minimum((three / (t[1] - t[0])).astype(int), len(t) - 2)
-        part = ((three - t[place]) / (t[1] - t[0]))[..., None]
-        chord = (1 - part) * values[place] + part * values[place + 1]
-        off = np.abs(self.values(three.ravel()).reshape(chord.shape) - chord)
-        most = np.argmax(off.max(axis=2), axis=1)
-        return known, three[np.arange(len(known)), most], off.max(axis=1)
+        near = (known[:, None] + tiny * np.array([-1, 0, 1])).ravel()
+        times = np.append(near, np.random.default_rng(0).uniform(0.0, self._duration, AT_RANDOM))
+        place = np.minimum((times / (t[1] - t[0])).astype(int), len(t) - 2)
+        part = ((times - t[place]) / (t[1] - t[0]))[:, None]
+        off = np.abs(self.values(times) - (1 - part) * values[place] - part * values[place + 1])
+        three = off[: len(near)].reshape(len(known), 3, values.shape[1])
+        most = three.max(axis=2).argmax(axis=1)
+        return known, near.reshape(-1, 3)[np.arange(len(known)), most], three.max(axis=1), off[len(near) :]
 
     def divided(self, regions: np.ndarray, strengths: Values) -> Times:
         """Times in the regions (regions, 2) at which the function jumps or has a kink.
@@ -177,7 +183,7 @@ class _Scan:
             regions, strengths = regions[most], strengths[most]
             if not len(regions):
                 break
-            parts = int(np.clip(FEW // len(regions), FEWEST_PARTS, MOST_PARTS))
+            parts = int(np.clip(INTERVALS // len(regions), FEWEST_PARTS, MOST_PARTS))
             t = np.linspace(*regions.T, parts + 1, axis=1)
             deviation = _deviation(self.values(t.ravel()).reshape(*t.shape, -1))
             growing = np.any(
@@ -205,7 +211,7 @@ class _Scan:
         values = self.values(t.ravel()).reshape(*t.shape, -1)
         part = np.linspace(0.0, 1.0, BETWEEN)[:, None]
         off = np.abs(values - (1 - part) * values[:, :1] - part * values[:, -1:]).max(axis=2)
-        return t[np.arange(len(t)), off.argmax(axis=1)][off.max(axis=1) > SMALLEST]
+        return t[np.arange(len(t)), off.argmax(axis=1)][off.max(axis=1) > BULGE]
 
     def _number_in(self, regions: np.ndarray) -> Times:
         """The number of the program in each region (regions, 2), or the end of the region if there is none."""
@@ -236,7 +242,7 @@ def _pairs(marked: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def _pulses(t: Times, values: Values, deviation: Values, salient: np.ndarray, found: Times) -> Times:
-    """Start, largest value and end of each smooth pulse: salient samples after a quiet stretch, without a time found."""
+    """Start, largest value and end of each smooth pulse, which are salient samples after quiet without a time found."""
     times: list[float] = []
     places = np.flatnonzero(salient)
     for pulse in np.split(places, np.flatnonzero(np.diff(places) > 2) + 1) if len(places) else ():

@@ -1,5 +1,7 @@
 """Reference solutions of assessments: their time grid, their interpolation, and the choice of solvers (routes)."""
 
+import warnings
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -7,8 +9,13 @@ from scipy.integrate import solve_ivp
 
 import study
 from reference import piecewise
+from study.assessment import certified as certified_module
+from study.assessment import reference as reference_module
+from study.assessment.certified import certified
+from study.assessment.errors import named
 from study.assessment.reference import Reference
 from study.assessment.solution import DenseSolution
+from study.mechanics.loads import excited
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +51,55 @@ def test_a_load_that_acts_for_a_moment_is_not_stepped_over():
     exact = 0.1 * np.cos(20.0) + (np.cos(20.0 - begins - lasts) - np.cos(20.0 - begins)) / lasts
     for route in reference.routes:
         assert reference.solution(route, grid, 1e-10).u[-1] == pytest.approx(exact, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    "shape, lasts", [("rectangle", 1e-3), ("table", 1e-3), ("table", 1e-5), ("smooth", 1e-3), ("smooth", 1e-5)]
+)
+def test_the_certified_reference_contains_a_short_pulse(shape, lasts):
+    """The impulse of one newton second at t = 3.3 on an oscillator that moves already; the peak is that of a blow."""
+    table = 3.3 + lasts * np.array([-1.0, 0.0, 0.5, 1.0, 2.0]), np.array([0.0, 0.0, 2.0, 0.0, 0.0]) / lasts
+    load = {
+        "rectangle": lambda t: jnp.where((t >= 3.3) & (t < 3.3 + lasts), 1 / lasts, 0.0),
+        "table": lambda t: jnp.interp(t, *table),
+        "smooth": lambda t: jnp.exp(-(((t - 3.3) / lasts) ** 2)) / lasts / np.sqrt(np.pi),
+    }[shape]
+    omega, ratio = 2 * np.pi, 0.02
+    damped = omega * np.sqrt(1 - ratio**2)
+    struck = study.Problem(lambda u: omega**2 * u, 0.01, damping=2 * ratio * omega, load=load, title="struck")
+    t = np.linspace(3.31, 5.0, 20_001)
+    free = 0.01 * np.exp(-ratio * omega * t) * (np.cos(damped * t) + ratio * omega / damped * np.sin(damped * t))
+    blow = np.exp(-ratio * omega * (t - 3.3)) * np.sin(damped * (t - 3.3)) / damped
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # the shortest pulses are announced
+        # as in an assessment, the load is scaled
+        found = certified(
+            excited(struck, 1.0, displaced=True), 5.0, named({"u": study.Quantity(lambda u: u)}), 1e-2, 0.25, False
+        )
+    assert found.horizon == 5.0
+    u, _ = found.solution.at(t)
+    np.testing.assert_allclose(u, free + blow, atol=0.15 * (1.5 * lasts * omega + 1e-4))
+
+
+def test_a_pulse_that_is_shorter_than_the_scan_can_find_is_announced():
+    def load(t):
+        return jnp.where((t > 3.3) & (t < 3.30001), 1e5, 0.0)
+
+    brief = Reference(study.Problem(lambda u: u, 0.1, load=load, title="brief"), 5.0)
+    with pytest.warns(RuntimeWarning, match="'brief' has a pulse of about 1e-05 s; another one shorter than 8e-05 s"):
+        certified_module._check_shortest(brief)
+
+
+def test_solvers_that_part_at_a_pulse_give_no_reference(monkeypatch):
+    """The scan is switched off, so that only one of the solvers meets a pulse."""
+    monkeypatch.setattr(reference_module, "times_of", lambda *_: np.zeros(0))
+    monkeypatch.setattr(certified_module, "times_of", lambda *_: np.zeros(0))
+    at = np.array([5.0, 5.001, 5.002])
+    struck = study.Problem(
+        lambda u: 39.5 * u, 0.01, load=lambda t: jnp.interp(t, at, at * 0 + [0, 1e3, 0]), title="hit"
+    )
+    with pytest.raises(reference_module.NoReference, match="give the load an attribute kinks with the times"):
+        certified(struck, 8.0, named({"u": study.Quantity(lambda u: u)}), 1e-2, 0.25, False)
 
 
 def test_the_grid_holds_all_kinks_and_no_point_next_to_one(shaken):

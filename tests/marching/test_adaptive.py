@@ -86,6 +86,55 @@ def test_steps_end_on_stated_times_and_on_the_samples_of_a_record():
     assert ds.status == 0 and np.isin(record.kinks[1:60], ds.t).all() and 60 < ds.steps < 600
 
 
+#: Circular frequency and damping ratio of an oscillator at rest that a pulse of one newton second sets in motion.
+OMEGA, RATIO = 2 * np.pi, 0.02
+
+
+def peak_after(pulse):
+    """Largest displacement after a pulse near t = 8, by Duhamel's integral."""
+    damped = OMEGA * np.sqrt(1 - RATIO**2)
+    tau, t = np.linspace(7.9, 8.1, 100_001), np.linspace(8.1, 9.1, 5001)
+    grown = np.asarray(pulse(jnp.asarray(tau))) * np.exp(RATIO * OMEGA * tau)
+    c, s = (np.trapezoid(grown * f(damped * tau), tau) for f in (np.cos, np.sin))
+    return np.abs(np.exp(-RATIO * OMEGA * t) / damped * (np.sin(damped * t) * c - np.cos(damped * t) * s)).max()
+
+
+@pytest.mark.parametrize("scheme", ["average_acceleration", "generalized_alpha", "rk4"])
+@pytest.mark.parametrize(
+    "pulse",
+    [
+        lambda t: jnp.where((t >= 8) & (t < 8.02), 50.0, 0.0),
+        lambda t: jnp.where((t > 8) & (t < 8.02), 25 * jnp.pi * jnp.sin(jnp.pi * (t - 8) / 0.02), 0.0),
+        lambda t: 50 * jnp.exp(-(((t - 8) / 0.01) ** 2)),
+    ],
+    ids=["rectangle", "half-sine", "smooth"],
+)
+def test_no_step_passes_over_a_pulse(scheme, pulse):
+    struck = study.Problem(lambda u: OMEGA**2 * u, 0.0, damping=2 * RATIO * OMEGA, load=pulse)
+    ds = study.run(struck, scheme, tolerance=1e-6, duration=20.0)
+    assert abs(ds.u).max() == pytest.approx(peak_after(pulse), rel=0.02)
+
+
+def test_no_step_of_a_lane_passes_over_its_own_pulse():
+    def struck(at):
+        return study.Problem(
+            lambda u: OMEGA**2 * u,
+            0.0,
+            damping=2 * RATIO * OMEGA,
+            load=lambda t: jnp.where((t >= at) & (t < at + 0.02), 50.0, 0.0),
+        )
+
+    ds = study.run(struck, "rk4", over={"at": [8.0, 3.1, 11.7]}, tolerance=1e-6, duration=20.0, observe=["peak"])
+    wanted = peak_after(lambda t: jnp.where((t >= 8) & (t < 8.02), 50.0, 0.0))
+    np.testing.assert_allclose(ds.peak, wanted, rtol=0.02)
+
+
+def test_stated_times_are_joined_with_those_of_the_load():
+    step = study.Problem(lambda u: u, 0.0, load=lambda t: jnp.where(t > 2.5, 1.0, 0.0))
+    ds = study.run(step, "average_acceleration", tolerance=1e-3, duration=4.0, times=[1.25])
+    assert np.isin([1.25, 2.5], ds.t).all()
+
+
 def test_a_lane_is_a_run():
     tolerances = [1e-4, 1e-3, 1e-2]
     lanes = study.run(DRIVEN, "hht_alpha", tolerance=tolerances, duration=4.0)
