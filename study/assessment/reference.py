@@ -14,7 +14,7 @@ from study.assessment.solution import MOST_POINTS, DenseSolution, History, Times
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.frequencies import frequencies
-from study.mechanics.loads import times_of
+from study.mechanics.loads import times_of_problem
 
 #: Number of points of the first grid in the shortest period of small motions or in the coarsest step, whichever is
 #: shorter.
@@ -125,7 +125,7 @@ class Reference:
         load, end = self.problem.load, self.duration
         declared = np.asarray(getattr(load, "kinks", []), float)
         of_load = declared[(declared > 0) & (declared < end)]
-        of_force = np.setdiff1d(times_of(load, end, FINE), of_load)
+        of_force = np.setdiff1d(times_of_problem(self.problem, end, FINE), of_load)
         if self.problem.kinked or self.problem.history is not None:
             stops = np.union1d(of_load, of_force)
             sundials = _sundials()

@@ -97,7 +97,7 @@ def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts, grid) -> tupl
     def one(arguments, starts):
         march = of(adaptive, arguments)
         problem = march.march.problem
-        scheme = bathe if problem.history is None else WithHistory(bathe)
+        scheme = bathe if problem.history is None else WithHistory(scheme=bathe)
 
         def step(carry, ends):
             state, largest, effort = carry

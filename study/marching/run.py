@@ -37,7 +37,7 @@ from study.marching.program import Program
 from study.marching.result import COMPLETED, NO_SOLUTION, NOT_FINITE, Labels, Result
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
 from study.mechanics.definition import Problem
-from study.mechanics.loads import times_of
+from study.mechanics.loads import times_of_problem
 from study.observer.base import Observer, Record
 from study.problem.named import problems
 from study.scheme.base import Scheme

@@ -75,6 +75,19 @@ def times_of(load: Callable | None, duration: float, intervals: int = INTERVALS)
     return times[(times > 0) & (times < duration)]
 
 
+def times_of_problem(problem: Problem, duration: float, intervals: int = INTERVALS) -> Times:
+    """Times within ``duration`` at which steps should end: those of the load, and events of a force that takes the time.
+
+    The force is scanned at the start of the motion.
+    """
+    times = times_of(problem.load, duration, intervals)
+    if not problem.takes_time:
+        return times
+    return np.union1d(
+        times, events(lambda t: problem.at_time(t).internal_force(problem.u0, problem.v0), duration, intervals)
+    )
+
+
 def record_of(load: Callable | None) -> dict[str, str]:
     """Name and source of the ground motion in a load, as attributes of a dataset.
 
