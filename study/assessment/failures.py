@@ -57,7 +57,8 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
     xarray.Dataset
         ``outcome``, ``lyapunov_exponent``, ``max_newton_iterations`` over ``excitation`` and ``map_dt``;
         ``stable_dt`` over ``excitation``, the largest step within the stability limit for small motions about the start
-        (:mod:`study.marching.stability`), infinite if all steps of the map are;
+        (:mod:`study.marching.stability`), infinite if all steps of the map are, zero for a scheme that is unstable at
+        every step;
         ``largest_safe_dt``, NaN if no step is safe; and ``failure``, which states the cause of this limit.
     """
     drawn = coarsest * STEPS[STEPS >= min(1.0, duration / (coarsest * MOST_STEPS))]

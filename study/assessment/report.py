@@ -130,13 +130,11 @@ def _maps(assessed: xr.Dataset) -> str:
             for first, end in itertools.pairwise(ends):
                 one, middle = row[first], (first + end - 1) / 2
                 axes.text(middle, e, LETTERS[one], color=INK[one], ha="center", va="center", fontsize=8)
-        # the steps of a map descend in geometric progression
-        place = np.interp(
-            -np.log(assessed.stable_dt.sel(scheme=name).values),
-            -np.log(assessed.map_dt.values),
-            np.arange(assessed.sizes["map_dt"]),
-            left=np.nan,
-        )
+        # the steps of a map descend in geometric progression; a limit of zero or infinity is not drawn
+        stable = assessed.stable_dt.sel(scheme=name)
+        at_limit = -np.log(stable.where((stable > 0) & np.isfinite(stable)).values)
+        steps = np.arange(assessed.sizes["map_dt"])
+        place = np.interp(at_limit, -np.log(assessed.map_dt.values), steps, left=np.nan, right=np.nan)
         for e, at in enumerate(place):
             axes.plot([at, at], [e - 0.5, e + 0.5], color="black", lw=1.2, ls="--")
         axes.set_title(str(assessed.scheme_title.sel(scheme=name).values), fontsize=9)
@@ -201,7 +199,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         used = np.unique(assessed.outcome)
         legend = "; ".join(f"{LETTERS[one] or 'white'}: {names[one].replace('_', ' ')}" for one in used)
         limited = ""
-        if np.isfinite(assessed.stable_dt).any():
+        if (np.isfinite(assessed.stable_dt) & (assessed.stable_dt > 0)).any():
             limited = " Dashed: stability limit for small motions about the start."
         parts += [
             "<h2>How it fails</h2>",
