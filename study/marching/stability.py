@@ -1,6 +1,6 @@
 """The stability limit of a scheme, compared with the step of a run for small motions about its start.
 
-Small motions about the start obey M ü + C u̇ + K u = 0, where C and K are ∂p/∂u̇ and ∂p/∂u at u₀ and u̇₀ plus the
+Small motions about the start obey M ü + C u̇ + K u = 0, where C and K are ∂p/∂u̇ and ∂p/∂u at t = 0, u₀ and u̇₀ plus the
 constant matrices of the problem. If u = 0 is an equilibrium, a motion with one unknown or from rest passes near it, and
 small motions about u = 0 count too: a spring that yields or softens is stiffest there.
 
@@ -112,7 +112,8 @@ def taken_from(values: dict[str, np.ndarray]) -> SmallMotion:
 def at_start(problem: Problem) -> SmallMotion:
     """Small motions about the start of a problem."""
     start = Phase(jnp.asarray(problem.u0), jnp.asarray(problem.v0))
-    mass, stiffness, damping = jax.tree.map(np.asarray, _linearised(problem.committed(*start), *start))
+    here = problem.at_time(0.0).committed(*start)
+    mass, stiffness, damping = jax.tree.map(np.asarray, _linearised(here, *start))
     return SmallMotion(mass, stiffness, damping)
 
 

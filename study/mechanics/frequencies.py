@@ -46,8 +46,8 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
     n = np.size(problem.u0)
     if n > FINDABLE:
         return None
-    at = np.asarray(problem.u0 if u is None else u, float)
-    stiffness = np.asarray(_stiffness(problem.untitled().at_time(0.0).internal_force, at)).reshape(n, n)
+    problem, at = problem.at_time(0.0), np.asarray(problem.u0 if u is None else u, float)
+    stiffness = np.asarray(_stiffness(problem.untitled().internal_force, at)).reshape(n, n)
     mass = np.eye(n) if problem.mass is None else np.asarray(dense(problem.mass, n))
     damping = _velocity_tangent(problem, at)
     if not (np.isfinite(stiffness).all() and np.isfinite(damping).all()):

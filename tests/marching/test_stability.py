@@ -174,6 +174,8 @@ def test_the_force_of_now_counts():
     assert not warned(spring, "central_difference", dt=1.0)
     held["k"] = 9.0
     assert warned(spring, "central_difference", dt=1.0).startswith("ωΔt = 3 at the start exceeds 2,")
+    softer_later = study.Problem(lambda u, v, t: (9.0 - t) * u + v, 1.0)
+    assert warned(softer_later, "central_difference", dt=1.0).startswith("ωΔt = 3 at the start exceeds 2,")
 
 
 def test_no_other_run_warns():

@@ -13,14 +13,15 @@ def test_a_charge_in_a_magnetic_field_has_its_cyclotron_frequency():
     assert frequencies(charge) == pytest.approx([0.0, 0.0, 10.0], abs=1e-6)
 
 
-@pytest.mark.parametrize("of_force", [False, True])
-def test_whirl_of_a_rotor(of_force):
+@pytest.mark.parametrize("given_by", ["matrices", "force", "force at a time"])
+def test_whirl_of_a_rotor(given_by):
     # ü + G u̇ + k u = 0 with G = g [[0, −1], [1, 0]] has the frequencies √(k + g²/4) ± g/2
     gyroscopic, k = 3.0 * np.array([[0.0, -1.0], [1.0, 0.0]]), 4.0
-    if of_force:
-        rotor = study.Problem(lambda u, v: k * u + gyroscopic @ v, [1.0, 0.0])
-    else:
-        rotor = study.Problem(stiffness=k, damping=gyroscopic, u0=[1.0, 0.0])
+    rotor = {
+        "matrices": lambda: study.Problem(stiffness=k, damping=gyroscopic, u0=[1.0, 0.0]),
+        "force": lambda: study.Problem(lambda u, v: k * u + gyroscopic @ v, [1.0, 0.0]),
+        "force at a time": lambda: study.Problem(lambda u, v, t: (k + t) * u + gyroscopic @ v, [1.0, 0.0]),
+    }[given_by]()
     assert frequencies(rotor) == pytest.approx([1.0, 4.0])
 
 
