@@ -244,9 +244,9 @@ def run(
     start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
     _check_fit(equation, method, chosen)
     if controlled:
-        of_load = (
-            partial(times_of, equation.load) if over is None else partial(times_of_lanes, problem, values, equations)
-        )
+        of_load = partial(times_of_problem, equation)
+        if over is not None:
+            of_load = partial(times_of_lanes, problem, values, equations)  # type: ignore[arg-type]
         control = checked_control(
             equation, method, chosen, estimator, controller, tolerance, duration, times, dt, steps, of_load
         )
