@@ -20,7 +20,7 @@ from study.marching.shapes import CountOfLanes, OfLanes
 from study.mechanics.definition import Problem
 from study.mechanics.function_checks import NOT_TRACEABLE, failure
 from study.mechanics.loads import times_of
-from study.mechanics.scan import Times
+from study.mechanics.scan import Times, events
 from study.observer.base import Observer
 
 
@@ -107,7 +107,7 @@ def times_of_lanes(
     if any(np.size(getattr(load, "kinks", ())) for load in loads):
         return np.unique(np.concatenate([times_of(load, duration) for load in loads]))
     lanes = {name: jnp.asarray(value) for name, value in over.items()}
-    return times_of(lambda t: jax.vmap(lambda own: make(**own).load(t))(lanes), duration)  # type: ignore[misc]
+    return events(lambda t: jax.vmap(lambda own: make(**own).load(t))(lanes), duration)  # type: ignore[misc]
 
 
 def march_family(

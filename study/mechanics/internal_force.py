@@ -145,7 +145,7 @@ def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array)
                 wanted.append((partial(_switches, equation.params[_CALLS[name]], given), equation.invars))
     # the same program, with the operands of these operations as its results
     operands = [operand for _, operands in wanted for operand in operands]
-    needed, kept = {x for x in operands if not isinstance(x, core.Literal)}, []
+    needed, kept = {x for x in operands if not isinstance(x, core.Literal)}, list[core.JaxprEqn]()
     for equation in reversed(jaxpr.eqns):
         if not needed.isdisjoint(equation.outvars):
             kept.insert(0, equation)

@@ -76,9 +76,9 @@ def times_of(load: Callable | None, duration: float, intervals: int = INTERVALS)
 
 
 def times_of_problem(problem: Problem, duration: float, intervals: int = INTERVALS) -> Times:
-    """Times within ``duration`` at which steps should end: those of the load, and events of a force that takes the time.
+    """Times within ``duration`` at which steps should end: those of the load, and of a force that takes the time.
 
-    The force is scanned at the start of the motion.
+    The force is scanned at the displacement and velocity at the start.
     """
     times = times_of(problem.load, duration, intervals)
     if not problem.takes_time:

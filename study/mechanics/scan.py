@@ -115,7 +115,8 @@ class _Scan:
         self._numbers = known[(known > 0) & (known < duration)]
         self._compares = jax.eval_shape(lambda t: switches(function, t), zero).size > 0
         self._size = max(jax.eval_shape(self._of_time, zero).size, 1)
-        self._scale = self._weights = None
+        self._weights: jax.Array | None = None
+        self._scale = np.ones(())
 
     def _of_time(self, t):
         value = jnp.ravel(jnp.asarray(self._function(t), float))
@@ -184,7 +185,7 @@ class _Scan:
             if not len(regions):
                 break
             parts = int(np.clip(INTERVALS // len(regions), FEWEST_PARTS, MOST_PARTS))
-            t = np.linspace(*regions.T, parts + 1, axis=1)
+            t = np.linspace(regions[:, 0], regions[:, 1], parts + 1, axis=1)
             deviation = _deviation(self.values(t.ravel()).reshape(*t.shape, -1))
             growing = np.any(
                 (deviation > SMALLEST) & (deviation > strengths[:, None] * GROWING * (3 / parts) ** 2), axis=2
