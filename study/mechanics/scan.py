@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from study.algebra.reads import Reads, reading, reads_of
 from study.mechanics.internal_force import numbers, switches
 
 #: Number of intervals between the first samples, and the least number of them if the function has many values. It is a
@@ -49,6 +50,9 @@ AT_RANDOM = 63
 #: Distance of further samples from a number of the program, as a fraction of the duration.
 NEXT_TO = 1e-9
 
+#: Largest number of scans that are kept.
+KEPT = 64
+
 #: Times in seconds.
 Times = Float[np.ndarray, "times"]
 
@@ -72,14 +76,28 @@ def events(function: Callable, duration: float, intervals: int = INTERVALS) -> T
     Parameters
     ----------
     function
-        Function of the time, whose values have one shape. It is called anew for each scan, because what it reads may
-        have changed, and no program is compiled for it.
+        Function of the time, whose values have one shape. It is scanned again if what it reads has changed, and no
+        program is compiled for it.
     duration
         Duration in s.
     intervals
         Number of intervals between the first samples.
     """
-    with jax.enable_x64(True):
+    # found again if the function reads the same values as before
+    key = reads_of(lambda: function), duration, intervals
+    if key in _kept:
+        return _kept[key]
+    if len(_kept) >= KEPT:
+        _kept.pop(next(iter(_kept)), None)
+    return _kept.setdefault(key, _scanned(function, duration, intervals))
+
+
+_kept: dict[tuple[Reads, float, int], Times] = {}
+
+
+def _scanned(function: Callable, duration: float, intervals: int) -> Times:
+    """The times that :func:`events` returns."""
+    with jax.enable_x64(True), reading(reads_of(function)):
         scan = _Scan(function, duration)
         t, values = scan.first(intervals)
         h = t[1] - t[0]
