@@ -3,6 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
+from scipy import special
 from scipy.integrate import solve_ivp
 
 import study
@@ -72,3 +73,12 @@ def test_the_shallow_arch_snaps_through_at_eight_twentysevenths(part, snaps):
     problem = study.Problem(arch.force, 0.0, load=lambda t: np.full((), load))
     ds = study.run(problem, "rk4", dt=0.01, steps=5000)
     assert bool((ds.u > 2 / 3).any()) == snaps
+
+
+def test_mathieu_s_oscillator_moves_on_the_boundary_of_stability_as_mathieu_s_function():
+    q = 0.4
+    boundary = special.mathieu_a(1, q)
+    t = np.linspace(0, 2 * np.pi, 9)
+    exact = special.mathieu_cem(1, q, np.degrees(t))[0] / special.mathieu_cem(1, q, 0.0)[0]
+    ds = study.run(oscillators.mathieu(boundary, -q), "nystrom4", dt=2 * np.pi / 800, steps=800, every=100)
+    np.testing.assert_allclose(ds.u, exact, atol=1e-8)
