@@ -12,6 +12,8 @@ from study.scheme.base import Scheme
 #: Reactions of :func:`study.run` to a failed run.
 ON_FAILURE = ("warn", "raise", "ignore")
 
+#: Largest ωΔt of the stiffest mode at which smaller steps do not help Newton's iteration.
+RESOLVED = 0.01
 
 #: Descriptions of failures, by status.
 HOW = {
@@ -42,6 +44,13 @@ def likely_cause(
     at_start = "" if highest is None else f" (it is {highest * dt:.3g} at the start{beyond})"
     if highest == 0:
         at_start = " (at the start no mode oscillates, and the motion may also grow by itself)"
+    if status == NO_SOLUTION and problem.massless:
+        return (
+            "the equation of an unknown without mass has no root or several at this point of the motion; check that "
+            "its force determines the unknown."
+        )
+    if status == NO_SOLUTION and highest and highest * dt < RESOLVED:
+        return f"the force jumps along the motion, because the step resolves every mode{at_start}; make it continuous."
     if status == NO_SOLUTION:
         return (
             "the force changes too much over a step, or the effective equation has no root or several; take smaller "

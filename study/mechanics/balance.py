@@ -38,6 +38,7 @@ from study.algebra.arrays import Matrix, Scalar, ScalarLike, Vector
 from study.algebra.counting import Counted, count
 from study.algebra.elimination import solve
 from study.algebra.matrices import Banded, add, dense, product, times
+from study.algebra.round_off import EVALUATIONS, sensitivity
 from study.algebra.sparse import Sparse
 from study.mechanics.definition import Problem
 from study.mechanics.newton import (
@@ -218,6 +219,11 @@ def balance(
         internal, effective = internal_and_effective(a)
         inertial = times(inertia, a)
         out_of_balance = inertial + internal - rhs
+        sensitive = partial(sensitivity, residual, a, out_of_balance)
+
+        def round_off():
+            return tolerances.round_off * sensitive()
+
         correction = solved(effective, out_of_balance)
         residuals: Scalar | int = 0
         if halved:
@@ -229,14 +235,20 @@ def balance(
             if problem.kinked and jnp.ndim(u):
                 # near the solution the sign of the residual is round-off, and no part of the correction would be found
                 settled = norm(times(reach, correction)) <= tolerance * (norm(start) + norm(times(reach, a)))
-                correction, residuals = shortened(residual, a, correction, out_of_balance, settled)
+                correction, residuals = shortened(residual, a, correction, out_of_balance, settled, round_off)
             a = a - correction
             moved = norm(times(reach, correction))
         size = norm(start) + norm(times(reach, a))
         unfinished = moved > tolerance * size
         if jnp.ndim(u):
-            forces = norm(inertial) + norm(internal) + norm(rhs)
-            unfinished |= (norm(out_of_balance) > tolerances.force * forces) & (moved > tolerances.round_off * size)
+            off = jnp.abs(out_of_balance)
+            allowed = tolerances.force * (jnp.abs(inertial) + jnp.abs(internal) + jnp.abs(rhs))
+            # if the forces of each row balance, a correction that is not shorter than half of the last is round-off
+            ends = ~unfinished | (2 * moved >= before)
+            unbalanced = jnp.any(off > allowed) & (moved > tolerances.round_off * size)
+            doubtful = ends & unbalanced
+            unbalanced = lax.cond(doubtful, lambda: jnp.any(off > allowed + round_off()), lambda: unbalanced)
+            unfinished, residuals = ~ends | unbalanced, residuals + jnp.where(doubtful, EVALUATIONS, 0)
         else:
             predicted = moved**3 <= tolerances.predicted * size * before**2
             unfinished &= ~((moved <= tolerances.near * size) & predicted)
@@ -258,7 +270,7 @@ def balance(
     nothing, first = jnp.zeros((), u.dtype), lax.stop_gradient(guess)
     iterates: Callable = iterate
     safeguarded: Callable = partial(iterate, halved=True)
-    begin = first
+    begin, last = first, jnp.full((), jnp.inf, u.dtype) if jnp.ndim(u) else None
     if not jnp.ndim(u):
         safeguarded, begin = iterate_between, jnp.stack([first, -jnp.inf, jnp.inf, jnp.inf])
         if problem.kinked:
@@ -272,15 +284,16 @@ def balance(
         # With several unknowns this would double the program and save little.
         once, _, moved, _ = opened((first, nothing), given)
         (found, unfinished, *_), iterations = opened((once, moved), given), jnp.full((), 2)
-    found, unfinished, iterations, residuals = iterated(opened, given, (found, unfinished, iterations, none))
+    carry = found, last, unfinished, iterations, none
+    found, _, unfinished, iterations, residuals = iterated(opened, given, carry)
     a = found if found.shape == u.shape else found[0]
     if not problem.safeguarded:
         return differentiable(a), effort(iterations, residuals, converged=~unfinished)
 
     failed = unfinished | ~jnp.all(jnp.isfinite(a))
     opened, given = opened_closure(safeguarded, begin, nothing)
-    carry = begin, failed, none, none
-    found, unfinished, more, tried = iterated(opened, lax.stop_gradient(given), carry, MAX_SAFEGUARDED)
+    carry = begin, last, failed, none, none
+    found, _, unfinished, more, tried = iterated(opened, lax.stop_gradient(given), carry, MAX_SAFEGUARDED)
     a = jnp.where(failed, found if jnp.ndim(u) else found[0], a)
     how = {"converged": ~unfinished, "restarts": failed.astype(int)}
     return differentiable(a), effort(iterations + more, residuals + tried, **how)

@@ -13,6 +13,7 @@ import numpy as np
 from jax import lax
 
 from study.algebra.arrays import Scalar, Vector
+from study.algebra.round_off import EVALUATIONS
 
 
 class Tolerances(NamedTuple):
@@ -29,9 +30,12 @@ class Tolerances(NamedTuple):
         smaller than ``near`` and the third would be smaller than ``predicted``, both as fractions of the displacement.
         After corrections of the sizes d₁ and d₂ the third is about :math:`d_2^3/d_1^2` (Deuflhard, 2004, section 2.1).
     force, round_off
-        With several unknowns the residual before the last correction must also be smaller than the fraction ``force``
-        of the forces in balance. This is not required if the correction was smaller than the fraction ``round_off`` of
-        the displacement, since the force of a stiff member is not known more accurately.
+        With several unknowns the residual of each row before the last correction must also be smaller than the fraction
+        ``force`` of the forces in balance in this row, plus the fraction ``round_off`` of the residual's
+        :func:`sensitivity <study.algebra.round_off.sensitivity>` to its numbers: no row is known more accurately. If
+        all rows balance in this sense, a correction that is not shorter than half of the one before is round-off and
+        ends the iteration. The round-off of a multiplier grows with 1/Δt². The residual is not examined if the
+        correction was smaller than the fraction ``round_off`` of the displacement.
     """
 
     displacement: float
@@ -89,7 +93,7 @@ def norm(x: Vector | float) -> Scalar:
 
 
 def _goes_on(carry, most):
-    _, unfinished, iterations, _ = carry
+    _, _, unfinished, iterations, _ = carry
     return unfinished & (iterations < most)
 
 
@@ -103,19 +107,19 @@ def _any(flags):
 
 
 def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS) -> tuple:
-    """Repeat ``a, unfinished, _, more = iterate((a, 0), given)`` while ``unfinished``, up to ``most`` iterations.
+    """Repeat ``a, unfinished, moved, more = iterate((a, before), given)`` while ``unfinished``, at most ``most`` times.
 
-    ``carry`` is ``(a, unfinished, iterations, residuals)``, and the result is its final value. ``residuals`` is the sum
-    of ``more``, the numbers of residuals that iterations evaluate to shorten a correction. The zero in place of the
-    size of the last correction disables the prediction of the next correction: carrying this size costs more than it
-    saves.
+    ``carry`` is ``(a, before, unfinished, iterations, residuals)``, and the result is its final value. ``before`` is
+    the size of the last correction. If it is None, every iteration gets a zero in its place, which disables the
+    prediction of the next correction: with one unknown, carrying this size costs more than it saves. ``residuals`` is
+    the sum of ``more``, the numbers of residuals that iterations evaluate in addition to their own.
     """
     goes_on = partial(_goes_on, most=most)
 
     def again(carry, given):
-        a, _, iterations, residuals = carry
-        a, unfinished, _, more = iterate((a, jnp.zeros((), a.dtype)), given)
-        return a, unfinished, iterations + 1, residuals + more
+        a, before, _, iterations, residuals = carry
+        a, unfinished, moved, more = iterate((a, jnp.zeros((), a.dtype) if before is None else before), given)
+        return a, None if before is None else moved, unfinished, iterations + 1, residuals + more
 
     @jax.custom_batching.custom_vmap
     def to_the_end(carry, given):
@@ -136,7 +140,8 @@ def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS)
 
             return jax.vmap(newest)(goes_on(carry), each(carry, given), carry)
 
-        return lax.while_loop(lambda carry: _any(goes_on(carry)), those_that_go_on, carry), (True,) * 4
+        ended = lax.while_loop(lambda carry: _any(goes_on(carry)), those_that_go_on, carry)
+        return ended, jax.tree.map(lambda _: True, ended)
 
     return to_the_end(carry, given)
 
@@ -185,17 +190,23 @@ def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Calla
 
 
 def shortened(
-    residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector, settled: jax.Array
+    residual: Callable,
+    a: Vector,
+    correction: Vector,
+    out_of_balance: Vector,
+    settled: jax.Array,
+    round_off: Callable[[], Vector],
 ) -> tuple[Vector, jax.Array]:
     """A Newton correction of several unknowns, shortened until the component of the residual along it nearly vanishes.
 
     A correction that is ``settled``, so small that the iteration ends, is returned unchanged. The number of residuals
     evaluated is returned too.
 
-    A correction that is short enough (``OVERSHOOT``) is returned unchanged. If the tangent is symmetric and positive
-    definite, a shortened correction ends where the energy along it is least, and every correction reduces the distance
-    to the solution. The length is found by secants and bisections in turn. The secants use the Illinois method: the
-    value at an end that stays is halved.
+    A correction that is short enough (``OVERSHOOT``) is returned unchanged. The same holds for a correction after which
+    the residual is within ``round_off()``. If the tangent is symmetric and positive definite, a shortened correction
+    ends where the energy along it is least, and every correction reduces the distance to the solution. The length is
+    found by secants and bisections in turn. The secants use the Illinois method: the value at an end that stays is
+    halved.
     """
 
     def along(part):
@@ -216,10 +227,12 @@ def shortened(
         return low, at_low, high, at_high, found, evaluations + 1
 
     before, whole = jnp.vdot(correction, out_of_balance), along(jnp.ones((), a.dtype))
-    found = settled | ~((whole * before < 0) & (jnp.abs(whole) > OVERSHOOT * jnp.abs(before)))
+    beyond = ~settled & (whole * before < 0) & (jnp.abs(whole) > OVERSHOOT * jnp.abs(before))
+    found = ~beyond
+    found |= lax.cond(beyond, lambda: jnp.abs(whole) <= jnp.vdot(jnp.abs(correction), round_off()), lambda: found)
     ends = jnp.zeros((), a.dtype), before, jnp.ones((), a.dtype), whole
     _, _, part, *_, evaluations = lax.while_loop(searches, evaluate, (*ends, found, jnp.zeros((), int)))
-    return part * correction, evaluations + 1
+    return part * correction, evaluations + 1 + jnp.where(beyond, EVALUATIONS, 0)
 
 
 def opened_closure(function: Callable, *examples) -> tuple[Callable, list]:

@@ -41,8 +41,8 @@ def _relaxation(energy: Callable) -> tuple[Scalar, Effort]:
         return new, jnp.abs(new - gamma) > jnp.finfo(one.dtype).eps ** (1 / 3), last, 0
 
     opened, given = opened_closure(iterate, one, one)
-    first = one, jnp.ones((), bool), jnp.zeros((), int), jnp.zeros((), int)
-    gamma, unfinished, iterations, _ = iterated(opened, lax.stop_gradient(given), first)
+    first = one, None, jnp.ones((), bool), jnp.zeros((), int), jnp.zeros((), int)
+    gamma, _, unfinished, iterations, _ = iterated(opened, lax.stop_gradient(given), first)
     # outside the loop, so that JAX can differentiate this correction
     # the energies before, of each iteration and of this correction; an energy counts as a force
     return corrected(gamma), Effort(converged=~unfinished, forces=iterations + 2)
