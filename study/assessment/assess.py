@@ -66,9 +66,11 @@ def assess(
     A run ends with the last step that fits into the duration. Quantities along time are compared with the reference at
     every step.
 
-    A problem of more than 1,000 unknowns is assessed like a :class:`study.Program`: the given schemes, ``rk4`` and
-    ``nystrom4`` run with halved steps until two schemes agree. The result on which they agree is the reference; its
-    uncertainty follows from their difference. Only a few random finer steps confirm a recommended step.
+    A problem of more than 1,000 unknowns, or with an unknown without mass, is assessed like a :class:`study.Program`:
+    the given schemes and two witnesses run with halved steps until two schemes agree. The result on which they agree is
+    the reference; its uncertainty follows from their difference. The witnesses are ``rk4`` and ``nystrom4``, or
+    ``esdirk4`` and ``generalized_alpha`` if an unknown has no mass. Only a few random finer steps confirm a recommended
+    step.
 
     Parameters
     ----------
@@ -87,7 +89,8 @@ def assess(
         history; the balance of energies, if the problem has a potential and its force cannot dissipate; and period,
         phase and amplitude of a free undamped oscillator of one unknown. A warning is given if the balance of energies
         is left out because the energy at the start is too small to scale its errors. For a problem of more than 1,000
-        unknowns the default is displacement and velocity, of at most 256 unknowns.
+        unknowns, or with an unknown without mass, the default is displacement and velocity of at most 256 unknowns,
+        all with a mass.
     errors
         Allowed errors, as fractions of the value to which the errors of a quantity are relative: its largest value
         along time, or the peak, the final value or the root mean square itself (``scale`` of :class:`study.Quantity`).
@@ -95,11 +98,11 @@ def assess(
         of the period, and that of the amplitude is the loss per oscillation.
     maps
         Whether to make a map of the failures of each scheme over step size and excitation, the multiple of initial
-        values and load. A program, or a problem of more than 1,000 unknowns, has no map.
+        values and load. A program, or a problem that is assessed like one, has no map.
     controller
         Name in ``study.controllers``, or your own :class:`study.Controller`. Each scheme that does not need equal steps
         then also runs with controlled steps at random tolerances; the result has the tolerance that keeps each error,
-        and its cost. A program, or a problem of more than 1,000 unknowns, cannot have a controller.
+        and its cost. A program, or a problem that is assessed like one, cannot have a controller.
     seconds
         Wall time in s after which no work begins. The results so far are returned. The verdict is ``out_of_time`` where
         the runs do not suffice, schemes without any run are left out with a warning, and there are neither maps nor
@@ -174,9 +177,12 @@ def assess(
     model = model_of(equation, length, spacing)
     progress.say(f"{equation.title}: {'; '.join(model)}")
     remarks = remark_on_record(equation, spacing) + remarks_on_stability(own_schemes.values())
-    if np.size(equation.u0) > large.MOST:
+    if np.size(equation.u0) > large.MOST or equation.massless:
         if control is not None:
-            raise ValueError(f"controlled steps are assessed for up to {large.MOST:,} unknowns; leave controller out.")
+            raise ValueError(
+                f"controlled steps are assessed for up to {large.MOST:,} unknowns, all with a mass; leave controller "
+                "out."
+            )
         program = large.program_of(equation, fit, length, quantities, spacing)
         ds = assess_program(program, allowed, seconds, progress.report)
         ds.attrs |= {"model": "\n".join(model), "asked_for": asked} | record_of(equation.load)

@@ -1,4 +1,4 @@
-"""``study.assess`` for a problem of many unknowns: steps are halved until two schemes agree."""
+"""``study.assess`` for many unknowns, or unknowns without mass: steps are halved until two schemes agree."""
 
 import hashlib
 from collections.abc import Mapping
@@ -9,8 +9,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from study.algebra.matrices import diagonal, times
 from study.marching.run import run, sweep
-from study.mechanics.balance import acceleration
+from study.mechanics.balance import load
 from study.mechanics.definition import Problem
 from study.mechanics.tangent import FINDABLE
 from study.observer.motion import Quantity
@@ -24,15 +25,16 @@ MOST = FINDABLE
 #: Largest number of unknowns at which displacement and velocity are compared if no quantities are given.
 SHOWN = 256
 
-#: Sizes of random states. Accelerations at these states distinguish problems, and internal forces at them show which
-#: unknowns have a linear force.
+#: Sizes of random states. The terms of the equation at these states distinguish problems, and internal forces at them
+#: show which unknowns have a linear force.
 SIZES = (1e-3, 1.0, 1e3)
 
 #: Largest relative deviation of a force from linearity that counts as round-off.
 ROUND_OFF = 1e-9
 
 #: Names of explicit schemes that may also give the reference: their order is high, and their steps solve no equations.
-WITNESSES = ("rk4", "nystrom4")
+#: If the problem fits none of them, these implicit schemes of different families take their place.
+WITNESSES, IMPLICIT_WITNESSES = ("rk4", "nystrom4"), ("esdirk4", "generalized_alpha")
 
 
 @dataclass(frozen=True)
@@ -51,12 +53,14 @@ class _Runs:
     def __post_init__(self):
         """Set ``source`` to a digest of the traced equation, the schemes, the reductions, and values at several states.
 
-        The values are u₀, u̇₀, and the accelerations and quantities at states of several sizes. They distinguish
-        equations that differ only in numbers.
+        The values are u₀, u̇₀, and the terms of the equation and the quantities at states of several sizes. They
+        distinguish equations that differ only in numbers.
         """
 
         def of_state(t, u, v):
-            return acceleration(self.problem, t, u, v), [one.value(self.problem, t, u, v) for one in self.quantities]
+            terms = self.problem.at_time(t).internal_force(u, v), load(self.problem, t), self.problem.momentum(v)
+            damping = 0.0 if self.problem.damping is None else times(self.problem.damping, v)
+            return terms, damping, [one.value(self.problem, t, u, v) for one in self.quantities]
 
         at = self.problem.u0, self.problem.v0
         options = self.schemes, [one.reduce for one in self.quantities]
@@ -111,9 +115,14 @@ def _spread(places: np.ndarray, count: int) -> np.ndarray:
 
 
 def compared(problem: Problem) -> np.ndarray:
-    """Up to ``SHOWN`` unknowns to compare: up to half of them where the force is not linear, the rest spread evenly."""
-    chosen = _spread(_not_linear(problem), SHOWN // 2)
-    others = np.setdiff1d(np.arange(np.size(problem.u0)), chosen)
+    """Up to ``SHOWN`` unknowns to compare: up to half of them where the force is not linear, the rest spread evenly.
+
+    All of them have a mass: the velocity of an unknown without mass, and a multiplier, converge with lower orders.
+    """
+    mass = 1.0 if problem.mass is None else diagonal(problem.mass)
+    eligible = np.flatnonzero(np.broadcast_to(np.asarray(mass) > 0, np.shape(problem.u0)))
+    chosen = _spread(np.intersect1d(_not_linear(problem), eligible), SHOWN // 2)
+    others = np.setdiff1d(eligible, chosen)
     return np.union1d(chosen, _spread(others, SHOWN - len(chosen)))
 
 
@@ -124,7 +133,7 @@ def program_of(
     quantities: Mapping[str, Quantity] | None,
     spacing: float | None,
 ) -> Program:
-    """A problem as a program, with explicit schemes of high order as witnesses.
+    """A problem as a program, with explicit schemes of high order as witnesses, or else implicit ones.
 
     Raises
     ------
@@ -138,11 +147,16 @@ def program_of(
         if one.scale == "peak" and one.reduce in ("final", "rms"):
             raise ValueError(
                 f"the quantity '{name}' needs a number as scale, because '{problem.title}' has more than {MOST:,} "
-                "unknowns, whose runs do not return the peak of a final value."
+                "unknowns or one without mass, and its runs do not return the peak of a final value."
             )
     titles = {one.title for one in schemes.values()}
-    of_high_order = {name: schemes_by_name[name] for name in WITNESSES}
-    witnesses = {n: one for n, one in of_high_order.items() if one.title not in titles and not one.refusal(problem)}
+
+    def fitting(names):
+        candidates = {name: schemes_by_name[name] for name in names}
+        return {name: one for name, one in candidates.items() if not one.refusal(problem)}
+
+    known = fitting(WITNESSES) or fitting(IMPLICIT_WITNESSES)
+    witnesses = {name: one for name, one in known.items() if one.title not in titles}
     named = [replace(one, name=name, long_name=name) for name, one in quantities.items()]
     runs = _Runs(problem, witnesses | dict(schemes), duration, named)
     return Program(runs, list(schemes), duration, spacing=spacing, witnesses=list(witnesses))
