@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import fields
 from typing import Any
 
 import equinox as eqx
@@ -9,12 +10,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from study.algebra.arrays import Matrix, PositionsLike, Vector, VectorLike, as_float64
-from study.algebra.matrices import add
+from study.algebra.arrays import Matrix, PositionsLike, Scalar, ScalarLike, Vector, VectorLike, as_float64
+from study.algebra.counting import count
+from study.algebra.matrices import add, times
 from study.algebra.reads import Reads, reading, reads_of, reads_of_program
 from study.algebra.sparse import is_sparse
 from study.mechanics import checks, function_checks, tangent
-from study.mechanics.evaluation import Evaluation
 from study.mechanics.forms import entries_of, form_of_tangent, stored
 from study.mechanics.ground import GroundLoad, GroundMotion
 from study.mechanics.internal_force import (
@@ -34,7 +35,7 @@ NUMBERS = ("u0", "v0", *checks.MATRICES, "positions", "influence")
 PROBED_TIMES = (0.0, 0.3183, 1.4142, 27.183)
 
 
-class Problem(Evaluation):
+class Problem(eqx.Module):
     r"""A second-order initial value problem, Xie (1996), equation (1).
 
     .. math::
@@ -312,6 +313,107 @@ class Problem(Evaluation):
         equation = " + ".join(term for term, there in present.items() if there)
         start = f"{np.size(self.u0)} unknowns" if np.ndim(self.u0) else f"u(0) = {self.u0}, u̇(0) = {self.v0}"
         return f"{self.title}: {equation} = {0 if self.load is None else 'f(t)'}\n{start}"
+
+    @property
+    def linear(self) -> bool:
+        """Whether the internal force is K u alone."""
+        return self.force is None
+
+    @property
+    def damped(self) -> bool:
+        """Whether forces depend on the velocity."""
+        return self.damping is not None or self.takes_velocity
+
+    @property
+    def takes_time(self) -> bool:
+        """Whether the force takes the time."""
+        return self.place_of_time is not None
+
+    @property
+    def dissipative(self) -> bool:
+        """Whether the internal force takes a velocity, a history or the time, so that it may dissipate."""
+        return self.arguments > 1 or self.takes_time
+
+    @property
+    def conservative(self) -> bool:
+        """Whether the energy is constant: there is no damping, no load, and the force takes the displacement alone."""
+        return self.damping is None and self.load is None and not self.dissipative
+
+    def _changed(self, name: str, value: Any) -> "Problem":
+        """A copy of the problem with another value of one field; the copy is not checked."""
+        copy = object.__new__(type(self))
+        for field in fields(self):
+            if hasattr(self, field.name):  # a field is missing while the problem is made
+                object.__setattr__(copy, field.name, getattr(self, field.name))
+        object.__setattr__(copy, name, value)
+        return copy
+
+    def at(self, state: Any) -> "Problem":
+        """The problem with the committed history of a state; a problem without a history is returned unchanged."""
+        return self if self.history is None else self.remembering(state.history)
+
+    def at_rest(self) -> "Problem":
+        """The problem with its history at rest, at t = 0."""
+        return (self if self.history is None else self.remembering(self._at_rest)).at_time(0.0)
+
+    def at_time(self, t: ScalarLike) -> "Problem":
+        """The problem with its force at the time t; a problem whose force does not take the time is unchanged."""
+        return self._changed("_time", t) if self.takes_time else self
+
+    def remembering(self, history: Any) -> "Problem":
+        """The problem with the given history as the committed one."""
+        return self._changed("history", history)
+
+    def committed(self, u: VectorLike, v: VectorLike) -> "Problem":
+        """The problem with the history after a motion to u and u̇; a problem without a history is returned unchanged."""
+        return self if self.history is None else self.remembering(self._force_and_history(u, v)[1])
+
+    def internal_force(self, u: VectorLike, v: VectorLike) -> Vector:
+        """The force K u + p at displacement u and velocity u̇, from the committed history."""
+        if self.stiffness is None:
+            return self.varying_force(u, v)
+        elastic = times(self.stiffness, u)
+        if self.linear:
+            count(forces=1)
+            return elastic
+        return elastic + self.varying_force(u, v)
+
+    def static_force(self, u: VectorLike) -> Vector:
+        """The force K u + p at displacement u and without velocity, from the committed history."""
+        return self.internal_force(u, jnp.zeros_like(u))
+
+    def varying_force(self, u: VectorLike, v: VectorLike) -> Vector:
+        """The force p, without K u."""
+        return self._force_and_history(u, v)[0]
+
+    def _force_and_history(self, u: VectorLike, v: VectorLike) -> tuple[Vector, Any]:
+        """The force p, and the history after a motion to u and u̇; None without a history."""
+        return self._from(u, v, self.history) if self.history is not None else (self._from(u, v), None)
+
+    def _from(self, *motion: Any) -> Any:
+        """Value of the function of the force."""
+        count(forces=1)
+        given = list(motion[: self.arguments])
+        if self.place_of_time is not None:
+            if self._time is None:
+                raise RuntimeError("the force takes the time, which problem.at_time(t) must state.")
+            given.insert(self.place_of_time, self._time)
+        return self.force(*given)
+
+    def momentum(self, v: VectorLike) -> Vector:
+        """M u̇."""
+        return v if self.mass is None else times(self.mass, v)
+
+    def energy(self, u: VectorLike, v: VectorLike) -> Scalar:
+        """Kinetic and potential energy ½ u̇ᵀ M u̇ + ½ uᵀ K u + V, the scalar E of Xie (1996), eqs (4) and (5)."""
+        return 0.5 * jnp.vdot(v, self.momentum(v)) + self.stored_energy(u)
+
+    def stored_energy(self, u: VectorLike) -> Scalar:
+        """½ uᵀ K u + V at displacement u, with the committed history."""
+        if self.potential is None:
+            raise ValueError("the energy of a problem needs its potential: give Problem(potential=...).")
+        stored = self.potential(u) if self.history is None else self.potential(u, self.history)
+        return stored if self.stiffness is None else stored + 0.5 * jnp.vdot(u, times(self.stiffness, u))
 
 
 def _nothing(u: Vector) -> Vector:
