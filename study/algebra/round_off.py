@@ -1,6 +1,7 @@
 """How far the round-off of its operations can move the results of a function."""
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -50,7 +51,7 @@ def sensitivity(function: Callable, x: Vector, exact: Vector) -> Vector:
 
 def _changed(program: core.ClosedJaxpr, arguments: Sequence, eta: jax.Array, step: jax.Array) -> list:
     """Results of a program whose arguments and operations have relative changes between η and 4η."""
-    jaxpr, values = program.jaxpr, {}
+    jaxpr, values = program.jaxpr, dict[Any, Any]()
     count = 0
 
     def changed(x):
@@ -74,6 +75,6 @@ def _changed(program: core.ClosedJaxpr, arguments: Sequence, eta: jax.Array, ste
             given = list({of: None for of in equation.invars if not isinstance(of, core.Literal)})
             alone = jaxpr.replace(constvars=[], invars=given, outvars=equation.outvars, eqns=[equation])
             results = core.jaxpr_as_fun(core.ClosedJaxpr(alone, []))(*map(value, given))
-            results = results if name in EXACT else map(changed, results)
+            results = results if name in EXACT else list(map(changed, results))
         values |= zip(equation.outvars, results, strict=True)
     return [value(of) for of in jaxpr.outvars]

@@ -175,6 +175,8 @@ def balance(
     constant = inertia if problem.stiffness is None else add(inertia, product(problem.stiffness, weighted, n), n=n)
     # a correction is measured by the norm of its product with reach, relative to |start| + |reach a|
     start, reach = (v, c_v) if problem.takes_velocity else (u, c_u)
+    # to compare each row with its round-off takes lanes longer than the forces, so only runs that need it do
+    by_row = jnp.ndim(u) > 0 and (problem.massless or problem.safeguarded)
 
     def internal_force(of, a):
         velocity = v + times(c_v, a) if problem.takes_velocity else v
@@ -219,10 +221,9 @@ def balance(
         internal, effective = internal_and_effective(a)
         inertial = times(inertia, a)
         out_of_balance = inertial + internal - rhs
-        sensitive = partial(sensitivity, residual, a, out_of_balance)
 
-        def round_off():
-            return tolerances.round_off * sensitive()
+        def round_off(a=a):
+            return tolerances.round_off * sensitivity(residual, a, out_of_balance)
 
         correction = solved(effective, out_of_balance)
         residuals: Scalar | int = 0
@@ -235,20 +236,26 @@ def balance(
             if problem.kinked and jnp.ndim(u):
                 # near the solution the sign of the residual is round-off, and no part of the correction would be found
                 settled = norm(times(reach, correction)) <= tolerance * (norm(start) + norm(times(reach, a)))
-                correction, residuals = shortened(residual, a, correction, out_of_balance, settled, round_off)
+                of_rows = round_off if by_row else None
+                correction, residuals = shortened(residual, a, correction, out_of_balance, settled, of_rows)
             a = a - correction
             moved = norm(times(reach, correction))
         size = norm(start) + norm(times(reach, a))
         unfinished = moved > tolerance * size
         if jnp.ndim(u):
-            off = jnp.abs(out_of_balance)
-            allowed = tolerances.force * (jnp.abs(inertial) + jnp.abs(internal) + jnp.abs(rhs))
-            # if the forces of each row balance, a correction that is not shorter than half of the last is round-off
-            ends = ~unfinished | (2 * moved >= before)
-            unbalanced = jnp.any(off > allowed) & (moved > tolerances.round_off * size)
-            doubtful = ends & unbalanced
-            unbalanced = lax.cond(doubtful, lambda: jnp.any(off > allowed + round_off()), lambda: unbalanced)
-            unfinished, residuals = ~ends | unbalanced, residuals + jnp.where(doubtful, EVALUATIONS, 0)
+            known = moved <= tolerances.round_off * size
+            if by_row:
+                off = jnp.abs(out_of_balance)
+                allowed = tolerances.force * (jnp.abs(inertial) + jnp.abs(internal) + jnp.abs(rhs))
+                # if the forces of each row balance, a correction that is not shorter than half of the last is round-off
+                ends = ~unfinished | (2 * moved >= before)
+                unbalanced = jnp.any(off > allowed) & ~known
+                doubtful = ends & unbalanced
+                unbalanced = lax.cond(doubtful, lambda: jnp.any(off > allowed + round_off()), lambda: unbalanced)
+                unfinished, residuals = ~ends | unbalanced, residuals + jnp.where(doubtful, EVALUATIONS, 0)
+            else:
+                forces = norm(inertial) + norm(internal) + norm(rhs)
+                unfinished |= (norm(out_of_balance) > tolerances.force * forces) & ~known
         else:
             predicted = moved**3 <= tolerances.predicted * size * before**2
             unfinished &= ~((moved <= tolerances.near * size) & predicted)
@@ -270,7 +277,7 @@ def balance(
     nothing, first = jnp.zeros((), u.dtype), lax.stop_gradient(guess)
     iterates: Callable = iterate
     safeguarded: Callable = partial(iterate, halved=True)
-    begin, last = first, jnp.full((), jnp.inf, u.dtype) if jnp.ndim(u) else None
+    begin, last = first, jnp.full((), jnp.inf, u.dtype) if by_row else None
     if not jnp.ndim(u):
         safeguarded, begin = iterate_between, jnp.stack([first, -jnp.inf, jnp.inf, jnp.inf])
         if problem.kinked:

@@ -30,12 +30,15 @@ class Tolerances(NamedTuple):
         smaller than ``near`` and the third would be smaller than ``predicted``, both as fractions of the displacement.
         After corrections of the sizes d₁ and d₂ the third is about :math:`d_2^3/d_1^2` (Deuflhard, 2004, section 2.1).
     force, round_off
-        With several unknowns the residual of each row before the last correction must also be smaller than the fraction
-        ``force`` of the forces in balance in this row, plus the fraction ``round_off`` of the residual's
-        :func:`sensitivity <study.algebra.round_off.sensitivity>` to its numbers: no row is known more accurately. If
-        all rows balance in this sense, a correction that is not shorter than half of the one before is round-off and
-        ends the iteration. The round-off of a multiplier grows with 1/Δt². The residual is not examined if the
-        correction was smaller than the fraction ``round_off`` of the displacement.
+        With several unknowns the residual before the last correction must also be smaller than the fraction ``force``
+        of the forces in balance. This is not required if the correction was smaller than the fraction ``round_off`` of
+        the displacement, since the force of a stiff member is not known more accurately.
+
+        If an unknown has no mass, its row may hold a condition in other units than a force. The residual of each row is
+        then, and with a safeguard, compared with the forces in this row, plus the fraction ``round_off`` of its
+        :func:`sensitivity <study.algebra.round_off.sensitivity>` to its numbers, since no row is known more accurately.
+        If all rows balance in this sense, a correction that is not shorter than half of the one before is round-off and
+        ends the iteration: the round-off of a multiplier grows with 1/Δt².
     """
 
     displacement: float
@@ -195,7 +198,7 @@ def shortened(
     correction: Vector,
     out_of_balance: Vector,
     settled: jax.Array,
-    round_off: Callable[[], Vector],
+    round_off: Callable[[], Vector] | None,
 ) -> tuple[Vector, jax.Array]:
     """A Newton correction of several unknowns, shortened until the component of the residual along it nearly vanishes.
 
@@ -203,10 +206,10 @@ def shortened(
     evaluated is returned too.
 
     A correction that is short enough (``OVERSHOOT``) is returned unchanged. The same holds for a correction after which
-    the residual is within ``round_off()``. If the tangent is symmetric and positive definite, a shortened correction
-    ends where the energy along it is least, and every correction reduces the distance to the solution. The length is
-    found by secants and bisections in turn. The secants use the Illinois method: the value at an end that stays is
-    halved.
+    the residual is within ``round_off()``, if it is given. If the tangent is symmetric and positive definite, a
+    shortened correction ends where the energy along it is least, and every correction reduces the distance to the
+    solution. The length is found by secants and bisections in turn. The secants use the Illinois method: the value at
+    an end that stays is halved.
     """
 
     def along(part):
@@ -228,11 +231,13 @@ def shortened(
 
     before, whole = jnp.vdot(correction, out_of_balance), along(jnp.ones((), a.dtype))
     beyond = ~settled & (whole * before < 0) & (jnp.abs(whole) > OVERSHOOT * jnp.abs(before))
-    found = ~beyond
-    found |= lax.cond(beyond, lambda: jnp.abs(whole) <= jnp.vdot(jnp.abs(correction), round_off()), lambda: found)
+    found, examined = ~beyond, jnp.zeros((), int)
+    if round_off is not None:
+        limit = lax.cond(beyond, lambda: jnp.vdot(jnp.abs(correction), round_off()), lambda: 0.0 * whole)
+        found, examined = found | (jnp.abs(whole) <= limit), jnp.where(beyond, EVALUATIONS, 0)
     ends = jnp.zeros((), a.dtype), before, jnp.ones((), a.dtype), whole
     _, _, part, *_, evaluations = lax.while_loop(searches, evaluate, (*ends, found, jnp.zeros((), int)))
-    return part * correction, evaluations + 1 + jnp.where(beyond, EVALUATIONS, 0)
+    return part * correction, evaluations + 1 + examined
 
 
 def opened_closure(function: Callable, *examples) -> tuple[Callable, list]:

@@ -43,6 +43,10 @@ class System(Protocol):
         """M, the identity if None."""
 
     @property
+    def massless(self) -> bool:
+        """Whether M is singular."""
+
+    @property
     def damping(self) -> Matrix:
         """C, zero if None."""
 

@@ -127,6 +127,7 @@ class _Twice(NamedTuple):
     safeguarded: bool
     stiffness: Matrix
     mass: Matrix
+    massless: bool
     damping: Matrix
     tangent: FormOfTangent
 
@@ -162,6 +163,7 @@ def _twice(problem: Problem, times: tuple[ScalarLike, ScalarLike], u) -> _Twice:
         problem.safeguarded,
         doubled(problem.stiffness),
         doubled(problem.mass),
+        problem.massless,
         doubled(problem.damping),
         structure,
     )
