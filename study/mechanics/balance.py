@@ -243,19 +243,16 @@ def balance(
         size = norm(start) + norm(times(reach, a))
         unfinished = moved > tolerance * size
         if jnp.ndim(u):
-            known = moved <= tolerances.round_off * size
+            forces = norm(inertial) + norm(internal) + norm(rhs)
+            unfinished |= (norm(out_of_balance) > tolerances.force * forces) & (moved > tolerances.round_off * size)
             if by_row:
-                off = jnp.abs(out_of_balance)
-                allowed = tolerances.force * (jnp.abs(inertial) + jnp.abs(internal) + jnp.abs(rhs))
                 # if the forces of each row balance, a correction that is not shorter than half of the last is round-off
-                ends = ~unfinished | (2 * moved >= before)
-                unbalanced = jnp.any(off > allowed) & ~known
-                doubtful = ends & unbalanced
-                unbalanced = lax.cond(doubtful, lambda: jnp.any(off > allowed + round_off()), lambda: unbalanced)
-                unfinished, residuals = ~ends | unbalanced, residuals + jnp.where(doubtful, EVALUATIONS, 0)
-            else:
-                forces = norm(inertial) + norm(internal) + norm(rhs)
-                unfinished |= (norm(out_of_balance) > tolerances.force * forces) & ~known
+                stalls = unfinished & (2 * moved >= before)
+                in_rows = tolerances.force * (jnp.abs(inertial) + jnp.abs(internal) + jnp.abs(rhs))
+                unfinished = lax.cond(
+                    stalls, lambda: jnp.any(jnp.abs(out_of_balance) > in_rows + round_off()), lambda: unfinished
+                )
+                residuals += jnp.where(stalls, EVALUATIONS, 0)
         else:
             predicted = moved**3 <= tolerances.predicted * size * before**2
             unfinished &= ~((moved <= tolerances.near * size) & predicted)

@@ -34,11 +34,11 @@ class Tolerances(NamedTuple):
         of the forces in balance. This is not required if the correction was smaller than the fraction ``round_off`` of
         the displacement, since the force of a stiff member is not known more accurately.
 
-        If an unknown has no mass, its row may hold a condition in other units than a force. The residual of each row is
-        then, and with a safeguard, compared with the forces in this row, plus the fraction ``round_off`` of its
-        :func:`sensitivity <study.algebra.round_off.sensitivity>` to its numbers, since no row is known more accurately.
-        If all rows balance in this sense, a correction that is not shorter than half of the one before is round-off and
-        ends the iteration: the round-off of a multiplier grows with 1/Δt².
+        If an unknown has no mass, and in runs with a safeguard, the iteration also ends at a correction that is not
+        shorter than half of the one before, if the residual of each row is smaller than the fraction ``force`` of the
+        forces in this row, plus the fraction ``round_off`` of its
+        :func:`sensitivity <study.algebra.round_off.sensitivity>` to its numbers: no row is known more accurately. The
+        round-off of a multiplier, for example, grows with 1/Δt².
     """
 
     displacement: float
