@@ -99,9 +99,15 @@ class AtStart(Reduction):
 
 
 def has_limit(scheme: Scheme, problem: Problem) -> bool:
-    """Whether a step of the scheme may be beyond a limit; an unknown without mass has no finite frequency to check."""
+    """Whether a step of the scheme may be beyond a limit.
+
+    An unknown without mass has no finite frequency to check. If the scheme is exact for the stiffness of a problem, the
+    limit of the remaining force is not known.
+    """
+    if problem.massless or (scheme.is_exact_for_stiffness and problem.stiffness is not None):
+        return False
     limit = scheme.stability_limit
-    return not problem.massless and (limit is None or limit < math.inf)
+    return limit is None or limit < math.inf
 
 
 def taken_from(values: dict[str, np.ndarray]) -> SmallMotion:

@@ -84,6 +84,11 @@ class Scheme(KeywordsOnly, eqx.Module):
         """
 
     @property
+    def is_exact_for_stiffness(self) -> bool:
+        """Whether the stiffness K of a problem is integrated exactly, so that it sets no limit to the step."""
+        return False
+
+    @property
     def needs_equal_steps(self) -> bool:
         """Whether all steps must have one size, because the values that the scheme carries depend on this size."""
         return True
@@ -228,6 +233,10 @@ class Wrapper(Scheme):
     @property
     def explicit(self) -> bool:
         return self.scheme.explicit
+
+    @property
+    def is_exact_for_stiffness(self) -> bool:
+        return self.scheme.is_exact_for_stiffness
 
     @property
     def needs_equal_steps(self) -> bool:

@@ -92,7 +92,7 @@ def test_a_pulse_that_is_shorter_than_the_scan_can_find_is_announced():
 
 def test_solvers_that_part_at_a_pulse_give_no_reference(monkeypatch):
     """The scan is switched off, so that only one of the solvers meets a pulse."""
-    monkeypatch.setattr(reference_module, "times_of", lambda *_: np.zeros(0))
+    monkeypatch.setattr(reference_module, "times_of_problem", lambda *_: np.zeros(0))
     monkeypatch.setattr(certified_module, "times_of", lambda *_: np.zeros(0))
     at = np.array([5.0, 5.001, 5.002])
     struck = study.Problem(
