@@ -19,9 +19,10 @@ import re
 import sys
 import sysconfig
 import types
+from collections import deque
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -51,6 +52,9 @@ HIDDEN = frozenset(("DELETE_GLOBAL", "IMPORT_NAME", "LOAD_BUILD_CLASS", "STORE_G
 
 _LITERALS = frozenset((type(None), bool, int, float, complex, str, bytes, slice, range, type(Ellipsis)))
 _BUILT_IN = (types.BuiltinFunctionType, types.MethodDescriptorType, types.WrapperDescriptorType, np.ufunc)
+_NUMBERS_AND_TEXTS = (int, float, complex, str, bytes, bytearray)
+#: Kinds of objects of C whose values the search adds.
+_KNOWN = (*_NUMBERS_AND_TEXTS, tuple, list, set, frozenset, dict, deque, np.ndarray, np.generic)
 #: Descriptors of fields, whose values are those of the object.
 _FIELDS = (types.MemberDescriptorType, types.GetSetDescriptorType, type(dis.Positions.lineno))
 _numbers = itertools.count()
@@ -114,17 +118,41 @@ def reads_of_program(program: ClosedJaxpr) -> Reads:
     return search.found()
 
 
+class _Names(NamedTuple):
+    """Names in the code of a function and of the functions that it defines.
+
+    Attributes
+    ----------
+    globals
+        Globals that the code reads.
+    opened
+        Those of them of which the code reads an attribute with a name in ``CHANGING``.
+    shown
+        Whether the names show all that is read.
+    """
+
+    globals: frozenset[str]
+    opened: frozenset[str]
+    shown: bool
+
+
 @functools.cache
-def _globals(code: types.CodeType) -> tuple[frozenset[str], frozenset[str], bool]:
-    """Globals and all names in the code and in the functions that it defines, and whether they show all reads."""
-    instructions = list(dis.get_instructions(code))
-    read = {one.argval for one in instructions if "GLOBAL" in one.opname or one.opname == "LOAD_NAME"}
-    names, shown = set(code.co_names), not any(one.opname in HIDDEN for one in instructions)
+def _names(code: types.CodeType) -> _Names:
+    read, opened, shown, base = set[str](), set[str](), True, ""
+    for one in dis.get_instructions(code):
+        if "GLOBAL" in one.opname or one.opname == "LOAD_NAME":
+            read.add(one.argval)
+            base = one.argval
+        elif one.opname in ("LOAD_ATTR", "LOAD_METHOD"):
+            opened |= {base} if base and one.argval in CHANGING else set()
+        elif one.opname not in ("CACHE", "PRECALL", "PUSH_NULL", "EXTENDED_ARG"):
+            base = ""
+        shown &= one.opname not in HIDDEN
     for inner in code.co_consts:
         if isinstance(inner, types.CodeType):
-            of_inner = _globals(inner)
-            read, names, shown = read | of_inner[0], names | of_inner[1], shown and of_inner[2]
-    return frozenset(read), frozenset(names), shown
+            of_inner = _names(inner)
+            read, opened, shown = read | of_inner.globals, opened | of_inner.opened, shown and of_inner.shown
+    return _Names(frozenset(read), frozenset(opened), shown)
 
 
 @functools.cache
@@ -160,9 +188,9 @@ class _Search:
         """Add what an argument of a compiled function reads."""
         if isinstance(x, jax.Array | np.ndarray | np.generic):
             return
-        if isinstance(x, Reads) or (hasattr(x, "__wrapped__") and not hasattr(x, "__self__")):
+        if isinstance(x, Reads) or (_attribute(x, "__wrapped__") and not _attribute(x, "__self__")):
             self.value(x)
-        elif isinstance(own := getattr(x, "reads", None), Reads):
+        elif isinstance(own := _attribute(x, "reads"), Reads):
             self.value(own)
         elif (parts := default_registry.flatten_one_level(x)) is not None:
             self._class(type(x))
@@ -243,16 +271,26 @@ class _Search:
         elif isinstance(x, np.dtype):
             self._add(x.str)
         elif isinstance(x, _BUILT_IN):
+            self._certain &= x.__name__ not in CHANGING
             self._address(x)
             owner = getattr(x, "__self__", None)
             self.value(None if isinstance(owner, types.ModuleType) else owner)
-        elif hasattr(x, "__wrapped__"):
-            self._all("wrapped", (type(x), x.__wrapped__))
-        elif isinstance(x, tuple | list | set | frozenset | dict):
+        elif callable(x) and (wrapped := _attribute(x, "__wrapped__")) is not None:
+            rules = (_attribute(x, name) for name in ("jvp", "fwd", "bwd"))  # of a function with its own derivative
+            self._all("wrapped", (type(x), wrapped, *rules))
+        elif isinstance(x, np.ndarray | np.generic):
+            self._array(x)
+            self._instance(x)
+        elif isinstance(x, _NUMBERS_AND_TEXTS):
+            kind = next(kind for kind in _NUMBERS_AND_TEXTS if isinstance(x, kind))
+            self._add(kind.__repr__(x))
+            self._instance(x)
+        elif isinstance(x, types.MappingProxyType):
+            self._all("mapping", itertools.chain.from_iterable(x.items()))
+        elif isinstance(x, tuple | list | set | frozenset | dict | deque):
             items = x.items() if isinstance(x, dict) else sorted(x, key=repr) if isinstance(x, set | frozenset) else x
             self._all(type(x).__name__, itertools.chain.from_iterable(items) if isinstance(x, dict) else items)
-            self._class(type(x))
-            self.value(getattr(x, "__dict__", None))
+            self._instance(x)
         else:
             self._instance(x)
 
@@ -273,16 +311,16 @@ class _Search:
         self._all("defaults", (f.__defaults__, f.__kwdefaults__, *f.__dict__.values()))
         module = f.__globals__.get("__name__")
         if _is_constant(module) or _is_constant(f.__module__):
+            self._certain &= f.__name__ not in CHANGING
             return
-        read, names, shown = _globals(f.__code__)
-        self._certain &= shown and not _is_installed(module)
+        names = _names(f.__code__)
+        self._certain &= names.shown and not _is_installed(module)
         if not self._certain:
             return
-        for name in sorted(read):
+        for name in sorted(names.globals):
             if name in f.__globals__:
                 value = f.__globals__[name]
-                if isinstance(value, types.ModuleType):
-                    self._certain &= not names & CHANGING
+                self._certain &= not (name in names.opened and isinstance(value, types.ModuleType))
                 self._add(name)
                 self.value(value)
             elif hasattr(builtins, name):
@@ -290,8 +328,9 @@ class _Search:
                 self._certain &= name in PURE or (isinstance(known, type) and issubclass(known, BaseException))
 
     def _class(self, kind: type) -> None:
-        """Add the methods and attributes of a class and of its bases, except those of constant packages."""
-        for base in kind.__mro__:
+        """Add the methods and attributes of a class, its bases and its metaclass, except those of constant packages."""
+        self._address(kind)
+        for base in kind.__mro__ + type(kind).__mro__:
             if not _is_constant(base.__module__) and base not in self._classes:
                 self._certain &= not _is_installed(base.__module__)
                 self._classes.add(base)
@@ -304,13 +343,21 @@ class _Search:
         """Add an object's class and attributes."""
         kind = type(x)
         slots = [n for base in kind.__mro__ for n, v in vars(base).items() if isinstance(v, types.MemberDescriptorType)]
-        if not hasattr(x, "__dict__") and not slots:
+        if not hasattr(x, "__dict__") and not slots and not isinstance(x, _KNOWN):
             # objects of C may hold anything; those of JAX and Equinox, such as a sentinel, do not change
             self._certain &= (kind.__module__ or "").partition(".")[0] in ("jax", "jaxlib", "equinox") or kind is object
             self._address(x)
         self._class(kind)
-        self._all("attributes", itertools.chain.from_iterable(getattr(x, "__dict__", {}).items()))
-        self._all("slots", (getattr(x, name, None) for name in slots))
+        self._all("attributes", itertools.chain.from_iterable(_attribute(x, "__dict__", {}).items()))
+        self._all("slots", (_attribute(x, name) for name in slots))
+
+
+def _attribute(x: Any, name: str, default: Any = None) -> Any:
+    """An attribute, or the default if the object has none or raises any exception."""
+    try:
+        return getattr(x, name, default)
+    except Exception:  # an object's own look-up of attributes may raise anything
+        return default
 
 
 def _without_dunders(attributes: Any) -> list[tuple[str, Any]]:

@@ -3,7 +3,7 @@
 import dataclasses
 import functools
 import types
-from collections import namedtuple
+from collections import deque, namedtuple
 from typing import Any
 
 import equinox as eqx
@@ -35,6 +35,7 @@ class Parameters:
     """Parameters of a spring."""
 
     k: float = 1.0
+    load: float = 1.0
 
 
 parameters = Parameters()
@@ -83,6 +84,55 @@ class Module(eqx.Module):
 
 spring, slotted = Spring(), Slotted()
 slotted.k = 1.0
+
+
+class Number(float):
+    """A number of a type of its own."""
+
+
+class Special(np.ndarray):
+    """An array of a type of its own."""
+
+
+class Soft:
+    """A model with the same attributes as another one."""
+
+    def __init__(self):
+        self.k = 1.0
+
+    def force(self, u):
+        return self.k * u
+
+
+class Hard(Soft):
+    """A model of another class."""
+
+    def force(self, u):
+        return 2 * self.k * u
+
+
+class Meta(type):
+    """A metaclass with an attribute."""
+
+    k = 1.0
+
+
+class OfMeta(metaclass=Meta):
+    """A class with the attribute of its metaclass."""
+
+
+class Looked:
+    """An object that looks its attributes up in a dictionary."""
+
+    def __getattr__(self, name):
+        return pairs[name]
+
+
+number, special, masked = Number(1.0), np.ones(2).view(Special), np.ma.ones(2)
+queue, model, models = deque([1.0]), Soft(), [Soft(), Hard()]
+polynomial: Any = np.polynomial.Polynomial([0.0, 0.0, 0.5])
+kinds = [np.polynomial.Polynomial, np.polynomial.Chebyshev]
+looked = [Looked()]
 
 
 def helper(u):
@@ -176,6 +226,17 @@ WAYS = {
     "vectorised": (jax.vmap(helper), set_global),
     "checkpoint": (jax.checkpoint(helper), set_global),
     "own derivative": (custom, set_global),
+    "number of another type": (lambda u: number * u, lambda new: assign("number", Number(new))),
+    "array of another type": (lambda u: special[0] * u, lambda new: special.__setitem__(0, new)),
+    "masked array": (lambda u: masked[0] * u, lambda new: masked.__setitem__(0, new)),
+    "queue": (lambda u: queue[0] * u, lambda new: queue.__setitem__(0, new)),
+    "class of an object": (lambda u: model.force(u), lambda new: assign("model", models[int(new) - 1])),
+    "class of an object of NumPy": (
+        lambda u: polynomial.coef[2] * u,
+        lambda new: assign("polynomial", kinds[int(new) - 1]([0, 0, 0.5])),
+    ),
+    "metaclass": (lambda u: OfMeta.k * u, lambda new: setattr(Meta, "k", new)),
+    "attribute that is looked up": (lambda u: looked[0].k * u, lambda new: pairs.update(k=new)),
     "partial of JAX": (jax.tree_util.Partial(helper), set_global),
 }
 
@@ -227,6 +288,11 @@ def test_what_the_search_does_not_see_is_traced(way, tmp_path, monkeypatch):
     change(2.0)
     assert before == again != problem.reads
     change(1.0)
+
+
+def test_an_attribute_with_the_name_of_a_function_that_reads_a_file_is_seen():
+    assert reads_of(lambda u: jnp.sin(parameters.load) * u).certain
+    assert not reads_of(lambda u: jnp.load("file") * u).certain
 
 
 def test_arrays_that_are_arguments_are_not_read():
