@@ -1,10 +1,13 @@
 """Claims about stability at large steps and over long times."""
 
 from paper.claims.ledger import PRACTICE, XIE_EXTENDED, Finding, by_name, claim, most, when
-from paper.claims.terms import CHAOTIC, DAMPED, REASONABLE, ROUND_OFF, RULE
+from paper.claims.terms import CHAOTIC, DAMPED, FAITHFUL, REASONABLE, ROUND_OFF, RULE
 from paper.claims.wording import joined, listed, number
 from paper.requirements import rising, spans
 from paper.tables.outcomes_near_1996 import is_outcome, near_1996, some_near_1996
+
+#: Dissipative schemes whose tongues are compared with the tongues of ``FAITHFUL``.
+CLOSING = ["hht_alpha", "bathe"]
 
 
 @claim(
@@ -71,3 +74,17 @@ def damping_against_chaos(atlas):
     where = [p for p in near.problem.values if chaotic.sel(problem=p).any()]
     reason = when(where, f"some end chaotic, on {joined(where, atlas)}")
     return Finding(listed(part, atlas), not where, reason)
+
+
+@claim(
+    "stability",
+    "Numerical dissipation closes narrow tongues of Mathieu's equation, which schemes without it keep open.",
+    "number of values of ε at which the highest tongue is closed at the coarsest step",
+    requires={"mathieu.schemes": [*FAITHFUL, *CLOSING], "mathieu.steps_per_period": rising},
+)
+def dissipation_closes_tongues(mathieu):
+    edge = mathieu.edge.isel(tongue=-1, steps_per_period=0).sel(scheme=[*FAITHFUL, *CLOSING])
+    closed = by_name(edge.isnull().any("side").sum("epsilon"))
+    holds = all(closed[name] > 0 for name in CLOSING) and all(closed[name] == 0 for name in FAITHFUL)
+    reason = when(not holds, f"it is closed with {joined([name for name in closed if closed[name]], mathieu)} only")
+    return Finding(f"{listed(closed, mathieu, '.0f')}, of {mathieu.sizes['epsilon']} each", holds, reason)

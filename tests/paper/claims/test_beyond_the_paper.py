@@ -120,3 +120,25 @@ def test_a_finer_step_is_better_where_fewer_runs_are_beyond_the_error(between, h
         },
     )
     assert materials.finer_is_better_under_a_record(error.to_dataset(name="error")).holds == holds
+
+
+@pytest.mark.parametrize(
+    "closed, holds, reason",
+    [
+        (["hht_alpha", "bathe"], True, ""),
+        (["bathe"], False, "it is closed with bathe only"),
+        ([], False, "it is closed with none only"),
+        (
+            ["central_difference", "hht_alpha", "bathe"],
+            False,
+            "it is closed with central difference, hht alpha and bathe only",
+        ),
+    ],
+)
+def test_tongues_are_closed_where_their_edges_are_missing(closed, holds, reason):
+    schemes = [*stability.FAITHFUL, *stability.CLOSING]
+    along = {"steps_per_period": [10, 20], "epsilon": [0.1, 0.8], "tongue": [1, 2], "side": ["lower", "upper"]}
+    edge = filled(4.0, scheme=schemes, **along)
+    edge.loc[{"scheme": closed, "steps_per_period": 10, "epsilon": 0.1, "tongue": 2}] = np.nan
+    finding = stability.dissipation_closes_tongues(xr.Dataset({"edge": edge}))
+    assert (finding.holds, finding.qualification) == (holds, reason)
