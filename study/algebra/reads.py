@@ -330,7 +330,7 @@ class _Search:
     def _class(self, kind: type) -> None:
         """Add the methods and attributes of a class, its bases and its metaclass, except those of constant packages."""
         self._address(kind)
-        for base in kind.__mro__ + type(kind).__mro__:
+        for base in itertools.chain(kind.__mro__, type(kind).__mro__):  # type: ignore[arg-type]
             if not _is_constant(base.__module__) and base not in self._classes:
                 self._certain &= not _is_installed(base.__module__)
                 self._classes.add(base)

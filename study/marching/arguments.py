@@ -20,6 +20,7 @@ from study.algebra.matrices import diagonal
 from study.algebra.scalars import check_unmasked, is_number, is_whole
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
 from study.mechanics.definition import Problem
+from study.mechanics.loads import times_of
 from study.observer.base import Observer
 from study.observer.named import observers
 from study.registry import Registry, did_you_mean
@@ -44,6 +45,9 @@ RESERVED = (
 #: Default bound of the displacement, as multiples of u₀ + T u̇₀ and of T² f/m, with the duration T, the largest load f
 #: and the smallest mass m. It is large, because a physically unstable motion may grow from a tiny displacement.
 OF_START, OF_LOAD = 1e9, 1e5
+
+#: Largest number of times of jumps, kinks and short pulses of the load at which its size is taken before a run.
+PULSES = 256
 
 #: Sampling of the load before a run: maximum and minimum number of samples, and cap on samples × unknowns.
 MOST_SAMPLES, FEWEST_SAMPLES, SAMPLED = 1001, 65, 10_000_000
@@ -166,7 +170,9 @@ def checked_bound(
 
 def _largest_load(problem: Problem, duration: float) -> float:
     count = int(np.clip(SAMPLED // np.size(problem.u0), FEWEST_SAMPLES, MOST_SAMPLES))
-    times = np.linspace(0.0, duration, count)
+    # a pulse may lie between the samples; the number of times is the same for all loads, which share a program
+    pulses = times_of(problem.load, duration, sides=True)[:PULSES]
+    times = np.concatenate([np.linspace(0.0, duration, count), pulses, np.zeros(PULSES - len(pulses))])
     sizes = np.asarray(_sizes(problem.load, times))
     if not np.isfinite(sizes).all():
         raise ValueError(

@@ -20,7 +20,7 @@ from study.marching.shapes import CountOfLanes, OfLanes
 from study.mechanics.definition import Problem
 from study.mechanics.function_checks import NOT_TRACEABLE, failure
 from study.mechanics.loads import times_of
-from study.mechanics.scan import Times, events
+from study.mechanics.scan import Times, beside_jumps, events
 from study.observer.base import Observer
 
 
@@ -105,9 +105,14 @@ def times_of_lanes(
     if not loads:
         return np.zeros(0)
     if any(np.size(getattr(load, "kinks", ())) for load in loads):
-        return np.unique(np.concatenate([times_of(load, duration) for load in loads]))
+        return np.unique(np.concatenate([times_of(load, duration, sides=True) for load in loads]))
     lanes = {name: jnp.asarray(value) for name, value in over.items()}
-    return events(lambda t: jax.vmap(lambda own: make(**own).load(t))(lanes), duration)  # type: ignore[misc]
+
+    def of_lanes(t):
+        return jax.vmap(lambda own: make(**own).load(t))(lanes)  # type: ignore[misc]
+
+    times = beside_jumps(of_lanes, events(of_lanes, duration), duration)
+    return times[(times > 0) & (times < duration)]
 
 
 def march_family(

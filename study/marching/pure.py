@@ -139,8 +139,9 @@ def _end(march: March, u0: Vector, v0: Vector, dt: Scalar, count: int) -> dict[s
 
 def _check_derivatives(problem: Problem, dt: ScalarLike, steps: int) -> None:
     """Warn if derivatives in reverse mode would be NaN although derivatives in forward mode are finite."""
-    u = displacements(problem.u0)
-    times = np.linspace(0, 1, TIMES) * steps * np.asarray(known(dt))
+    with jax.ensure_compile_time_eval():  # JAX may trace u₀ and Δt
+        u = displacements(problem.u0)
+        times = np.linspace(0, 1, TIMES) * steps * np.asarray(known(dt))
     functions = {
         "force": None if problem.linear else (lambda u: problem.varying_force(u, problem.v0), u),
         "load": None if problem.load is None else (problem.load, times),

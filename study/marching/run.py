@@ -162,7 +162,7 @@ def run(
         of the load: its jumps, its kinks, and the start, peak and end of short pulses. A pulse that lasts at least a
         4,000th of the duration is certain to be found, for up to 4,000 unknowns. Shorter pulses are found if one of
         their times is a number in the load, such as 3.3 in ``t > 3.3`` or a time of a table; declare the ``kinks`` of
-        others. ``Prescribed`` uses ``times`` alone.
+        others. At a jump, steps end on either side. ``Prescribed`` uses ``times`` alone.
     observe
         Names in ``study.observers``, or your own :class:`study.Reduction` and :class:`study.Record`.
     u0, v0
@@ -245,7 +245,7 @@ def run(
     start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
     _check_fit(equation, method, chosen)
     if controlled:
-        of_load = partial(times_of_problem, equation)
+        of_load = partial(times_of_problem, equation, sides=True)
         if over is not None:
             of_load = partial(times_of_lanes, problem, values, equations)  # type: ignore[arg-type]
         control = checked_control(

@@ -9,7 +9,7 @@ import numpy as np
 from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
 from study.mechanics.definition import Problem
 from study.mechanics.ground import GroundLoad
-from study.mechanics.scan import INTERVALS, Times, events
+from study.mechanics.scan import INTERVALS, Times, beside_jumps, events
 
 
 class HarmonicLoad(eqx.Module):
@@ -57,35 +57,44 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
     return eqx.tree_at(lambda p: p.load, problem, _Scaled(load, factor * before)).examined()
 
 
-def times_of(load: Callable | None, duration: float, intervals: int = INTERVALS) -> Times:
+def times_of(load: Callable | None, duration: float, intervals: int = INTERVALS, sides: bool = False) -> Times:
     """Times within ``duration`` at which steps should end: the kinks that a load declares, or :func:`events` of a load.
 
-    Of a sum of a ground motion and a load, both parts are considered. A scan has ``intervals`` intervals.
+    Of a sum of a ground motion and a load, both parts are considered. A scan has ``intervals`` intervals. With
+    ``sides`` there is a time on either side of each jump.
     """
     if load is None:
         return np.zeros(0)
     if isinstance(load, _Scaled):
-        return times_of(load.load, duration, intervals)
+        return times_of(load.load, duration, intervals, sides)
     if isinstance(load, GroundLoad):
-        times = np.union1d(load.ground.kinks, times_of(load.load, duration, intervals))
-    elif np.size(declared := getattr(load, "kinks", ())):
+        return np.union1d(_within(load.ground.kinks, duration), times_of(load.load, duration, intervals, sides))
+    if np.size(declared := getattr(load, "kinks", ())):
         times = np.asarray(declared, float).ravel()
     else:
         times = events(load, duration, intervals)
+    times = _within(times, duration)
+    return _within(beside_jumps(load, times, duration), duration) if sides else times
+
+
+def _within(times: Times, duration: float) -> Times:
     return times[(times > 0) & (times < duration)]
 
 
-def times_of_problem(problem: Problem, duration: float, intervals: int = INTERVALS) -> Times:
+def times_of_problem(problem: Problem, duration: float, intervals: int = INTERVALS, sides: bool = False) -> Times:
     """Times within ``duration`` at which steps should end: those of the load, and of a force that takes the time.
 
     The force is scanned at the displacement and velocity at the start.
     """
-    times = times_of(problem.load, duration, intervals)
+    times = times_of(problem.load, duration, intervals, sides)
     if not problem.takes_time:
         return times
-    return np.union1d(
-        times, events(lambda t: problem.at_time(t).internal_force(problem.u0, problem.v0), duration, intervals)
-    )
+
+    def force(t):
+        return problem.at_time(t).internal_force(problem.u0, problem.v0)
+
+    of_force = events(force, duration, intervals)
+    return np.union1d(times, _within(beside_jumps(force, of_force, duration), duration) if sides else of_force)
 
 
 def record_of(load: Callable | None) -> dict[str, str]:

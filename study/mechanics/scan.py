@@ -92,6 +92,23 @@ def events(function: Callable, duration: float, intervals: int = INTERVALS) -> T
     return _kept.setdefault(key, _scanned(function, duration, intervals))
 
 
+def beside_jumps(function: Callable, times: Times, duration: float) -> Times:
+    """The times, with a time on either side in place of each time at which the function jumps.
+
+    At a jump a step sees one side only: a load may be zero at both ends of its pulse. A step that ends after the jump
+    sees the load of the pulse.
+    """
+    if not times.size:
+        return times
+    tiny = NEXT_TO * duration
+    with jax.enable_x64(True), reading(reads_of(function)):
+        around = jnp.asarray(times[:, None] + tiny * np.array([-1.0, 0.0, 1.0])).ravel()
+        values = np.asarray(jax.lax.map(lambda t: jnp.ravel(jnp.asarray(function(t), float)), around))
+    before, at, after = np.moveaxis(values.reshape(len(times), 3, -1), 1, 0)
+    jumps = np.maximum(abs(after - before), abs(at - before)).max(axis=1) > BULGE * np.abs(values).max()
+    return np.unique(np.concatenate([times[~jumps], times[jumps] - tiny, times[jumps] + tiny]))
+
+
 _kept: dict[tuple[Reads, float, int], Times] = {}
 
 

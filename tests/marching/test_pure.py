@@ -158,3 +158,12 @@ def test_a_load_whose_exponent_is_traced_is_warned_about():
 
     with pytest.warns(RuntimeWarning, match="reverse mode.* load of 'late'"):
         assert np.isnan(jax.grad(end)(1.5))
+
+
+def test_the_step_size_may_be_traced():
+    spring = study.Problem(lambda u: 10 * u, u0=-0.1, v0=1.0, load=jnp.cos)
+
+    def end(dt):
+        return study.final_state(spring, "rk4", dt=dt, steps=5)["u"]
+
+    assert jax.jit(end)(0.01) == pytest.approx(float(end(0.01)), rel=1e-12)
