@@ -16,8 +16,8 @@ def is_whole(value: Any, least: int) -> bool:
 
 
 def check_unmasked(name: str, value: Any) -> None:
-    """Refuse an array with masked entries, whose values have no meaning, but which NumPy would use."""
+    """Refuse an array with masked entries, or a masked number: NumPy would use values without a meaning."""
     rows = value if isinstance(value, list | tuple) else [value]
     if any(isinstance(row, np.ma.MaskedArray) for row in rows) and np.ma.is_masked(given := np.ma.asarray(value)):
-        place = ", ".join(str(axis[0]) for axis in np.nonzero(np.ma.getmaskarray(given)))
+        place = ", ".join(str(axis[0]) for axis in np.nonzero(np.atleast_1d(np.ma.getmaskarray(given))))
         raise ValueError(f"{name} has masked entries, the first at [{place}]: fill them, or leave them out.")

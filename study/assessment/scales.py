@@ -104,8 +104,10 @@ def remarks_on_scales(targets: Mapping[str, Target]) -> list[str]:
             each = f"study.Quantity(..., scale='each') as quantities['{name}'] gives each component its own scale"
             remarks += remark_on_components(name, np.abs(one.own) if one.quantity.scale == "own" else one.sizes, each)
         if one.quantity.reduce == "final" and one.quantity.scale in ("own", "each"):
-            last, largest = one.scale.min(), one.sizes.max()
-            if last < largest / SPREAD:
+            peaks = one.sizes if one.quantity.scale == "each" else np.full(len(one.scale), one.sizes.max())
+            small = np.flatnonzero(one.scale < peaks / SPREAD)
+            if small.size:
+                last, largest = one.scale[small[0]], peaks[small[0]]
                 remarks.append(
                     f"the final value of '{name}', {last:.2g}, is close to zero compared with its largest value along "
                     f"time, {largest:.2g}, and errors are relative to the final value: scale='peak' of study.Quantity "

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from study.algebra.arrays import ScalarLike, Vector
+from study.algebra.scalars import check_unmasked
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.function_checks import failure, index_beyond
@@ -104,6 +105,7 @@ def _arguments_of(function: Callable) -> tuple[str, ...]:
 
 def _hashable(scale: Any) -> str | tuple[float, ...]:
     """A scale as a name or a tuple of numbers; other objects stay as they are, and are refused."""
+    check_unmasked("scale", scale)
     with suppress(TypeError, ValueError):
         return scale if isinstance(scale, str) else tuple(np.atleast_1d(np.asarray(scale, float)).tolist())
     return scale
@@ -140,7 +142,7 @@ class Quantity(Record):
     TypeError
         If ``function`` is not a function.
     ValueError
-        If the function has other arguments or none, or there is no such reduction or scale.
+        If the function has other arguments or none, or there is no such reduction or scale, or if the scale is masked.
     """
 
     function: Callable

@@ -26,6 +26,7 @@ WHOLE = np.ma.array([1, 2, 10**6], mask=[False, False, True])
             r"over\['k'\]",
         ),
         (lambda: study.GroundMotion(MASKED, 0.1, title="quake"), "'quake'"),
+        (lambda: study.Quantity(lambda u: u, scale=MASKED), "scale"),
         (lambda: study.Prescribed(MASKED), "an array"),
         (lambda: study.materials.elastoplastic(stiffness=MASKED, yield_force=1.0), "an array"),
     ],
@@ -33,6 +34,19 @@ WHOLE = np.ma.array([1, 2, 10**6], mask=[False, False, True])
 def test_masked_entries_are_refused(given, name):
     place = r"\[1, 1\]" if name == "stiffness" else r"\[2\]"
     with pytest.raises(ValueError, match=rf"^{name} has masked entries, the first at {place}: fill them, or leave"):
+        given()
+
+
+@pytest.mark.parametrize(
+    "given, name",
+    [
+        (lambda: study.Problem(lambda u: u, u0=np.ma.masked), "u0"),
+        (lambda: study.GroundMotion([0.0, 1.0], np.ma.masked, title="quake"), "'quake'"),
+        (lambda: study.Quantity(lambda u: u, scale=np.ma.masked), "scale"),
+    ],
+)
+def test_a_masked_number_is_refused(given, name):
+    with pytest.raises(ValueError, match=rf"^{name} has masked entries, the first at \[0\]: fill them, or leave"):
         given()
 
 

@@ -116,3 +116,14 @@ def test_unfit_scales_are_refused():
             study.Quantity(lambda u: u, scale=scale)
     with pytest.raises(ValueError, match="scale of 'x' must be one number or one for each of its 3 components, not 2"):
         study.Quantity(lambda u: u, "x", scale=[1.0, 2.0]).scales(np.ones(3), np.ones(3))
+
+
+def test_a_final_value_is_compared_with_the_largest_value_of_its_own_component():
+    """Two oscillators without coupling, of amplitudes 50 and 0.0081: final values are amplitude × cos ωt."""
+    problem = study.Problem(stiffness=np.diag([1.0, 4.0]), u0=[50.0, 0.0081], title="apart")
+    each = {"end": study.Quantity(lambda u: u, reduce="final", scale="each")}
+    targets = _targets(problem, np.pi / 2 - 0.2, each)
+    assert targets["end"].own == pytest.approx([50 * np.sin(0.2), -0.0081 * np.cos(0.4)], rel=1e-6)
+    assert remarks_on_scales(targets) == []
+    with pytest.warns(RuntimeWarning, match=r"the final value of 'end', 3.5e-05, .* along time, 0\.0081,"):
+        remarks_on_scales(_targets(problem, np.pi / 4 - 2.16e-3, each))
