@@ -1,7 +1,7 @@
 """All runs of a program, which are kept on disk and made concurrently.
 
 The source of a program does not determine its runs: it may read files, variables of the environment and libraries.
-Every assessment therefore repeats one kept run of each scheme before it uses any of them.
+Every assessment therefore repeats one kept run of each scheme, and one that failed, before it uses any of them.
 """
 
 import hashlib
@@ -60,10 +60,10 @@ def _picklable(program: Program) -> bool:
 
 
 class Runs:
-    """Runs of a program; each run is made once, except one kept run of each scheme, which is repeated.
+    """Runs of a program; each run is made once, except kept runs of each scheme, which are repeated.
 
-    If the repeated run differs from the kept one, the program has changed: all kept runs are removed, and a warning
-    states the difference.
+    For each scheme, a run that completed and a run that failed are repeated. If a repeated run differs from the kept
+    one, the program has changed: all kept runs are removed, and a warning states the difference.
 
     Parameters
     ----------
@@ -142,18 +142,27 @@ class Runs:
         return self._place(scheme) / f"{float(dt).hex()}_{repeat}.npz"
 
     def _check_kept(self) -> None:
-        """Repeat a kept run of each scheme, and remove all kept runs if one differs from its repetition.
+        """Repeat kept runs of each scheme, and remove all kept runs if one differs from its repetition.
 
-        The repeated run is the finest completed one that takes little time, because coarse runs may miss a change.
+        The repeated runs are the finest completed one that takes little time, because coarse runs may miss a change,
+        and a failed one, because its cause may be gone.
         """
         if self._checked:
             return
         self._checked = True
-        kept = {scheme: run for scheme in self.program.all_schemes if (run := self._sample(scheme))}
+        kept = {(run.scheme, run.dt): run for scheme in self.program.all_schemes for run in self._sample(scheme)}
         if kept:
-            self._report(f"one kept run of {listed(kept)} is repeated, in case the program has changed")
-        again = {run.scheme: run for run in self._made([(run.scheme, run.dt) for run in kept.values()])}
-        changes = [how for scheme, run in kept.items() if (how := self._change(run, again[scheme]))]
+            schemes = listed(dict.fromkeys(scheme for scheme, _ in kept))
+            self._report(f"one kept run of {schemes} is repeated, in case the program has changed")
+        again = {(run.scheme, run.dt): run for run in self._made([*kept])}
+        completes = {scheme for (scheme, _), run in kept.items() if run.completed}
+        changes = [
+            how
+            for (scheme, dt), run in kept.items()
+            # where other runs complete, a failure may give other reasons, such as a time or the name of a file
+            if (run.completed or again[scheme, dt].completed or scheme not in completes)
+            and (how := self._change(run, again[scheme, dt]))
+        ]
         if changes:
             # renamed first, so that a run that is killed here leaves no part of the kept runs
             rest = self._folder.with_suffix(f".{os.getpid()}")
@@ -168,16 +177,19 @@ class Runs:
         for run in again.values():
             _keep(run, self._path(run.scheme, run.dt))
 
-    def _sample(self, scheme: str) -> Run | None:
-        """The kept run of a scheme that is repeated; None if no run of the scheme is kept.
+    def _sample(self, scheme: str) -> list[Run]:
+        """The kept runs of a scheme that are repeated: at most one that completed, and one that failed.
 
-        It is the finest completed run that takes at most the fraction ``REPEATED`` of the time of all runs, or the
-        shortest run.
+        The first is the finest completed run that takes at most the fraction ``REPEATED`` of the time of all runs, or
+        the shortest run. The second is the shortest failed run; one that a time limit ended is
+        repeated only if no run completed.
         """
         kept = [_read(path) for path in self._place(scheme).glob("*_0.npz")]
-        completed = [run for run in kept if run.completed] or kept
+        completed = [run for run in kept if run.completed]
         most = max(REPEATED * sum(run.elapsed for run in kept), min((run.elapsed for run in completed), default=0.0))
-        return min((run for run in completed if run.elapsed <= most), key=lambda run: run.dt, default=None)
+        finest = sorted((run for run in completed if run.elapsed <= most), key=lambda run: run.dt)
+        failed = [run for run in kept if not run.completed and not (completed and run.status == "timed_out")]
+        return finest[:1] + sorted(failed, key=lambda run: run.elapsed)[:1]
 
     def _change(self, kept: Run, again: Run) -> str:
         """How a run differs from its repetition, in words; empty if it does not."""

@@ -177,6 +177,26 @@ def test_kept_failures_of_a_program_that_has_changed_are_discarded(tmp_path):
     assert (ds.verdict <= 1).all()
 
 
+def test_a_kept_failure_is_repeated_beside_completed_runs(tmp_path):
+    """A full disk fails the fine runs; later they complete, and a failure that gives another reason is kept."""
+    full, made = True, []
+
+    def on_a_full_disk(scheme, dt):
+        made.append(dt)
+        if full and dt < 0.5:
+            raise OSError(f"no space left after {len(made)} runs")
+        return models.linear(scheme, dt)
+
+    own, jobs = program(on_a_full_disk, tmp_path), [("average_acceleration", dt) for dt in (1.0, 0.25)]
+    for _ in range(2):
+        with Runs(own) as runs_of:
+            assert [run.completed for run in runs_of.run(jobs)] == [True, False]
+    assert made == [1.0, 0.25] * 2
+    full = False
+    with Runs(own) as runs_of, pytest.warns(RuntimeWarning, match="are discarded, .* ends with 'completed'"):
+        assert all(run.completed for run in runs_of.run(jobs))
+
+
 def test_a_small_change_is_noticed_and_the_scatter_of_a_program_is_not(tmp_path):
     """A program whose runs scatter by 1e-5 keeps its runs, until it changes by more than ten times this scatter."""
     random, made = np.random.default_rng(0), []
