@@ -10,6 +10,10 @@ from jaxtyping import Float
 #: Size of each unit of acceleration in metres per second squared.
 UNITS = {"g": 9.80665, "m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "in/s2": 0.0254, "ft/s2": 0.3048}
 
+#: Size of each unit of time in seconds.
+TIMES = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3}
+TIMES |= {"millisecond": 1e-3, "milliseconds": 1e-3}
+
 #: Relative tolerance of the spacing of samples, since a file holds few digits of their times.
 UNIFORM = 1e-2
 
@@ -18,6 +22,13 @@ HEADER = 100
 
 #: A number, as C or Fortran print it: Fortran also writes D, or no letter before an exponent of three digits.
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eEdD]([+-]?\d+)|([+-]\d{3}))?$")
+
+#: A number with a decimal point, and several of them without a blank between, as Fortran prints full columns.
+_POINT = r"(?:\d+\.\d*|\.\d+)(?:[eEdD][+-]?\d+)?"
+_STUCK = re.compile(rf"[+-]?{_POINT}(?:[+-]{_POINT})+")
+
+#: The name DT of an AT2 file, and the unit that may follow in brackets.
+_DT = r"\bDT\b(?:\s*[(\[]\s*(\w+)\s*[)\]])?"
 
 #: Accelerations, shape (samples,).
 Samples = Float[np.ndarray, "samples"]
@@ -53,13 +64,31 @@ def _number(word: str) -> float | None:
 
 
 def _words(line: str) -> list[str]:
-    return re.split(r"[#%]", line)[0].replace(",", " ").replace(";", " ").split()
+    words = re.split(r"[#%]", line)[0].replace(",", " ").replace(";", " ").split()
+    return [
+        part for word in words for part in (re.findall(rf"[+-]?{_POINT}", word) if _STUCK.fullmatch(word) else [word])
+    ]
 
 
 def _unit_of(word: str) -> str | None:
     """The unit of ``UNITS`` that a word of a header means; None if there is no such unit."""
     plain = re.sub(r"[\s*^.,;:()]", "", word.lower()).replace("sec", "s").replace("/s/s", "/s2").replace("²", "2")
     return {"gal": "cm/s2"}.get(plain, plain if plain in UNITS else None)
+
+
+def _stated_unit(header: str) -> str | None:
+    """The unit of acceleration that a header states, after "units" or in brackets; None if there is not exactly one."""
+    stated = re.findall(r"\bunits?\s*(?:of\b|in\b|[:=])\s*([^\s,;]+)", header, re.IGNORECASE)
+    units = {unit for word in stated + re.findall(r"[(\[]([^)\]]+)[)\]]", header) if (unit := _unit_of(word))}
+    return units.pop() if len(units) == 1 else None
+
+
+def _seconds(path: Path, unit: str) -> float:
+    """Size in s of a unit of time; no unit means seconds."""
+    plain = unit.strip(" .").lower()
+    if plain and plain not in TIMES:
+        raise ValueError(f"the header of '{path}' states times in '{unit}', and they must be in s, sec, ms or msec.")
+    return TIMES.get(plain, 1.0)
 
 
 def read_record(path: Path, dt: float | None) -> Record:
@@ -87,11 +116,10 @@ def read_record(path: Path, dt: float | None) -> Record:
 
 
 def _check_quantity(path: Path, header: str) -> None:
-    other = re.search(r"velocity|displacement", header, re.IGNORECASE)
-    if other and not re.search("acceleration", header, re.IGNORECASE):
-        raise ValueError(
-            f"the header of '{path}' announces {other[0].lower()}, and a record of acceleration is needed."
-        )
+    other = re.search(r"(?<![a-z])(velocit(?:y|ies)|velo?|displacements?|displ?)(?![a-z])", header, re.IGNORECASE)
+    if other and not re.search(r"(?<![a-z])acc(el\w*)?(?![a-z])", header, re.IGNORECASE):
+        what = "velocity" if other[0].lower().startswith("v") else "displacement"
+        raise ValueError(f"the header of '{path}' announces {what}, and a record of acceleration is needed.")
 
 
 def _rows(path: Path, lines: list[str], first: int) -> dict[int, list[float]]:
@@ -126,26 +154,32 @@ def _first_row(lines: list[str], start: int = 0) -> int:
 
 
 def _count_and_spacing(path: Path, lines: list[str]) -> tuple[int, float, int]:
-    """NPTS and DT of an AT2 file, and the index of the line after them."""
+    """NPTS and DT in s of an AT2 file, and the index of the line after them."""
     place = next(i for i, line in enumerate(lines) if re.search(r"\bNPTS\b", line, re.IGNORECASE))
     line = lines[place].upper()
     names = re.findall(r"\b(NPTS|DT)\b", line)
-    after = {name: re.search(rf"\b{name}\s*[=:]\s*([^\s,;]+)", line) for name in ("NPTS", "DT")}
-    if any(after.values()):
-        found = {name: _number(match[1]) for name, match in after.items() if match}
+    count_after = re.search(r"\bNPTS\s*[=:]\s*([^\s,;]+)", line)
+    dt_after = re.search(rf"{_DT}\s*[=:]\s*((?:{_POINT}|\d+)(?:[ED][+-]?\d+)?)\W*?(?!\s*NPTS\b)\s*([A-Z]*)", line)
+    if count_after or re.search(rf"{_DT}\s*[=:]", line):
+        found = {"NPTS": _number(count_after[1]) if count_after else None}
+        found["DT"] = _number(dt_after[2]) if dt_after else None
+        unit = (dt_after[1] or dt_after[3]) if dt_after else ""
     else:
         # numbers before the names, or in the next line
         numbers = [value for word in _words(line) if (value := _number(word)) is not None]
         if not numbers and place + 1 < len(lines):
             place += 1
             numbers = [value for word in _words(lines[place]) if (value := _number(word)) is not None]
+            line += f" {lines[place].upper()}"
         found = dict(zip(names, numbers, strict=False))
+        known = [word for word in re.findall(r"[A-Z]+", line) if word.lower() in TIMES]
+        unit = (in_brackets[1] if (in_brackets := re.search(_DT, line)) else "") or "".join(known[:1])
     count, dt = found.get("NPTS"), found.get("DT")
     if count is None or dt is None or count != round(count) or dt <= 0:
         raise ValueError(f"the header of '{path}' names NPTS, and must state both NPTS and DT as positive numbers.")
     if not count:
         raise ValueError(f"the header of '{path}' announces no samples.")
-    return int(count), dt, place + 1
+    return int(count), dt * _seconds(path, unit), place + 1
 
 
 def _of_peer(path: Path, lines: list[str]) -> Record:
@@ -154,10 +188,8 @@ def _of_peer(path: Path, lines: list[str]) -> Record:
     first = _first_row(lines, end)
     header = " ".join(lines[:first])
     _check_quantity(path, header)
-    stated = re.search(r"units of (\S+)", header, re.IGNORECASE)
-    unit = _unit_of(stated[1]) if stated else None
     source = ", ".join(line.strip() for line in lines[:2])
-    return Record(np.append(0.0, _samples(path, lines, first, count)), dt, unit, source)
+    return Record(np.append(0.0, _samples(path, lines, first, count)), dt, _stated_unit(header), source)
 
 
 def _stated(path: Path, head: str, name: str, pattern: str) -> str:
@@ -181,7 +213,10 @@ def _of_esm(path: Path, lines: list[str]) -> Record:
     first = _first_row(lines)
     head = "\n".join(lines[:first])
     keys = {name: rf"^{name}\s*:(.*)$" for name in ("SAMPLING_INTERVAL_S", "NDATA", "UNITS", "DATA_TYPE")}
-    _check_quantity(path, _stated(path, head, "DATA_TYPE", keys["DATA_TYPE"]))
+    kind = _stated(path, head, "DATA_TYPE", keys["DATA_TYPE"])
+    _check_quantity(path, kind)
+    if "spectr" in kind.lower():
+        raise ValueError(f"the header of '{path}' announces a spectrum, and a record of acceleration is needed.")
     dt, count = (_positive(path, head, name, keys[name]) for name in ("SAMPLING_INTERVAL_S", "NDATA"))
     unit = _unit_of(_stated(path, head, "UNITS", keys["UNITS"]))
     source = ", ".join(re.findall(r"^(?:EVENT_NAME|EVENT_ID|STATION_CODE)\s*:\s*(\S.*)$", head, re.MULTILINE))
@@ -203,6 +238,47 @@ def _of_knet(path: Path, lines: list[str]) -> Record:
     return Record((samples - samples.mean()) * full / counts, 1 / rate, "cm/s2", source)
 
 
+def _is_continuous(rows: list[list[float]], dt: float) -> bool:
+    """Whether rows hold samples one after the other: all are of one length but for the last, and none begins with t."""
+    first = np.array([row[0] for row in rows])
+    step = float(first[1] - first[0]) if len(rows) > 2 else dt
+    times = len(rows) > 1 and step > 0 and np.allclose(np.diff(first), step, rtol=UNIFORM, atol=0)
+    return not times and len({len(row) for row in rows[:-1]}) <= 1 and len(rows[-1]) <= len(rows[0])
+
+
+def _name_and_unit(field: str) -> tuple[str, str]:
+    """Name of a column in small letters, and its unit, which follows in brackets or after a blank or an underscore."""
+    field = field.strip(" \"'").lower()
+    name, _, rest = re.sub(r"[\s_(\[]+", " ", field).strip().partition(" ")
+    brackets = re.search(r"[(\[]([^)\]]*)[)\]]", field)
+    unit = brackets[1] if brackets else rest.removeprefix("in ")
+    return name.strip("])"), unit.strip() if field[:1] not in "([" else ""
+
+
+def _times(path: Path, heading: list[str]) -> tuple[int, float]:
+    """Index of the column of times, and the size of their unit in s; the heading may name columns in either order."""
+    place, unit = 0, ""
+    for line in heading:
+        plain = line.strip(" #%\t")
+        fields = re.split(r"[,;\t]", plain)
+        if len(fields) != 2:
+            fields = re.findall(r"[^\s(\[]+(?:\s*[(\[][^)\]]*[)\]])?", plain)
+        if len(fields) == 4:  # names and units by turns
+            fields = [" ".join(fields[:2]), " ".join(fields[2:])]
+        columns = [_name_and_unit(field) for field in fields]
+        times = [i for i, (name, _) in enumerate(columns) if name in ("t", "time", "times") or name in TIMES]
+        if len(columns) != 2 or len(times) != 1:
+            continue
+        place = times[0]
+        name, of_name = columns[place]
+        unit = name if name in TIMES else of_name or unit
+        if columns[1 - place][0] in ("u", "v", "d"):
+            what = "velocity" if columns[1 - place][0] == "v" else "displacement"
+            raise ValueError(f"the header of '{path}' announces {what}, and a record of acceleration is needed.")
+    in_brackets = re.findall(r"[(\[]\s*(\w+)\s*[)\]]", "\n".join(heading))
+    return place, _seconds(path, unit or next((word for word in in_brackets if word.lower() in TIMES), ""))
+
+
 def _of_columns(path: Path, lines: list[str], dt: float | None) -> Record:
     """A file with times and accelerations, or with accelerations alone; lines of words may precede them."""
     first = _first_row(lines)
@@ -215,19 +291,22 @@ def _of_columns(path: Path, lines: list[str], dt: float | None) -> Record:
             first = place  # a row of samples with a word among them, and no heading
             break
     rows = _rows(path, lines, first)
+    if width > 3 and dt is not None and not heading.strip() and _is_continuous([*rows.values()], dt):
+        return Record(np.array([value for row in rows.values() for value in row]), dt, None)
     if width not in (1, 2):
         raise ValueError(f"'{path}' is neither a file of PEER, ESM or K-NET nor one of one or two columns.")
     if odd := [number for number, row in rows.items() if len(row) != width]:
         raise ValueError(f"row {odd[0]} of '{path}' has {len(rows[odd[0]])} numbers, and the first row {width}.")
-    units = {unit for word in re.findall(r"[(\[]([^)\]]+)[)\]]", heading) if (unit := _unit_of(word))}
-    unit = units.pop() if len(units) == 1 else None
+    unit = _stated_unit(heading)
     if width == 1:
         if dt is None:
             raise ValueError(f"'{path}' has one column: give the time between its samples in s, such as dt=0.01.")
         return Record(np.array([row[0] for row in rows.values()]), dt, unit)
     if len(rows) < 2:
         raise ValueError(f"'{path}' has one row, and a record needs at least two samples.")
-    t, samples = np.array(list(rows.values())).T
+    place, second = _times(path, lines[:first])
+    columns = np.array(list(rows.values())).T
+    t, samples = second * columns[place], columns[1 - place]
     found = float(np.median(np.diff(t)))
     off = np.flatnonzero(np.abs(np.diff(t) - found) > UNIFORM * abs(found))
     if off.size or found <= 0:

@@ -201,6 +201,73 @@ def test_a_file_of_esm_is_read(tmp_path):
     path.write_text(ESM.replace("ACCELERATION", "VELOCITY") + "0.5\n")
     with pytest.raises(ValueError, match="announces velocity, and a record of acceleration is needed"):
         study.GroundMotion.read(path)
+    path.write_text(ESM.replace("ACCELERATION", "ACCELERATION RESPONSE SPECTRUM") + "0.5\n")
+    with pytest.raises(ValueError, match="announces a spectrum, and a record of acceleration is needed"):
+        study.GroundMotion.read(path)
+
+
+@pytest.mark.parametrize(
+    "heading, rows, sentence",
+    [
+        ("Time [ms],Acceleration [m/s2]", "0,1\n10,-2\n20,0.5", ""),
+        ("t (MSEC) a (m/s^2)", "0 1\n10 -2\n20 0.5", ""),
+        ("time_ms;acc", "0;1\n10;-2\n20;0.5", ""),
+        ("time,acc\n(ms),(m/s2)", "0,1\n10,-2\n20,0.5", ""),
+        ("ms,m/s2", "0,1\n10,-2\n20,0.5", ""),
+        ("Time [sec] Acc [m/s/s]", "0 1\n0.01 -2\n0.02 0.5", ""),
+        ("# acc,time", "1,0\n-2,0.01\n0.5,0.02", ""),
+        ("acceleration [m/s2]\ttime [ms]", "1\t0\n-2\t10\n0.5\t20", ""),
+        ("acceleration time history of a station\nt a", "0 1\n0.01 -2\n0.02 0.5", ""),
+        ("time [min],acc", "0,1\n10,-2", "states times in 'min', and they must be in s, sec, ms or msec"),
+        ("time,disp", "0,1\n1,2", "announces displacement, and a record"),
+        ("time,vel (m/s)", "0,1\n1,2", "announces velocity, and a record"),
+        ("t,v", "0,1\n1,2", "announces velocity, and a record"),
+    ],
+)
+def test_a_heading_names_the_order_and_the_units_of_columns(tmp_path, heading, rows, sentence):
+    path = tmp_path / "columns.csv"
+    path.write_text(f"{heading}\n{rows}\n")
+    if sentence:
+        with pytest.raises(ValueError, match=sentence):
+            study.GroundMotion.read(path, "m/s2")
+        return
+    record = study.GroundMotion.read(path, "m/s2")
+    assert record.dt == pytest.approx(0.01)
+    np.testing.assert_allclose(record.acceleration, [1, -2, 0.5])
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "NPTS= 3, DT= 10 MSEC",
+        "NPTS=3, DT=.01SEC",
+        "NPTS=3, DT=0.01s",
+        "npts=3, dt=0.01sec, corrected",
+        "NPTS= 3, DT (MS)= 10",
+        "NPTS= 3, DT= .1000E-01SEC",
+        "DT= 10 ms NPTS= 3",
+        "NPTS, DT (MSEC)\n3, 10",
+        "3 10. NPTS, DT MSEC",
+    ],
+)
+@pytest.mark.parametrize("unit", ["UNITS: CM/SEC/SEC", "acceleration (cm/s^2)"])
+def test_a_file_of_peer_may_state_milliseconds_and_full_columns(tmp_path, header, unit):
+    path = tmp_path / "quake.at2"
+    path.write_text(f"a quake\nstation\n{unit}\n{header}\n 0.1000E+03-0.2000E+03\n-0.3000E+02\n")
+    record = study.GroundMotion.read(path)
+    assert record.dt == pytest.approx(0.01)
+    np.testing.assert_allclose(record.acceleration, [0.0, 1.0, -2.0, -0.3])
+
+
+def test_rows_without_a_heading_are_read_one_after_the_other_if_they_hold_no_times(tmp_path):
+    path = tmp_path / "stripped.at2"
+    path.write_text(".1 -.2 .3 .4 .5\n-.6 .7 .8 .9 1.\n.3 .2\n")
+    record = study.GroundMotion.read(path, "m/s2", dt=0.01)
+    np.testing.assert_allclose(record.acceleration, [0.1, -0.2, 0.3, 0.4, 0.5, -0.6, 0.7, 0.8, 0.9, 1.0, 0.3, 0.2])
+    for table in ("0 .1 .2 .3\n.01 .2 .3 .4\n.02 .2 .3 .4\n", "0 .1 .2 .3\n.01 .2 .3 .4\n", ".1 .2 .3 .4\n.2\n.3 .4\n"):
+        path.write_text(table)
+        with pytest.raises(ValueError, match="is neither a file of PEER, ESM or K-NET nor one of one or two columns"):
+            study.GroundMotion.read(path, "m/s2", dt=0.01)
 
 
 @pytest.mark.parametrize(
@@ -217,6 +284,7 @@ def test_a_file_of_esm_is_read(tmp_path):
             "g",
             "announces velocity, and a record",
         ),
+        (HEADER.format(2).replace("SEC", "MIN") + "0.1 0.2\n", "g", "states times in 'MIN', and they must be in s"),
         (HEADER.format(0), "g", "announces no samples"),
         (HEADER.format(2).replace("DT= .02000", "DT= .") + "0.1 0.2\n", "g", "must state both NPTS and DT"),
         ("0 300\n1 -1\n", "g", "the peak of '.*' would be 300 g in the unit 'g'"),
