@@ -121,8 +121,9 @@ class GroundMotion(eqx.Module):
         database (ESM), files of K-NET and KiK-net, and files of one or two columns. The first sample of an AT2 file
         belongs to t = DT, and the motion starts from zero at t = 0. The first sample of ESM, K-NET and of one column
         belongs to t = 0. The mean of a K-NET file is the offset of the instrument, and is subtracted. Two columns are
-        times and accelerations, separated by blanks, tabs, commas or semicolons. A heading may precede columns, and
-        the rest of a line after ``#`` or ``%`` is skipped.
+        times and accelerations, separated by blanks, tabs, commas or semicolons. A heading may precede columns; it may
+        name them in the other order, and state their units, of times s or ms. The rest of a line after ``#`` or ``%``
+        is skipped. Rows of more than three numbers without a heading are samples one after the other.
 
         Parameters
         ----------
@@ -130,7 +131,7 @@ class GroundMotion(eqx.Module):
             Unit of the file: ``g``, ``m/s2``, ``cm/s2``, ``mm/s2``, ``in/s2`` or ``ft/s2``. It may be omitted if the
             header states it.
         dt
-            Time between two samples in s, for a file of one column.
+            Time between two samples in s, for a file that does not state it.
 
         Raises
         ------

@@ -79,8 +79,10 @@ def _unit_of(word: str) -> str | None:
 def _stated_unit(header: str) -> str | None:
     """The unit of acceleration that a header states, after "units" or in brackets; None if there is not exactly one."""
     stated = re.findall(r"\bunits?\s*(?:of\b|in\b|[:=])\s*([^\s,;]+)", header, re.IGNORECASE)
-    units = {unit for word in stated + re.findall(r"[(\[]([^)\]]+)[)\]]", header) if (unit := _unit_of(word))}
-    return units.pop() if len(units) == 1 else None
+    for words in (stated, re.findall(r"[(\[]([^)\]]+)[)\]]", header)):
+        if units := {unit for word in words if (unit := _unit_of(word))}:
+            return units.pop() if len(units) == 1 else None
+    return None
 
 
 def _seconds(path: Path, unit: str) -> float:
@@ -159,7 +161,9 @@ def _count_and_spacing(path: Path, lines: list[str]) -> tuple[int, float, int]:
     line = lines[place].upper()
     names = re.findall(r"\b(NPTS|DT)\b", line)
     count_after = re.search(r"\bNPTS\s*[=:]\s*([^\s,;]+)", line)
-    dt_after = re.search(rf"{_DT}\s*[=:]\s*((?:{_POINT}|\d+)(?:[ED][+-]?\d+)?)\W*?(?!\s*NPTS\b)\s*([A-Z]*)", line)
+    dt_after = re.search(
+        rf"{_DT}\s*[=:]\s*((?:{_POINT}|\d+)(?:[ED][+-]?\d+)?)(?![\d.])\s*[(\[]?((?!NPTS\b)[A-Z]*)", line
+    )
     if count_after or re.search(rf"{_DT}\s*[=:]", line):
         found = {"NPTS": _number(count_after[1]) if count_after else None}
         found["DT"] = _number(dt_after[2]) if dt_after else None
@@ -251,7 +255,8 @@ def _name_and_unit(field: str) -> tuple[str, str]:
     field = field.strip(" \"'").lower()
     name, _, rest = re.sub(r"[\s_(\[]+", " ", field).strip().partition(" ")
     brackets = re.search(r"[(\[]([^)\]]*)[)\]]", field)
-    unit = brackets[1] if brackets else rest.removeprefix("in ")
+    bare = rest.removeprefix("in ")
+    unit = brackets[1] if brackets else bare if bare in TIMES or re.fullmatch(r"[a-z]{1,3}", bare) else ""
     return name.strip("])"), unit.strip() if field[:1] not in "([" else ""
 
 
@@ -263,12 +268,14 @@ def _times(path: Path, heading: list[str]) -> tuple[int, float]:
         fields = re.split(r"[,;\t]", plain)
         if len(fields) != 2:
             fields = re.findall(r"[^\s(\[]+(?:\s*[(\[][^)\]]*[)\]])?", plain)
-        if len(fields) == 4:  # names and units by turns
+        if len(fields) == 4 and TIMES.keys() & {fields[1].lower(), fields[3].lower()}:  # names and units by turns
             fields = [" ".join(fields[:2]), " ".join(fields[2:])]
         columns = [_name_and_unit(field) for field in fields]
         times = [i for i, (name, _) in enumerate(columns) if name in ("t", "time", "times") or name in TIMES]
         if len(columns) != 2 or len(times) != 1:
             continue
+        if times == [1] and not re.search(r"[,;\t]", plain) and not re.match(r"a|.*/s|g$", columns[0][0]):
+            continue  # a title, such as "origin time"
         place = times[0]
         name, of_name = columns[place]
         unit = name if name in TIMES else of_name or unit
