@@ -102,11 +102,11 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     """Refuse values of ε for which the edges of a tongue are not within its interval."""
     span = options["epsilon"]
     if span["first"] <= 0:
-        return f"epsilon: first, {span['first']}, must be positive, because no tongue is open at ε = 0"
+        return f"epsilon: first, {span['first']}, must be positive, because no tongue is open at ε = 0."
     for tongue in range(1, options["tongues"] + 1):
         (low, high), (lower, upper) = _interval(tongue), exact_edges(tongue, span["last"])
         if not (low < lower and upper < high):
-            return f"epsilon: at {span['last']} tongue {tongue} leaves √δ = {tongue} ± 1; last must be smaller"
+            return f"epsilon: at {span['last']} tongue {tongue} leaves √δ = {tongue} ± 1; last must be smaller."
     return None
 
 
