@@ -62,7 +62,7 @@ def with_reference(ds: xr.Dataset, found: dict[str, Measured]) -> xr.Dataset:
         reference_value_uncertainty=(dims, off, {"long_name": "uncertainty of this value, in the same unit"}),
         reference_time=(dims, padded("time"), {"long_name": "time at which this value is reached", "units": "s"}),
     ).assign_coords(
-        component=("component", np.arange(most), {"long_name": "component of a quantity"}),
+        component=("component", np.arange(most), {"long_name": "component of a quantity", "units": "1"}),
         relative_to=("quantity", [one.relative_to for one in of_each], {"long_name": "value that scales the error"}),
         quantity_units=("quantity", [one.units for one in of_each], {"long_name": "unit of the quantity"}),
     )
