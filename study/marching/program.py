@@ -12,7 +12,7 @@ import numpy as np
 from jax import lax
 
 from study.algebra.jit import jit
-from study.algebra.reads import reading, reads_of
+from study.algebra.reads import Reads, reading, reads_of
 from study.marching.march import March
 from study.marching.result import COMPLETED, NO_SOLUTION, Result
 from study.marching.shapes import CountPerRun, Displacements, PerRun
@@ -51,16 +51,19 @@ def unlabelled(part: Any) -> Any:
 class _Form:
     """All of a march except its arrays of numbers; the compiled program depends on it."""
 
-    def __init__(self, structure, constants: tuple):
-        self.structure, self.constants = structure, constants
-        self._hash = hash((structure, constants))
+    def __init__(self, structure, constants: tuple, reads: Reads):
+        self.structure, self.constants, self.reads = structure, constants, reads
+        self._hash = hash((structure, constants, reads))
 
     def __hash__(self):
         return self._hash
 
     def __eq__(self, other):
         return self is other or (
-            isinstance(other, _Form) and self.structure == other.structure and self.constants == other.constants
+            isinstance(other, _Form)
+            and self.structure == other.structure
+            and self.constants == other.constants
+            and self.reads == other.reads
         )
 
     def march(self, numbers: list) -> March:
@@ -142,8 +145,8 @@ class Program:
         march = unlabelled(march)
         leaves, structure = jax.tree.flatten(march)
         self.numbers = [leaf for leaf in leaves if eqx.is_array(leaf)]
-        form = _Form(structure, tuple(None if eqx.is_array(leaf) else leaf for leaf in leaves))
-        self.form, self.reads = _forms.setdefault(form, form), reads_of(march)
+        form = _Form(structure, tuple(None if eqx.is_array(leaf) else leaf for leaf in leaves), reads_of(march))
+        self.form = _forms.setdefault(form, form)
         self._has_records, self._lanes = bool(march.records), march.lanes
         self._is_scalar = np.ndim(march.problem.u0) == 0
 
@@ -182,7 +185,7 @@ class Program:
         Result
             NumPy arrays; samples after a failure or after the end of a lane are meaningless.
         """
-        with reading(self.reads):
+        with reading(self.form.reads):
             return self._run(u0, v0, dt, steps, every, samples, own, pause, on_pause)
 
     def _run(self, u0, v0, dt, steps, every, samples, own, pause, on_pause) -> Result:
