@@ -91,7 +91,7 @@ class Reads:
 
 @contextmanager
 def reading(reads: Reads) -> Iterator[None]:
-    """Within this context, JAX traces and compiles anew what it has not yet traced or compiled for these reads."""
+    """Within this context, JAX traces and compiles again what it has not yet traced or compiled for these reads."""
     with _context(reads):
         yield
 

@@ -203,7 +203,7 @@ def assess(
         f"the reference of '{equation.title}' was not found in {seconds:g} s; allow more seconds, larger errors or a "
         f"shorter duration: {model[0]}."
     )
-    # functions inside the force are traced anew too if what they read has changed
+    # functions inside the force are traced again too if what they read has changed
     with within(end, unfinished), reading(equation.reads):
         reference = certified(equation, length, wanted, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
