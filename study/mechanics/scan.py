@@ -158,7 +158,10 @@ class _Scan:
         return jnp.append(value, jnp.sign(switches(self._function, t))) if self._compares else value
 
     def _raw(self, t: Times) -> Values:
-        """Values at the times, computed in parts of few lengths, for which JAX compiles each operation once."""
+        """Values at the times, zero where they are not finite.
+
+        They are computed in parts of few lengths, for which JAX compiles each operation once.
+        """
         once = int(np.clip(AT_ONCE // self._size, 1, INTERVALS + 1))
         parts = []
         for begin in range(0, len(t), once):
@@ -171,7 +174,8 @@ class _Scan:
             if self._weights is not None:
                 part = part @ self._weights
             parts.append(np.asarray(part)[: len(some)])
-        return np.concatenate(parts)
+        values = np.concatenate(parts)
+        return np.where(np.isfinite(values), values, 0.0)
 
     def first(self, intervals: int) -> tuple[Times, Values]:
         """Equidistant times, and the columns of values at them."""
