@@ -1,7 +1,7 @@
 """The command that runs an experiment.
 
-``python -m pipeline.command [--scheme=FILE.py:NAME ...] [--steps=N] MODULE DATASET OUTPUT... 'JSON OPTIONS'`` makes the
-datasets of one job. Each ``--scheme`` is a user's own scheme that the options name; N is the declared number of steps.
+``python -m pipeline.command [--scheme=FILE.py:NAME ...] MODULE DATASET OUTPUT... 'JSON OPTIONS'`` makes the datasets of
+one job. Each ``--scheme`` is a user's own scheme that the options name.
 """
 
 import argparse
@@ -13,13 +13,9 @@ import xarray as xr
 
 from pipeline.configuration import register_own
 from study import io
-from study.declaration.experiment import DECLARED, Experiment, arguments_of, progress
+from study.declaration.experiment import DECLARED, Experiment, arguments_of
 from study.io import NotWritten, check_writable, provenance, write
-from study.marching.result import Work
 from study.registry import did_you_mean
-
-#: Number of steps of a job up to which the declared number is not checked.
-FEW = 10_000
 
 
 def _options(experiment: Experiment, text: str) -> dict:
@@ -70,7 +66,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     parser = argparse.ArgumentParser("python -m pipeline.command", description="Make the datasets of one job.")
     parser.add_argument("--scheme", action="append", default=[], metavar="FILE.py:NAME", help="a scheme of your own")
-    parser.add_argument("--steps", type=float, help="number of steps that the experiment declares")
     parser.add_argument("module")
     parser.add_argument("dataset")
     parser.add_argument("outputs", nargs="+", metavar="OUTPUT")
@@ -79,28 +74,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         for place in given.scheme:
             register_own(place)
-        _make(_declared(given.module, given.dataset), given.outputs, given.options, given.steps)
+        _make(_declared(given.module, given.dataset), given.outputs, given.options)
     except (NotWritten, ValueError) as error:
         raise SystemExit(str(error)) from None
 
 
-def _check_steps(declared: Experiment, promised: float) -> None:
-    """Refuse an experiment with more than twice or less than half of the declared number of steps.
-
-    Timed experiments are not checked, because they repeat their runs. Jobs of at most ``FEW`` steps are not checked,
-    because their runs round to whole numbers of steps. Experiments that stop early may take fewer steps. An
-    experiment without any step is accepted.
-    """
-    progress(f"steps: {promised:.3g} declared, {Work.steps:.3g} taken")
-    too_few = 0 < 2 * Work.steps < promised and not declared.stops_early
-    if not declared.timed and max(promised, Work.steps) > FEW and (too_few or Work.steps > 2 * promised):
-        raise SystemExit(
-            f"{declared.module} declares {promised:.3g} steps and takes {Work.steps:.3g}: correct `steps` in its "
-            "declaration, which bounds the work of a configuration."
-        )
-
-
-def _make(declared: Experiment, outputs: list[str], text: str, promised: float | None) -> None:
+def _make(declared: Experiment, outputs: list[str], text: str) -> None:
     module = declared.module
     paths, options = [check_writable(path) for path in outputs], _options(declared, text)
     try:
@@ -108,8 +87,6 @@ def _make(declared: Experiment, outputs: list[str], text: str, promised: float |
             made = declared.function(**options)
     except (ArithmeticError, KeyError, ValueError, RuntimeError, FileNotFoundError) as error:
         raise SystemExit(f"{module}: {error}") from error
-    if promised is not None:
-        _check_steps(declared, promised)
     results = (made,) if isinstance(made, xr.Dataset) else made
     if not isinstance(results, tuple) or not all(isinstance(one, xr.Dataset) for one in results):
         raise SystemExit(f"{module} must return a dataset or a tuple of datasets, not {type(made).__name__}.")

@@ -19,10 +19,6 @@ from study.scheme.base import OneStep, Scheme
 from study.scheme.named import register_scheme, schemes
 from study.user_files import load
 
-#: Largest number of steps of all runs together, ten times the number of the full study.
-MOST_STEPS = 1e13
-#: Largest number of values that a job holds at once: less than two gigabytes.
-MOST_VALUES = 2e8
 _STRICT = ConfigDict(extra="forbid", strict=True)
 
 
@@ -186,14 +182,13 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
     Raises
     ------
     ValueError
-        If an experiment cannot run to its end; the message names the key or the dataset. Also if all runs together need
-        more than ``MOST_STEPS`` steps.
+        If an experiment cannot run to its end; the message names the key or the dataset.
     """
     declared = tuple(experiments)
     _register_own_schemes(configuration)
     whole = complete(configuration)
     check_form(model_of(declared), whole)
-    steps, made = 0.0, set(datasets_of(declared, whole))
+    made = set(datasets_of(declared, whole))
     _check_makers(declared, whole)
     for one in declared:
         if isinstance(one, Merged):
@@ -212,17 +207,6 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
                         f"{place} reads '{name}', a dataset that this configuration does not make; "
                         f"{did_you_mean(name, sorted(made))}"
                     )
-            steps += one.steps(options, whole)
-            if (values := one.values(options, whole)) > MOST_VALUES:
-                raise ValueError(
-                    f"{place} needs {values:.1e} numbers at once, more than the {MOST_VALUES:.0e} that fit into "
-                    "two gigabytes: reduce the number or the length of runs."
-                )
-    if steps > MOST_STEPS:
-        raise ValueError(
-            f"the configuration needs {steps:.1e} steps in all, and more than {MOST_STEPS:.0e} would take days: "
-            "reduce the number or the length of runs."
-        )
     return whole
 
 

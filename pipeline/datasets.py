@@ -43,8 +43,7 @@ def _made_by(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
         ours = [own[scheme] for scheme in named["scheme"] if scheme in own]
         modules = {type(schemes[scheme]).__module__ for scheme in named["scheme"] if scheme not in own}
         modules |= {makers[problem].__module__ for problem in named["problem"] if problem in makers}
-        arguments = ["pipeline.command", *(f"--scheme={place}" for place in ours)]
-        arguments += [f"--steps={one.steps(options, configuration):.9g}", one.module, one.makes[0]]
+        arguments = ["pipeline.command", *(f"--scheme={place}" for place in ours), one.module, one.makes[0]]
         arguments += [*(output.replace("{job}", name) for output in outputs), json.dumps(options)]
         files = [*map(dataset, one.reads(options)), *one.files(options), *(place.rpartition(":")[0] for place in ours)]
         # the command imports all schemes, but only the modules of the schemes in the options are inputs

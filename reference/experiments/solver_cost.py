@@ -1,6 +1,5 @@
 """Force evaluations that general solvers need for a given error, on the problems of ``control_cost``."""
 
-from collections.abc import Mapping
 from typing import Annotated, Literal
 
 import numpy as np
@@ -9,16 +8,12 @@ from annotated_types import Len
 
 from reference.experiments.work_precision import SOLVERS
 from reference.solution import RouteFailed
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, progress
 from study.declaration.options import FallingTolerances, Sampled
 from study.declaration.samples import check, jobs, known, reference_of
 from study.problem.named import problems as problems_by_name
 
 Solver = Literal["cvode_adams", "cvode_bdf", "dopri8", "tsit5", "kvaerno5"]
-
-
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return 1e5 * len(options["problems"]) * len(options["solvers"]) * len(options["tolerances"])
 
 
 @experiment(
@@ -27,7 +22,6 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
     along="problem",
     reads=lambda options: [reference_of(problem) for problem in options["problems"]],
     check=check,
-    steps=_number_of_steps,
 )
 def solver_cost(
     problems: Sampled, solvers: Annotated[list[Solver], Len(1, 5)], tolerances: FallingTolerances

@@ -1,6 +1,6 @@
 """Exact period of each spring, and its motion over one period: the datasets ``reference/PROBLEM``."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Annotated
 
@@ -64,13 +64,7 @@ def _jobs(options: Options) -> dict[str, Options]:
     return {problem: {"problem": problem, "steps_per_period": steps_per_period} for problem in options["problems"]}
 
 
-def _numbers_held(options: Options, configuration: Mapping) -> float:
-    """Number of values that a job holds at once."""
-    # a hundred values for each phase: four integrations hold numbers of up to 192 bits as Python objects
-    return 100 * sum(options["steps_per_period"])
-
-
-@experiment("reference", section="references", model=_References, split=_jobs, values=_numbers_held)
+@experiment("reference", section="references", model=_References, split=_jobs)
 def reference(problem: Spring, steps_per_period: Sequence[int]) -> xr.Dataset:
     """Compute the exact period of a spring and its motion over one period.
 

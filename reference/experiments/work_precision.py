@@ -114,19 +114,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return unlisted("periods", options["periods"], "accuracy.periods", configuration["accuracy"]["periods"])
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    """Number of steps, of thirty nanoseconds each, that take as long as all runs of the solvers may take."""
-    runs = len(options["problems"]) * len(SOLVERS) * len(options["tolerances"]) * len(RUNS)
-    return runs * options["longest"] / 30e-9
-
-
-@experiment(
-    "work_precision/solvers",
-    check=_check,
-    steps=_number_of_steps,
-    timed=True,
-    temporary=True,
-)
+@experiment("work_precision/solvers", check=_check, timed=True, temporary=True)
 def work_precision(
     problems: Springs,
     tolerances: FallingTolerances,

@@ -6,9 +6,6 @@ experiment's section and a dot, so it starts with a key of that section.
 
 from collections.abc import Collection, Iterable
 
-#: Number of values in one sample of the largest structure: displacement and velocity of its 300 unknowns.
-LARGEST_SAMPLE = 600
-
 
 def unlisted(key: str, values: Iterable, source: str, listed: Collection) -> str | None:
     """Refuse a value that is not in ``listed``; ``source`` is the name of this list in the message."""

@@ -1,4 +1,4 @@
-"""The declaration of an experiment: the datasets that it makes and reads, its options, and the work of its jobs.
+"""The declaration of an experiment: the datasets that it makes and reads, its options, and its jobs.
 
 This function, for example, is an experiment:
 
@@ -11,14 +11,11 @@ its arguments set the bounds of the options (:mod:`study.declaration.options`).
 
 import importlib
 import inspect
-import math
 import pkgutil
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, get_args, get_origin
-
-import numpy as np
 
 Options = dict[str, Any]
 
@@ -56,14 +53,9 @@ class Experiment:
     check
         Function of a job's options and the configuration that returns a sentence if the options contradict each other
         or the rest of the configuration, and ``None`` otherwise.
-    steps, values
-        Functions of a job's options and the configuration. They return the approximate number of steps of all runs of
-        the job, and the approximate number of values that the job holds in memory at once.
     page
         Module that makes a page of HTML next to each dataset. It is run with two arguments, the file of the dataset
         and the file of the page.
-    stops_early
-        Whether a job may end as soon as its runs decide the result; ``steps`` is then an upper bound.
     timed
         Whether the experiment measures times, so that no other job may run at the same time.
     temporary
@@ -82,9 +74,6 @@ class Experiment:
     files: Callable[[Options], Iterable[str]] = lambda options: ()
     page: str = ""
     check: Callable[[Options, Mapping], str | None] = lambda options, configuration: None
-    steps: Callable[[Options, Mapping], float] = lambda options, configuration: 0
-    values: Callable[[Options, Mapping], float] = lambda options, configuration: 0
-    stops_early: bool = False
     timed: bool = False
     temporary: bool = False
 
@@ -179,20 +168,6 @@ def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Cal
 def references(options: Options) -> list[str]:
     """Names of the reference datasets of the option ``problems``; a function for the attribute ``reads``."""
     return [f"reference/{problem}" for problem in options["problems"]]
-
-
-def over_periods(*lists: str, runs: int = 1) -> Callable[[Options, Mapping], float]:
-    """Function for the attribute ``steps`` of an experiment whose runs last whole numbers of periods.
-
-    For each step size, each number of periods, and each combination of items of the options ``lists``, the experiment
-    makes as many runs as ``runs`` states.
-    """
-
-    def steps(options: Options, configuration: Mapping) -> float:
-        of_each = sum(options["steps_per_period"]) * np.sum(options["periods"])
-        return float(runs * math.prod(len(options[name]) for name in lists) * of_each)
-
-    return steps
 
 
 def merged(makes: str, of: Sequence[str]) -> None:

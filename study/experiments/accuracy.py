@@ -8,7 +8,7 @@ import xarray as xr
 from study import io
 from study.analysis.comparison import against, flagged, uncertainties
 from study.declaration.checks import unlisted
-from study.declaration.experiment import Options, experiment, over_periods, progress, references
+from study.declaration.experiment import Options, experiment, progress, references
 from study.declaration.options import RisingCounts, Schemes, Springs
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
@@ -30,7 +30,6 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     along="problem",
     reads=references,
     check=_check,
-    steps=over_periods("problems", "schemes"),
 )
 def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts, periods: RisingCounts) -> xr.Dataset:
     """Measure the errors of every scheme against the exact solution, by step size and length of the run.

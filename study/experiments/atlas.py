@@ -73,17 +73,6 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return step_beyond_run(10 ** options["dt_over_period"]["last"], options["periods"])
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    first, last, count = (options["dt_over_period"][key] for key in ("first", "last", "count"))
-    # the sum over at most 100 values of Δt/T is scaled to the number of values
-    of_amplitude = np.sum(options["periods"] / np.logspace(first, last, min(count, 100))) * max(count / 100, 1)
-    return len(options["problems"]) * of_amplitude * _number_of_amplitudes(configuration) / options["tiles"]
-
-
-def _numbers_held(options: Options, configuration: Mapping) -> float:
-    return 8 * len(options["problems"]) * _number_of_amplitudes(configuration) * options["dt_over_period"]["count"]
-
-
 @experiment(
     "stability/atlas",
     section="atlas",
@@ -93,8 +82,6 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
     parts=("stability/tiles",),
     reads=lambda options: ["reference/amplitudes"],
     check=_check,
-    steps=_number_of_steps,
-    values=_numbers_held,
 )
 def atlas(
     scheme: SchemeName,

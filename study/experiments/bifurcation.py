@@ -21,12 +21,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return None
 
 
-@experiment(
-    "stability/bifurcation",
-    check=_check,
-    steps=lambda options, configuration: 4 * options["dt"]["count"] * options["steps"],
-    values=lambda options, configuration: 6 * options["dt"]["count"] * options["steps"],
-)
+@experiment("stability/bifurcation", check=_check)
 def bifurcation(
     problem: Spring, scheme: SchemeName, dt: StepSizes, steps: RecordedSteps, shown: Count, perturbation: Tolerance
 ) -> xr.Dataset:

@@ -1,15 +1,13 @@
 """Force evaluations for a given error with controlled and with equal steps, on kinked, shaken and stiff problems."""
 
-from collections.abc import Mapping
-
 import numpy as np
 import xarray as xr
 
 from study.control.estimators import Estimator
 from study.control.named import estimators
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, progress
 from study.declaration.options import ControllerName, FallingTolerances, RisingCounts, Sampled, Schemes
-from study.declaration.samples import KINKED, Known, check, jobs, known, reference_of
+from study.declaration.samples import Known, check, jobs, known, reference_of
 from study.experiments import coordinates
 from study.io import flags
 from study.marching.adaptive_run import ENDS
@@ -29,24 +27,12 @@ STATUSES = (*ENDS, "not_run")
 NOT_RUN = STATUSES.index("not_run")
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    """Number of steps of the runs with equal steps; the number of controlled steps is known only afterwards."""
-    lengths = {one["problem"]: one["periods"] for one in configuration["structures"]["lengths"]}
-    samples = 0.0
-    for problem in options["problems"]:
-        name = "kinks" if problem in KINKED else "structures"
-        periods = configuration["kinks"]["periods"] if problem in KINKED else lengths[problem]
-        samples += periods * configuration[name]["samples_per_period"]
-    return samples * len(options["schemes"]) * sum(options["steps_per_sample"])
-
-
 @experiment(
     "control_cost",
     split=jobs,
     along="problem",
     reads=lambda options: [reference_of(problem) for problem in options["problems"]],
     check=check,
-    steps=_number_of_steps,
 )
 def control_cost(
     problems: Sampled,

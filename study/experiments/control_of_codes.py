@@ -15,7 +15,7 @@ from study.control.of_codes import (
     Nastran,
     Proportional,
 )
-from study.declaration.experiment import experiment, over_periods, progress, references
+from study.declaration.experiment import experiment, progress, references
 from study.declaration.options import Count, Counts, Springs
 from study.experiments import coordinates
 from study.marching.run import run, sweep
@@ -50,7 +50,7 @@ CLASSES = ("tight", "middle", "loose")
 SCIML, LINEAR_DURATION = (1e-4, 1e-6, 1e-8), 5.0
 
 
-@experiment("control_of_codes", reads=references, steps=over_periods("problems"))
+@experiment("control_of_codes", reads=references)
 def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """March springs over whole periods with the automatic steps of codes, and with a step that is halved once.
 

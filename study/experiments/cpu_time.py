@@ -26,11 +26,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return None
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return len(options["problems"]) * len(options["schemes"]) * options["steps"] * options["repeats"]
-
-
-@experiment("cpu_time", steps=_number_of_steps, check=_check, timed=True)
+@experiment("cpu_time", check=_check, timed=True)
 def cpu_time(
     problems: Springs, schemes: Schemes, steps_per_period: Count, steps: Count, repeats: Repeats
 ) -> xr.Dataset:

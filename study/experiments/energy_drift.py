@@ -40,22 +40,13 @@ class _StepsPerPeriod(TypedDict):
     step: Annotated[float, Ge(1e-6), Le(1e6)]
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    first, last, step = (options["steps_per_period"][key] for key in ("first", "last", "step"))
-    return ((last - first) / step + 1) * last * options["periods"]
-
-
-def _numbers_held(options: Options, configuration: Mapping) -> float:
-    return 3 * _number_of_steps(options, configuration)
-
-
 def _check(options: Options, configuration: Mapping) -> str | None:
     if options["oscillations"] >= options["periods"]:
         return f"oscillations must be less than periods, {options['periods']}, not {options['oscillations']}."
     return None
 
 
-@experiment("energy_drift", check=_check, steps=_number_of_steps, values=_numbers_held)
+@experiment("energy_drift", check=_check)
 def energy_drift(
     problem: Spring,
     scheme: SchemeName,

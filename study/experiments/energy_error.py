@@ -3,14 +3,14 @@
 import numpy as np
 import xarray as xr
 
-from study.declaration.experiment import experiment, over_periods, progress, references
+from study.declaration.experiment import experiment, progress, references
 from study.declaration.options import Count, Counts, Schemes, Springs
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import sweep
 
 
-@experiment("energy_error", reads=references, steps=over_periods("problems", "schemes", runs=2))
+@experiment("energy_error", reads=references)
 def energy_error(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """Compute the largest energy error of every scheme on every problem at every step size.
 

@@ -1,7 +1,7 @@
 """Estimates of the error of a step, compared with the true error."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import equinox as eqx
@@ -11,7 +11,7 @@ import xarray as xr
 from study.control.controllers import Prescribed
 from study.control.leading import linear_ratio
 from study.control.named import estimators as estimators_by_name
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, progress
 from study.declaration.options import Counts, Estimators, Problems, Schemes
 from study.experiments import coordinates
 from study.marching.run import run
@@ -41,16 +41,8 @@ def _fine_steps(problem: str, steps: int) -> int:
     return math.ceil(FINE_STEPS * max(1.0, STIFFEST.get(problem, 0) / steps))
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    pairs = ((problem, steps) for problem in options["problems"] for steps in options["steps_per_period"])
-    runs = len(options["schemes"]) * (1 + ("step_doubling" in options["estimators"]))
-    return runs * sum(steps * _fine_steps(problem, steps) for problem, steps in pairs)
-
-
 @experiment(
-    "estimates",
-    reads=lambda options: [f"reference/{one}" for one in options["problems"] if one in approximate_periods],
-    steps=_number_of_steps,
+    "estimates", reads=lambda options: [f"reference/{one}" for one in options["problems"] if one in approximate_periods]
 )
 def estimates(problems: Problems, schemes: Schemes, estimators: Estimators, steps_per_period: Counts) -> xr.Dataset:
     """Measure estimates of the error of a step over one period, next to the true error.

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from study.declaration.experiment import experiment, over_periods, progress
+from study.declaration.experiment import experiment, progress
 from study.declaration.options import Count, Counts, Springs
 from study.experiments import coordinates
 from study.marching.run import sweep
@@ -11,7 +11,7 @@ from study.problem.named import approximate_periods
 from study.scheme.houbolt import Houbolt, starts
 
 
-@experiment("houbolt_start", steps=over_periods("problems", runs=len(starts)))
+@experiment("houbolt_start")
 def houbolt_start(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """Compute the largest energy error of Houbolt's method for every way to start it.
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from study import io
-from study.declaration.experiment import Options, experiment, over_periods, progress
+from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, Kinked, RisingCounts, Schemes
 from study.experiments import coordinates
 from study.io import flags
@@ -46,14 +46,7 @@ def _order(steps: np.ndarray, error: np.ndarray, uncertainty: float) -> float:
     return float(-np.polyfit(np.log(steps[counts]), np.log(error[counts]), 1)[0])
 
 
-@experiment(
-    "kinks",
-    split=_jobs,
-    along="problem",
-    reads=lambda options: ["reference/inelastic"],
-    check=_check,
-    steps=over_periods("schemes"),
-)
+@experiment("kinks", split=_jobs, along="problem", reads=lambda options: ["reference/inelastic"], check=_check)
 def kinks(
     problems: Kinked, schemes: Schemes, steps_per_period: RisingCounts, periods: Count, samples_per_period: Count
 ) -> xr.Dataset:

@@ -14,16 +14,11 @@ from study.marching.run import sweep
 from study.problem.named import approximate_periods
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    of_scheme = sum(options["periods"] / part for part in options["dt_over_period"])
-    return len(options["problems"]) * len(options["schemes"]) * of_scheme
-
-
 def _check(options: Options, configuration: Mapping) -> str | None:
     return step_beyond_run(max(options["dt_over_period"]), options["periods"])
 
 
-@experiment("large_steps", check=_check, steps=_number_of_steps)
+@experiment("large_steps", check=_check)
 def large_steps(problems: Springs, schemes: Schemes, dt_over_period: Sizes, periods: Count) -> xr.Dataset:
     """Compute energy error and failure of every scheme from small steps to steps as long as the period.
 

@@ -1,7 +1,5 @@
 """Tests of what authors claim of their later schemes, mostly beyond linear theory, on problems like theirs."""
 
-from collections.abc import Mapping
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -13,9 +11,9 @@ from scipy.integrate import solve_ivp
 from study.analysis.eigenvalues import eigenvalues
 from study.analysis.forces import forces_of
 from study.analysis.linear_theory import LinearTheory
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, progress
 from study.declaration.options import Counts, Length, RisingCounts, Sizes
-from study.experiments.circumstances import DURATION, QUANTITIES, SPEEDS, TOLERANCES, circumstances_with
+from study.experiments.circumstances import DURATION, QUANTITIES, TOLERANCES, circumstances_with
 from study.marching.run import run, sweep
 from study.mechanics.definition import Problem
 from study.mechanics.loads import HarmonicLoad
@@ -187,14 +185,7 @@ def _radius_of_mixed_pade(terms: int) -> float:
     return LinearTheory(MixedPade(terms=terms, rho_inf=RHO_INF), [1e6 / (2 * np.pi)]).spectral_radius.item()
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    waves = sum(REACHED * options["elements"] / courant for courant in options["courant"]) * len(OF_WAVES)
-    trigonometric, auxiliary = (number * sum(options["steps"]) for number in (len(PHASES) * len(filters), 2))
-    fourth = sum(options["forces"]) * sum(1 / forces_of(scheme).per_step for scheme in OF_FOURTH_ORDER.values())
-    return trigonometric + waves + 1000 * len(options["long_steps"]) + len(SPEEDS) * (auxiliary + fourth)
-
-
-@experiment("later_schemes", steps=_number_of_steps)
+@experiment("later_schemes")
 def later_schemes(
     omega_steps: Sizes, steps: RisingCounts, courant: Sizes, elements: Length, long_steps: Sizes, forces: Counts
 ) -> xr.Dataset:

@@ -108,10 +108,6 @@ def _steps_of_arithmetic(options: Options) -> float:
     return len(BITS) * options["runs"] * options["steps_per_period"] * sum(options["periods"])
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return len(options["schemes"]) * len(options.get("arithmetics", ARITHMETIC)) * _steps_of_arithmetic(options)
-
-
 def _jobs(options: Options) -> dict[str, Options]:
     """The options of one job for each scheme or, if the runs are long, for each scheme and arithmetic."""
     if len(ARITHMETIC) * _steps_of_arithmetic(options) <= MOST_STEPS_OF_JOB:
@@ -153,7 +149,6 @@ class _LongTimes(TypedDict):
     along="scheme,arithmetic",
     reads=lambda options: [f"reference/{options['problem']}"],
     check=_check,
-    steps=_number_of_steps,
 )
 def long_runs(
     problem: Spring,

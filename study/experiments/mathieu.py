@@ -110,15 +110,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return None
 
 
-def _cases(options: Options) -> int:
-    return 2 * NODES * options["tongues"] * options["epsilon"]["count"]
-
-
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return (SETTLED + 1) * _cases(options) * len(options["schemes"]) * sum(options["steps_per_period"])
-
-
-@experiment("mathieu", check=_check, steps=_number_of_steps, values=lambda options, configuration: 12 * _cases(options))
+@experiment("mathieu", check=_check)
 def mathieu(
     schemes: Schemes, epsilon: Numbers, steps_per_period: RisingCounts, tongues: Annotated[int, Ge(1), Le(10)]
 ) -> xr.Dataset:

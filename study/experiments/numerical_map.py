@@ -1,11 +1,9 @@
 """Phase portraits of the numerical map, which takes each state to the state one step later."""
 
-from collections.abc import Mapping
-
 import numpy as np
 import xarray as xr
 
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, progress
 from study.declaration.options import Numbers, RecordedSteps, Schemes, Sizes, Spring
 from study.experiments import coordinates
 from study.marching.result import STATUS_ATTRIBUTES
@@ -13,15 +11,7 @@ from study.marching.run import sweep
 from study.problem.named import problems as problems_by_name
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return len(options["schemes"]) * len(options["dt"]) * options["u0"]["count"] * options["steps"]
-
-
-def _numbers_held(options: Options, configuration: Mapping) -> float:
-    return 3 * _number_of_steps(options, configuration)
-
-
-@experiment("stability/numerical_map", steps=_number_of_steps, values=_numbers_held)
+@experiment("stability/numerical_map")
 def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, steps: RecordedSteps) -> xr.Dataset:
     """Compute the iterates of the schemes from rest at many initial displacements, at several step sizes.
 

@@ -1,6 +1,5 @@
 """The order of displacement, velocity and acceleration under the circumstances of real problems."""
 
-from collections.abc import Mapping
 from functools import partial
 from typing import Annotated
 
@@ -10,10 +9,10 @@ import numpy as np
 import xarray as xr
 from annotated_types import Ge, Le, Len
 
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, progress
 from study.declaration.options import RisingCounts, Schemes, Tolerances
 from study.experiments import coordinates
-from study.experiments.circumstances import QUANTITIES, SPEEDS, Circumstance, carries, circumstances_with
+from study.experiments.circumstances import QUANTITIES, Circumstance, carries, circumstances_with
 from study.io import flags
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
@@ -51,12 +50,7 @@ def _order(counts: np.ndarray, error: np.ndarray) -> tuple[float, str]:
     return float(-np.polyfit(np.log(counts[places]), np.log(error[places]), 1)[0]), "measured"
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = (7 + len(options["stiffness_ratios"]) + len(options["tolerances"])) * len(SPEEDS) * len(options["schemes"])
-    return runs * sum(options["steps"])
-
-
-@experiment("order_under_reality", steps=_number_of_steps)
+@experiment("order_under_reality")
 def order_under_reality(
     schemes: Schemes,
     steps: RisingCounts,

@@ -28,21 +28,11 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return less_than_a_step("duration", options["duration"], options["dt"])
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return len(options["schemes"]) * options["duration"] / options["dt"]
-
-
-def _numbers_held(options: Options, configuration: Mapping) -> float:
-    return 5 * _number_of_steps(options, configuration)
-
-
 @experiment(
     "phase_portrait",
     model=dict[Spring, _Portrait],
     split=lambda options: {problem: {"problem": problem, **portrait} for problem, portrait in options.items()},
     check=_check,
-    steps=_number_of_steps,
-    values=_numbers_held,
 )
 def phase_portrait(problem: Spring, schemes: Schemes, dt: float, duration: float) -> xr.Dataset:
     """Compute displacement, velocity and energy of every scheme over time at one step size.

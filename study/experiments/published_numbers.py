@@ -1,6 +1,5 @@
 """Errors of schemes at known displacements, which are printed in sources or exact."""
 
-from collections.abc import Mapping
 from typing import Annotated
 
 import numpy as np
@@ -8,7 +7,7 @@ import xarray as xr
 from annotated_types import Ge, Le, Len
 from typing_extensions import TypedDict
 
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, progress
 from study.declaration.options import Count, FallingTolerances, KnownProblem, Schemes, section
 from study.experiments import coordinates
 from study.io import flags
@@ -26,12 +25,6 @@ FINER = 4
 class _Coarsest(TypedDict):
     problem: KnownProblem
     steps: Count
-
-
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    # a step counts once for each unknown
-    coarsest = sum(one["steps"] * np.size(problems[one["problem"]].u0) for one in options["coarsest"])
-    return coarsest * len(options["schemes"]) * (FINER ** options["refinements"] - 1) / (FINER - 1)
 
 
 def _error(at: Known, u: np.ndarray) -> float:
@@ -54,7 +47,7 @@ def _controlled(problem: str, scheme: str, tolerance: float) -> tuple[float, flo
     return (_error(at, ds.u.values[-1]), ds.steps.item()) if ds.status == 0 else (np.nan, np.nan)
 
 
-@experiment("published_numbers", steps=_number_of_steps)
+@experiment("published_numbers")
 def published_numbers(
     coarsest: Annotated[list[_Coarsest], Len(1, 100)],
     refinements: Annotated[int, Ge(2), Le(10)],

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from study.declaration.experiment import experiment, over_periods, progress, references
+from study.declaration.experiment import experiment, progress, references
 from study.declaration.options import Count, Counts, Springs
 from study.experiments import coordinates
 from study.marching.run import sweep
@@ -15,7 +15,7 @@ from study.scheme.wrapper.relaxed import Relaxed
 VARIANTS = {"plain": rk4, "relaxed": Relaxed(scheme=rk4)}
 
 
-@experiment("relaxation", reads=references, steps=over_periods("problems", runs=2 * len(VARIANTS)))
+@experiment("relaxation", reads=references)
 def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """Compute errors of energy and motion of the Runge-Kutta method with and without relaxation.
 

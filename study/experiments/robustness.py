@@ -46,11 +46,6 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
     return needed
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = len(options["problems"]) * len(options["schemes"]) * configuration["atlas"]["amplitudes"]["count"]
-    return runs * sum(options["steps_per_period"]) * sum(options["periods"])
-
-
 def _check(options: Options, configuration: Mapping) -> str | None:
     """Refuse problems whose amplitudes are not computed."""
     return unlisted("problems", options["problems"], "atlas.problems", configuration["atlas"]["problems"])
@@ -63,8 +58,6 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     along="scheme",
     reads=lambda options: ["reference/amplitudes"],
     check=_check,
-    steps=_number_of_steps,
-    stops_early=True,
 )
 def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: RisingCounts) -> xr.Dataset:
     """Find the fewest steps per period that keep the energy within 1, 5 and 10 percent at all amplitudes.

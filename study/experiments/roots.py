@@ -100,17 +100,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return None
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = 1 + len(GUESSES) * len(options["tolerances"])
-    return options["dt"]["count"] * options["steps"] * runs
-
-
-def _numbers_held(options: Options, configuration: Mapping) -> float:
-    # a run holds three numbers for each step; roots are sought among 4001 displacements
-    return options["dt"]["count"] * (3 * options["steps"] + 4001 * options["predictor"]["count"])
-
-
-@experiment("stability/roots", check=_check, values=_numbers_held, steps=_number_of_steps)
+@experiment("stability/roots", check=_check)
 def roots(
     problem: Spring,
     schemes: Schemes,

@@ -31,16 +31,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return refused
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return 2 * len(options["schemes"]) * sum(options["steps_per_period"]) * (options["periods"] + 1)
-
-
-@experiment(
-    "round_off",
-    reads=lambda options: [f"reference/{options['problem']}"],
-    check=_check,
-    steps=_number_of_steps,
-)
+@experiment("round_off", reads=lambda options: [f"reference/{options['problem']}"], check=_check)
 def round_off(problem: Spring, schemes: Schemes, steps_per_period: RisingCounts, periods: Count) -> xr.Dataset:
     """Measure the error of the schemes at very small steps, with plain and with compensated summation.
 

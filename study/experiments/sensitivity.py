@@ -24,15 +24,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return less_than_a_step("duration", options["duration"], options["dt"])
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return len(STARTS) * len(options["schemes"]) * options["duration"] / options["dt"]
-
-
-def _numbers_held(options: Options, configuration: Mapping) -> float:
-    return _number_of_steps(options, configuration)
-
-
-@experiment("sensitivity", check=_check, steps=_number_of_steps, values=_numbers_held)
+@experiment("sensitivity", check=_check)
 def sensitivity(problem: Spring, schemes: Schemes, dt: Size, duration: Size, perturbation: Tolerance) -> xr.Dataset:
     """Compute the distance over time of runs that start next to each other, for every scheme.
 

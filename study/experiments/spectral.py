@@ -1,6 +1,5 @@
 """Linear theory of the schemes: spectral radius, period, damping, overshoot, order and stability limit."""
 
-from collections.abc import Mapping
 from typing import Annotated
 
 import jax
@@ -11,7 +10,7 @@ from annotated_types import Ge, Le
 from typing_extensions import TypedDict
 
 from study.analysis.linear_theory import OVERSHOOT_STEPS, LinearTheory, oscillator
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, progress
 from study.declaration.options import IN_ORDER, DampingRatios, Schemes, section
 from study.experiments import coordinates
 from study.mechanics.state import Motion
@@ -89,13 +88,7 @@ class _Exponents(TypedDict):
     per_decade: Annotated[int, Ge(1), Le(1000)]
 
 
-def _numbers_held(options: Options, configuration: Mapping) -> float:
-    exponents = options["exponents"]
-    points = (exponents["last"] - exponents["first"]) * exponents["per_decade"] + 1
-    return (len(_OVER_STEPS) + len(_NUMBERS)) * points * len(options["schemes"]) * len(options["damping_ratios"])
-
-
-@experiment("spectral", values=_numbers_held)
+@experiment("spectral")
 def spectral(
     schemes: Schemes,
     exponents: Annotated[_Exponents, IN_ORDER],

@@ -41,12 +41,6 @@ def _counts(duration: float, steps: np.ndarray) -> np.ndarray:
     return np.ceil(duration / steps - 1e-9).astype(int)
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = np.prod([len(options[key]) for key in ("schemes", "periods", "reductions")]) * options["records"]
-    steps, _ = steps_tried(options["coarsest"], options["finest"])
-    return float(runs * _counts(options["duration"], steps).sum())
-
-
 def _check(options: Options, configuration: Mapping) -> str | None:
     if options["finest"] >= options["coarsest"]:
         return f"finest: {options['finest']:g} s must be less than the coarsest step, {options['coarsest']:g} s."
@@ -60,7 +54,7 @@ def _needed(error: xr.DataArray, allowed: float) -> xr.DataArray:
     return kept.step_size.where(kept).max("step_size")
 
 
-@experiment("spectrum", reads=lambda options: ["reference/spectrum"], check=_check, steps=_number_of_steps)
+@experiment("spectrum", reads=lambda options: ["reference/spectrum"], check=_check)
 def spectrum(
     records: Records,
     periods: RecordPeriods,

@@ -8,7 +8,7 @@ import xarray as xr
 from study import io
 from study.control.controllers import Controller, Reversible
 from study.control.named import controllers as controllers_by_name
-from study.declaration.experiment import experiment, over_periods, progress, references
+from study.declaration.experiment import experiment, progress, references
 from study.declaration.options import Controllers, Count, Counts, OneStepSchemes, Springs, Tolerances
 from study.experiments import coordinates
 from study.marching.run import sweep
@@ -36,7 +36,7 @@ def reversible(problem: str, period: float) -> Reversible:
     return Reversible(density)
 
 
-@experiment("step_control", reads=references, steps=over_periods("problems", "schemes"))
+@experiment("step_control", reads=references)
 def step_control(
     problems: Springs,
     schemes: OneStepSchemes,

@@ -7,16 +7,13 @@ import xarray as xr
 from typing_extensions import TypedDict
 
 from study import io
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, progress
 from study.declaration.options import Count, PowersOfTen, Schemes, section
 from study.experiments import coordinates
 from study.marching.run import sweep
 from study.observer.crossings import Oscillations
 from study.observer.outcome import OutcomeObserver
 from study.problem.named import problems as problems_by_name
-
-#: Upper bound of the mean of ωT over the amplitudes; the declared number of steps follows from it.
-MOST_STIFF = 25
 
 
 @section
@@ -30,20 +27,7 @@ def _values(exponents: Mapping[str, float]) -> np.ndarray:
     return np.logspace(exponents["first"], exponents["last"], int(exponents["count"]))
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    atlas = configuration["atlas"]
-    runs = len(options["schemes"]) * len(atlas["problems"]) * atlas["amplitudes"]["count"]
-    return runs * options["periods"] * MOST_STIFF * np.sum(1 / _values(options["omega_steps"]))
-
-
-@experiment(
-    "stability/step_rule",
-    section="step_rule",
-    model=_StepRule,
-    reads=lambda options: ["reference/amplitudes"],
-    steps=_number_of_steps,
-    stops_early=True,
-)
+@experiment("stability/step_rule", section="step_rule", model=_StepRule, reads=lambda options: ["reference/amplitudes"])
 def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> xr.Dataset:
     """Measure the errors of energy and period by ω Δt, with ω the highest frequency of the tangent along each motion.
 

@@ -9,7 +9,6 @@ import xarray as xr
 from typing_extensions import TypedDict
 
 from study import io
-from study.declaration.checks import LARGEST_SAMPLE
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, Name, Schemes, Size, Structure, section
 from study.experiments import coordinates
@@ -64,22 +63,12 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return None
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return len(options["schemes"]) * options["periods"] * options["steps_per_period"]
-
-
-def _numbers_held(options: Options, configuration: Mapping) -> float:
-    return LARGEST_SAMPLE * _number_of_steps(options, configuration) / options["every"]
-
-
 @experiment(
     "structure_history",
     model=dict[Name, _History],
     split=dict,
     reads=lambda options: [f"reference/{options['problem']}"],
     check=_check,
-    steps=_number_of_steps,
-    values=_numbers_held,
 )
 def structure_history(
     problem: Structure, schemes: Schemes, steps_per_period: int, periods: float, every: int

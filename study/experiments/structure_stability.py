@@ -21,14 +21,6 @@ from study.scheme.named import schemes as schemes_by_name
 OBSERVED = ("lyapunov_exponent", "energy_balance", "newton_iterations")
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    # a step counts once for each unknown
-    periods = sum(length["periods"] * np.size(problems_by_name[length["problem"]].u0) for length in options["lengths"])
-    # every run is repeated over half its length
-    runs = 1.5 * len(options["schemes"]) * len(options["excitations"])
-    return runs * periods * sum(options["steps_per_period"])
-
-
 def _check(options: Options, configuration: Mapping) -> str | None:
     for length in options["lengths"]:
         if length["periods"] * min(options["steps_per_period"]) < 2:
@@ -41,7 +33,6 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     split=lambda options: {one["problem"]: {**options, "lengths": [one]} for one in options["lengths"]},
     along="problem",
     check=_check,
-    steps=_number_of_steps,
 )
 def structure_stability(
     lengths: StructureLengths, schemes: Schemes, excitations: Sizes, steps_per_period: Counts

@@ -13,8 +13,8 @@ from typing_extensions import TypedDict
 
 from study import io
 from study.algebra.jit import jit
-from study.declaration.checks import LARGEST_SAMPLE, no_multiple
-from study.declaration.experiment import Options, experiment, over_periods, progress
+from study.declaration.checks import no_multiple
+from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, RisingCounts, Schemes, Structure, StructureLengths, section
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
@@ -120,10 +120,6 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return no_multiple("steps_per_period", options["steps_per_period"], per_period, "samples_per_period")
 
 
-def _numbers_held(options: Options, configuration: Mapping) -> float:
-    return LARGEST_SAMPLE * options["periods"] * configuration["structures"]["samples_per_period"]
-
-
 @experiment(
     "structures",
     model=_Structures,
@@ -131,8 +127,6 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
     along="problem",
     reads=lambda options: [f"reference/{options['problem']}"],
     check=_check,
-    values=_numbers_held,
-    steps=over_periods("schemes"),
 )
 def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[int], periods: float) -> xr.Dataset:
     """Measure the errors, balances and effort of every scheme on a structure, by steps per period.

@@ -1,13 +1,12 @@
 """The largest Lyapunov exponent of Ueda's oscillator by scheme and step size."""
 
-from collections.abc import Mapping
 from typing import Annotated
 
 import numpy as np
 import xarray as xr
 from annotated_types import Ge, Le
 
-from study.declaration.experiment import Options, experiment, progress
+from study.declaration.experiment import experiment, progress
 from study.declaration.options import Count, RisingCounts, Schemes
 from study.experiments import coordinates
 from study.marching.run import sweep
@@ -17,11 +16,7 @@ from study.problem.oscillators import UEDA_EXPONENT
 OBSERVED = ["lyapunov_exponent"]
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return 1.5 * len(options["schemes"]) * options["runs"] * options["periods"] * sum(options["steps_per_period"])
-
-
-@experiment("ueda", steps=_number_of_steps)
+@experiment("ueda")
 def ueda(
     schemes: Schemes,
     steps_per_period: RisingCounts,

@@ -38,12 +38,6 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return None
 
 
-def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    """Upper bound of the number of steps of the timed runs; the fastest steps take twenty nanoseconds."""
-    runs = options["repeats"] * len(options["problems"]) * len(options["schemes"]) * len(options["steps_per_period"])
-    return runs * LONG_ENOUGH / 20e-9
-
-
 merged("work_precision", of=("work_precision/schemes", "work_precision/solvers"))
 
 
@@ -51,7 +45,6 @@ merged("work_precision", of=("work_precision/schemes", "work_precision/solvers")
     "work_precision/schemes",
     reads=lambda options: ["accuracy", *(f"reference/{problem}" for problem in options["problems"])],
     check=_check,
-    steps=_number_of_steps,
     timed=True,
     temporary=True,
 )

@@ -85,19 +85,6 @@ def _parameters(scheme: Scheme) -> str:
     return f"{type(scheme).__name__}({', '.join(values)})"
 
 
-class Work:
-    """Count of the work of this process.
-
-    Attributes
-    ----------
-    steps
-        Total number of steps of all runs with equal steps, where every lane counts. The pipeline compares it with the
-        declared number.
-    """
-
-    steps = 0
-
-
 class Labels:
     """Labels that turn results of one scheme on one problem into datasets."""
 
@@ -150,7 +137,6 @@ class Labels:
         ensemble
             Whether the arrays have an axis of lanes in front.
         """
-        Work.steps += int(np.broadcast_to(steps, result.status.shape).sum())
         lane = ("lane",) if ensemble else ()
         failed = result.status != COMPLETED
         values: dict[str, np.ndarray] = {
