@@ -17,11 +17,11 @@ COMPARED = {"average_acceleration": "--", "central_difference": ":"}
 def linear_theory(subject: "Subject", library: "Library") -> str:
     """Curves over the step size for a page: spectral radius, period elongation and, if any, numerical damping."""
     drawn = [
-        ("radius", "spectral radius", (1e-2, 1e2), (0.0, 1.5), "x"),
-        ("elongation", "relative elongation of the period", (0.0, 0.4), (-0.4, 0.6), ""),
-        ("damping", "numerical damping ratio", (0.0, 0.4), (-0.02, 0.25), ""),
+        ("spectral_radius", "spectral radius", (1e-2, 1e2), (0.0, 1.5), "x"),
+        ("period_elongation", "relative elongation of the period", (0.0, 0.4), (-0.4, 0.6), ""),
+        ("algorithmic_damping", "numerical damping ratio", (0.0, 0.4), (-0.02, 0.25), ""),
     ]
-    undamped = np.nanmax(np.abs(subject.theory.damping), initial=0.0) < ROUND_OFF
+    undamped = np.nanmax(np.abs(subject.theory.linear.algorithmic_damping), initial=0.0) < ROUND_OFF
     panels = []
     for name, label, horizontal, vertical, logarithmic in drawn[:-1] if undamped else drawn:
         figure, axes = panel(logarithmic)
@@ -29,13 +29,13 @@ def linear_theory(subject: "Subject", library: "Library") -> str:
         for other, line in COMPARED.items():
             if other != subject.name and other in library.schemes:
                 compared = library.subject(other)
-                values = getattr(compared.theory, name)[shown]
+                values = compared.theory.linear[name][shown]
                 axes.plot(PARTS[shown], np.clip(values, -9, 9), color=OTHER, ls=line, lw=1.2)
-        values = getattr(subject.theory, name)[shown]
+        values = subject.theory.linear[name][shown]
         axes.plot(PARTS[shown], np.clip(values, -9, 9), color=ACCENT, lw=2)
-        if name == "radius":
+        if name == "spectral_radius":
             axes.axhline(1.0, color=INK, lw=0.6)
-        if name == "damping" and np.nanmin(values, initial=0.0) < vertical[0]:
+        if name == "algorithmic_damping" and np.nanmin(values, initial=0.0) < vertical[0]:
             vertical = (-vertical[1], vertical[1])  # negative damping: the scheme adds energy
         axes.set(xlim=horizontal, ylim=vertical, xlabel="step size over period", ylabel=label)
         panels.append(svg(figure, f"{label} of {subject.scheme.title} over the step size"))

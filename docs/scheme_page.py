@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 import study
@@ -108,9 +107,13 @@ def overshoot(theory: Theory) -> str:
     """
     if not math.isinf(theory.limit):
         return "bounded by the stability limit"
-    (u_from_u, v_from_u), (u_from_v, v_from_v) = np.round(theory.growth).astype(int)
+    linear = theory.linear
+    u_from_u, v_from_u, u_from_v, v_from_v = (
+        round(linear[f"growth_{name}"].item()) for name in ("u_from_u", "v_from_u", "u_from_v", "v_from_v")
+    )
     powers = f"U{u_from_u}V{v_from_u} from u₀ and U{u_from_v}V{v_from_v} from u̇₀"
-    displacement, velocity = (number(value, 2) for value in theory.overshoot)
+    largest = (linear[f"{of}_overshoot"].max().item() for of in ("displacement", "velocity"))
+    displacement, velocity = (number(value, 2) for value in largest)
     return (
         f"{powers}: the powers of ωΔt with which displacement (U) and velocity (V) grow in a long first step. In 64 "
         f"steps from u₀ = 1 and u̇₀ = 0 they overshoot by at most {displacement} and {velocity}, at step sizes up to "
@@ -131,8 +134,9 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
     name = html.escape(scheme.doi)
     doi = f', <a href="https://doi.org/{name}">doi:{name}</a>' if name else ""
     damped = "" if scheme.order_with_damping == scheme.order else f", {scheme.order_with_damping} with damping or load"
-    measured = f"{number(theory.order)} on the linear oscillator, {number(theory.order_with_damping)} with damping"
-    if scheme.order < round(theory.order):
+    order = theory.linear.linear_order.item()
+    measured = f"{number(order)} on the linear oscillator, {number(theory.order_with_damping)} with damping"
+    if scheme.order < round(order):
         measured += (
             "; a motion has the order claimed, because its displacement and velocity have larger errors than the roots"
         )
@@ -150,7 +154,7 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
             "overshoot": overshoot(theory),
             f"at {STEPS} steps per period": scheme_results.by_the_rule_of_thumb(theory) + ", in linear theory",
             "forces": forces(scheme),
-            "memory": f"{theory.memory} vectors of the size of u from step to step",
+            "memory": f"{theory.linear.memory.item()} vectors of the size of u from step to step",
         }
     )
 

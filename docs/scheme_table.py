@@ -48,7 +48,7 @@ def _cells(subject: Subject, library: Library) -> list[str | float]:
         100 * theory.elongation_of_rule,
         0.0 if abs(decay) < ROUND_OFF else 100 * decay,
         forces.per_step if scheme.explicit else forces.per_iteration,
-        theory.memory,
+        theory.linear.memory.item(),
         _time(subject, library),
     ]
 

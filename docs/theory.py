@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 import study
 from study.analysis.forces import forces_of
@@ -23,50 +24,37 @@ ROUND_OFF = 1e-9
 
 
 class Theory(NamedTuple):
-    """Linear theory over :data:`PARTS`, and the numbers that follow from it.
+    """Linear theory of a scheme, and further numbers for its page.
 
     Attributes
     ----------
-    radius, elongation, damping
-        Spectral radius; relative elongation of the period and damping ratio, which are NaN where nothing oscillates.
+    linear
+        The dataset of :class:`study.LinearTheory` over :data:`PARTS`, without damping.
     elongation_of_rule, decay_of_rule
         Relative elongation of the period and loss of amplitude per period at :data:`STEPS` steps per period.
-    order, order_with_damping
-        Measured order without and with damping; NaN if the errors are round-off.
+    order_with_damping
+        Measured order with damping; NaN if the errors are round-off.
     limit
         ωΔt up to which the scheme is stable.
     at_infinity
         Spectral radius at infinite frequency; NaN for a scheme with a stability limit.
     least_radius
         Smallest spectral radius below a stability limit; NaN for a scheme without a limit or without stable steps.
-    growth
-        Exponents of ωΔt with which displacement and velocity grow in a long first step, from
-        :meth:`study.LinearTheory.growth`.
-    overshoot
-        Overshoot of displacement and velocity in 64 steps from u = 1 and u̇ = 0, the largest of all stable step sizes.
     error
         Error after :data:`PERIODS` periods, relative to the amplitude, for each number of steps per period in
         :data:`TRIED`; NaN where nothing oscillates.
-    memory
-        Number of vectors of the size of u in the state that a step passes to the next.
     forces
         Forces that a step evaluates at :data:`STEPS` steps per period of the undamped linear oscillator.
     """
 
-    radius: np.ndarray
-    elongation: np.ndarray
-    damping: np.ndarray
+    linear: xr.Dataset
     elongation_of_rule: float
     decay_of_rule: float
-    order: float
     order_with_damping: float
     limit: float
     at_infinity: float
     least_radius: float
-    growth: np.ndarray
-    overshoot: np.ndarray
     error: np.ndarray
-    memory: int
     forces: float
 
 
@@ -98,28 +86,22 @@ def _error(scheme: study.Scheme) -> np.ndarray:
 
 def theory_of(scheme: study.Scheme) -> Theory:
     """Linear theory of a scheme."""
-    undamped = study.LinearTheory(scheme, PARTS)
-    motion, rule = undamped.motion(), study.LinearTheory(scheme, [1 / STEPS]).motion()
-    limit, at_infinity = scheme.stability_limit, undamped.infinite_frequency_radius()
+    linear = study.LinearTheory(scheme, PARTS).dataset()
+    rule = study.LinearTheory(scheme, [1 / STEPS]).motion()
+    limit, at_infinity = scheme.stability_limit, linear.infinite_frequency_radius.item()
     if limit is None:
-        limit = undamped.stability_limit()
+        limit = linear.stability_limit.item()
     least_radius = np.nan
     if 0 < limit < np.inf:  # fine steps: the radius falls steeply next to the limit
         least_radius = study.LinearTheory(scheme, np.linspace(0, limit, 1001)[1:] / (2 * np.pi)).spectral_radius.min()
     return Theory(
-        undamped.spectral_radius,
-        motion.period_elongation,
-        motion.algorithmic_damping,
+        linear,
         float(rule.period_elongation[0]),
         float(rule.amplitude_decay[0]),
-        undamped.order(),
         study.LinearTheory(scheme, PARTS, damping_ratio=DAMPED).order(),
         limit,
         np.nan if np.isfinite(limit) else at_infinity * (at_infinity > _NO_RADIUS),
         float(least_radius),
-        undamped.growth(),
-        np.nanmax(undamped.overshoot(), axis=1, initial=0.0),
         _error(scheme),
-        undamped.matrices.shape[-1],
         _forces(scheme),
     )

@@ -17,6 +17,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+import xarray as xr
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Float
 
@@ -68,6 +69,26 @@ TILE = 1024
 
 #: Number of refinements of a stability limit, and number of values of Ω in each refinement.
 REFINEMENTS, PARTS = 2, 1_000
+
+#: Long names of the variables of :meth:`LinearTheory.dataset`: first the variables over step sizes, then the numbers.
+_LONG_NAMES = {
+    "spectral_radius": "spectral radius of the amplification matrix",
+    "period_elongation": "relative elongation of the damped period; NaN without oscillation",
+    "algorithmic_damping": "damping ratio of the numerical motion, with the oscillator's own; NaN without oscillation",
+    "amplitude_decay": "relative loss of amplitude per period; NaN without oscillation",
+    "displacement_overshoot": f"largest displacement of {OVERSHOOT_STEPS} steps from rest over the initial one, less "
+    "one; NaN where unstable",
+    "velocity_overshoot": f"largest velocity of {OVERSHOOT_STEPS} steps from rest over the undamped motion's, "
+    "less one; NaN where unstable",
+    "stability_limit": "largest ωΔt up to which the spectral radius is at most one; infinite where it always is",
+    "infinite_frequency_radius": "spectral radius at infinite frequency",
+    "linear_order": "order with which the principal roots approach the exact ones",
+    "growth_u_from_u": "exponent of ωΔt with which the displacement of the first long step grows from u₀",
+    "growth_v_from_u": "exponent of ωΔt with which the velocity of the first long step over ω grows from u₀",
+    "growth_u_from_v": "exponent of ωΔt with which ω times the displacement of the first long step grows from u̇₀",
+    "growth_v_from_v": "exponent of ωΔt with which the velocity of the first long step grows from u̇₀",
+    "memory": "vectors of the size of u that a step passes to the next",
+}
 
 
 @cache
@@ -299,3 +320,45 @@ class LinearTheory:
         if fine.sum() < 3:
             return np.nan
         return float(np.polyfit(np.log(omega[fine]), np.log(error[fine]), 1)[0]) - 1
+
+    def dataset(self) -> xr.Dataset:
+        """All results as one dataset.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``spectral_radius``, the quantities of :meth:`motion` and the overshoot of displacement and velocity, over
+            ``dt_over_period``. ``stability_limit``, ``infinite_frequency_radius``, ``linear_order`` (:meth:`order`),
+            the four exponents of :meth:`growth` and ``memory``, the size of the matrices, are single numbers.
+        """
+        motion, (displacement, velocity) = self.motion(), self.overshoot()
+        (u_from_u, v_from_u), (u_from_v, v_from_v) = self.growth().tolist()
+        values = {
+            "spectral_radius": self.spectral_radius,
+            **motion._asdict(),
+            "displacement_overshoot": displacement,
+            "velocity_overshoot": velocity,
+            "stability_limit": self.stability_limit(),
+            "infinite_frequency_radius": self.infinite_frequency_radius(),
+            "linear_order": self.order(),
+            "growth_u_from_u": u_from_u,
+            "growth_v_from_u": v_from_u,
+            "growth_u_from_v": u_from_v,
+            "growth_v_from_v": v_from_v,
+            "memory": self.matrices.shape[-1],
+        }
+        dims = ("dt_over_period",)
+        return xr.Dataset(
+            {
+                name: (dims[: np.ndim(value)], value, {"long_name": _LONG_NAMES[name], "units": "1"})
+                for name, value in values.items()
+            },
+            {
+                "dt_over_period": (dims, self._dt_over_period, {"long_name": "step size over period", "units": "1"}),
+                "damping_ratio": (
+                    (),
+                    self._damping_ratio,
+                    {"long_name": "damping ratio of the oscillator", "units": "1"},
+                ),
+            },
+        )

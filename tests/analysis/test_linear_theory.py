@@ -125,6 +125,21 @@ def test_radii_at_infinite_frequency(name):
     assert theory.infinite_frequency_radius() == pytest.approx(AT_INFINITY[name], abs=1e-3)
 
 
+def test_the_dataset_of_central_difference_has_its_closed_forms():
+    ds = LinearTheory("central_difference", PARTS).dataset()
+    assert ds.stability_limit == pytest.approx(2) and ds.linear_order == pytest.approx(2, abs=0.01) and ds.memory == 3
+    # λ = exp(±iω̄Δt) with sin(ω̄Δt/2) = ωΔt/2
+    stable = ds.sel(dt_over_period=slice(1 / np.pi))
+    omega = 2 * np.pi * stable.dt_over_period
+    exact = omega / (2 * np.arcsin(omega / 2)) - 1
+    np.testing.assert_allclose(stable.period_elongation, exact, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(stable.spectral_radius, 1, atol=1e-7)
+    # u₁ = (1 − Ω²/2) u₀ + Ω u̇₀/ω and u̇₁/ω = (−Ω + Ω³/4) u₀ + (1 − Ω²/2) u̇₀/ω
+    powers = [ds[f"growth_{name}"].item() for name in ("u_from_u", "v_from_u", "u_from_v", "v_from_v")]
+    assert powers == pytest.approx([2, 3, 1, 2], abs=1e-3)
+    assert all({"long_name", "units"} <= set(variable.attrs) for variable in ds.variables.values())
+
+
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
     """The order of the principal roots is the claimed order of the scheme, unless ``expected`` states another order."""

@@ -58,8 +58,9 @@ def test_pages_of_named_schemes_and_of_ones_own_have_one_form(library):
 
 def test_linear_theory_of_a_page():
     theory = theory_of(study.schemes["average_acceleration"])
-    assert theory.order == pytest.approx(2, abs=0.05) and theory.order_with_damping == pytest.approx(2, abs=0.05)
-    assert np.isinf(theory.limit) and theory.at_infinity == pytest.approx(1) and theory.memory == 3
+    assert theory.linear.linear_order == pytest.approx(2, abs=0.05)
+    assert theory.order_with_damping == pytest.approx(2, abs=0.05)
+    assert np.isinf(theory.limit) and theory.at_infinity == pytest.approx(1) and theory.linear.memory == 3
     # the period is too long by (ωΔt)²/12
     delay = PERIODS * (2 * np.pi) ** 3 / (12 * TRIED**2)
     assert theory.error[TRIED > 300] == pytest.approx(delay[TRIED > 300], rel=1e-3, abs=1e-7)
