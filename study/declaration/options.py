@@ -82,7 +82,8 @@ def _falling(values: list, registries: Mapping[str, Any]) -> list:
     return values
 
 
-def _rising(values: list, registries: Mapping[str, Any]) -> list:
+def rising(values: list, registries: Mapping[str, Any]) -> list:
+    """Refuse values that are not in ascending order."""
     if values != sorted(values):
         raise ValueError(f"must be in ascending order, not {values}")
     return values
@@ -123,7 +124,7 @@ RecordPeriods = Annotated[list[Annotated[float, Ge(0.05), Le(10)]], _FEW, _DISTI
 Reductions = Annotated[list[Annotated[float, Ge(1), Le(100)]], _FEW, _DISTINCT]
 #: Duration of a record of ground motion in s.
 RecordDuration = Annotated[float, Ge(1), Le(100)]
-RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(_rising)]
+RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(rising)]
 Sizes = Annotated[list[Size], _FEW, _DISTINCT]
 Tolerances = Annotated[list[Tolerance], _FEW, _DISTINCT]
 #: Tolerances of solvers in descending order, at most 0.1 because larger tolerances lose the motion.

@@ -138,7 +138,11 @@ class March(eqx.Module):
             )
             return state, carried, self._failure(state, effort, step + 1)
 
-        state, carried, failure = self._each(partial(one, progress.step))(progress.state, progress.carried, dt)
+        if steps is None:
+            of_lane = self._each(partial(one, progress.step))
+        else:  # the time of a lane that has ended stands still, so that observers have nothing to catch up with
+            of_lane = partial(self._each(one), jnp.minimum(progress.step, steps - 1))
+        state, carried, failure = of_lane(progress.state, progress.carried, dt)
         failure = jnp.where(progress.failure == 0, failure, progress.failure)
         if self.lanes:
             # A failed lane is set to NaN, which ends Newton's iteration at once. One leaf of the state is enough: the

@@ -20,6 +20,16 @@ _YIELD, _SPEED = 0.1, 4 * 0.1 * 2 * np.pi / PERIOD
 #: Damping coefficient c, two percent of the critical damping.
 _DAMPING = 0.02 * 2 * 2 * np.pi / PERIOD
 
+#: Acceleration of gravity, height of the fall of the bouncing mass, and stiffness of its stop.
+_GRAVITY, _HEIGHT, _STOP = 9.81, 0.5, 25 * _STIFFNESS
+#: Circular frequency of the contact, and time between two turns of the bouncing mass at the
+#: top: the fall and the rise, and the contact, which is a part of a harmonic oscillation about the static displacement.
+_CONTACT = np.sqrt(_STOP)
+BOUNCE = float(
+    2 * np.sqrt(2 * _HEIGHT / _GRAVITY)
+    + 2 * (np.pi - np.arctan(np.sqrt(2 * _GRAVITY * _HEIGHT) * _CONTACT / _GRAVITY)) / _CONTACT
+)
+
 #: Time in s between two samples of the ground motions.
 SPACING = 0.02
 
@@ -41,9 +51,9 @@ def hysteretic() -> Problem:
 @named()
 def bouncing() -> Problem:
     """A mass that falls under gravity from half a metre onto a stop of stiffness 100 π², and bounces without loss."""
-    stop = gap(stiffness=25 * _STIFFNESS)
-    weight = GroundMotion(np.array([-9.81, -9.81]), 1e6, title="gravity")
-    return Problem(stop, -0.5, 0.0, potential=stop.potential, ground=weight, title="bouncing mass")
+    stop = gap(stiffness=_STOP)
+    weight = GroundMotion(np.array([-_GRAVITY, -_GRAVITY]), 1e6, title="gravity")
+    return Problem(stop, -_HEIGHT, 0.0, potential=stop.potential, ground=weight, title="bouncing mass")
 
 
 #: Speed of the belt, and time at which the mass first turns back after it has stuck to the belt.

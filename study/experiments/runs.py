@@ -1,0 +1,301 @@
+"""Errors and costs of the schemes at many step sizes: the data from which needs and decisions follow."""
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from annotated_types import Ge, Le, Len
+from typing_extensions import TypedDict
+
+from study import io
+from study.assessment.periods import highest_frequency_along
+from study.assessment.search import spacing
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Checked, Count, ProblemName, Schemes, Tolerances, rising, section
+from study.experiments import coordinates
+from study.io import flags
+from study.marching.result import STATUSES_OR_NOT_RUN
+from study.marching.timing import Timed
+from study.problem.inelastic import BOUNCE, PERIOD
+from study.problem.named import approximate_periods, problems, time_scales
+from study.program.confirmation import CERTAIN, Limit
+from study.runs.measured import Motion, Start, measured
+from study.runs.needs import COSTS, TIMED_FROM, keeps, unbroken
+from study.scheme.base import Scheme
+from study.scheme.named import schemes as schemes_by_name
+
+#: Number of steps in a time scale at the coarsest step.
+COARSEST = 4
+#: Integer fractions and multiples of a record's spacing that are tried.
+OF_SPACING = (20, 10, 8, 5, 4, 3, 2, 1, 1 / 2, 1 / 3, 1 / 4, 1 / 5, 1 / 8, 1 / 10, 1 / 20, 1 / 40)
+#: Number and half-width of the variations of initial values and load, for smooth forces and for forces with kinks.
+VARIED, VARIED_WITH_KINKS = (2, 0.01), (20, 0.05)
+#: Quantities whose steps are found to two digits. Errors of others are measured at the steps that are tried.
+DECIDED = ("displacement", "energy")
+#: Number of timed runs, and largest number of steps of each.
+REPEATS, MOST_TIMED = 5, 2000
+
+
+#: Durations in time scales, in ascending order.
+Lengths = Annotated[list[Annotated[float, Ge(0.1), Le(10_000)]], Len(1, 10), Checked(rising)]
+
+
+@section
+class _Length(TypedDict):
+    """Durations of the runs of a problem in time scales, and the finest step as a number of steps in a time scale."""
+
+    periods: Lengths
+    decided: float
+    finest: Count
+
+
+@section
+class _Runs(TypedDict):
+    problems: dict[ProblemName, _Length]
+    schemes: Schemes
+    errors: Tolerances
+
+
+def _jobs(options: Options) -> dict[str, Options]:
+    """The options of one job for each problem."""
+    shared = {key: options[key] for key in ("schemes", "errors")}
+    return {name: {"problem": name, **length, **shared} for name, length in options["problems"].items()}
+
+
+def _reads(options: Options) -> Iterable[str]:
+    return [f"reference/{options['problem']}"] if options["problem"] in approximate_periods else []
+
+
+def two_digits(number: float) -> int:
+    """The least whole number with at most two digits other than zeros at the end that is not below ``number``."""
+    unit = 10 ** max(math.floor(math.log10(number)) - 1, 0)
+    return math.ceil(number / unit * (1 - 1e-12)) * unit
+
+
+def time_scale(problem: str) -> float:
+    """Time by which steps are counted, in s: exact period of a spring, or the time scale of another problem."""
+    if problem in approximate_periods:
+        return io.open_dataset(f"reference/{problem}").period.item()
+    return {"bouncing": BOUNCE, **time_scales}.get(problem, PERIOD)
+
+
+class _Ladder:
+    """Runs of one scheme at numbers of steps in a time scale, from coarse to fine.
+
+    Attributes
+    ----------
+    rows
+        A row for each number of steps and each duration, from the problem's own start.
+    varied
+        A row for each run from another start.
+    """
+
+    def __init__(self, scheme: Scheme, motion: Motion, scale: float, periods: list[float], decided: float):
+        self.scheme, self.motion, self.scale = scheme, motion, scale
+        self.periods, self.decided = np.array(periods), periods.index(decided)
+        self.rows, self.varied = pd.DataFrame(), pd.DataFrame()
+
+    def _made(self, start: Start, counts: Iterable[float], periods: Iterable[float]) -> pd.DataFrame:
+        counts_of = {self.scale / one: one for one in counts}
+        rows = measured(self.scheme, start, list(counts_of), [length * self.scale for length in periods])
+        return rows.assign(
+            steps_per_period=rows.step_size.map(counts_of), periods=(rows.duration / self.scale).round(9)
+        )
+
+    def run(self, counts: Iterable[float]) -> None:
+        """Make runs from the problem's own start."""
+        if counts := sorted(counts):
+            self.rows = pd.concat([self.rows, self._made(self.motion.own, counts, self.periods)], ignore_index=True)
+
+    def vary(self, counts: Iterable[float], starts: list[Start]) -> None:
+        """Make runs from other starts over the number of periods that decides."""
+        for start in starts:
+            made = self._made(start, counts, self.periods[[self.decided]])
+            self.varied = pd.concat([self.varied, made], ignore_index=True)
+
+    def dataset(self) -> xr.Dataset:
+        """The runs over (steps_per_period, periods), and ``error`` and ``largest_error`` also over quantity."""
+        names, index = self.motion.names, ["steps_per_period", "periods"]
+        ds = self.rows.set_index(index).to_xarray()
+        error = ds[names].to_dataarray("quantity")
+        largest = xr.full_like(error, np.nan)
+        if len(self.varied):
+            worst = self.varied.fillna(dict.fromkeys(names, np.inf)).groupby(index)[names].max()
+            largest = worst.to_xarray().to_dataarray("quantity").reindex_like(error)
+            largest = np.maximum(largest, error.fillna(np.inf))
+        ds = ds.drop_vars([*names, "step_size", "duration"])
+        order = ("steps_per_period", "quantity", "periods")
+        return ds.assign(error=error.transpose(*order), largest_error=largest.transpose(*order))
+
+    def needed(self, limits: list[Limit]) -> list[tuple[float, float]]:
+        """The number of steps that each limit needs, infinite if there is none, and the next smaller number tried."""
+        ds = self.dataset().sortby("steps_per_period", ascending=False)
+        fine_first, found = ds.steps_per_period.values, []
+        for quantity, allowed in limits:
+            error, largest = (ds[name].sel(quantity=quantity).values for name in ("error", "largest_error"))
+            place = int(unbroken(keeps(error, largest, self.periods, allowed)[:, self.decided]).sum())
+            coarser = fine_first[place] if place < len(fine_first) else 0.0
+            found.append((fine_first[place - 1] if place else math.inf, coarser))
+        return found
+
+    def search(self, limits: list[Limit], finest: int, of_record: np.ndarray, starts: list[Start]) -> None:
+        """Make runs at half octaves until a finer octave confirms each need, then between need and next coarser step.
+
+        All numbers of steps of two digits in between are tried. The steps that are needed and the next finer ones are
+        run from all starts. ``of_record`` are the numbers of steps that divide the spacing of a record.
+        """
+        top = COARSEST
+        while top <= finest:
+            octave = {two_digits(top), two_digits(top * math.sqrt(2))}
+            self.run({*octave, *of_record[(of_record >= top) & (of_record < 2 * top)]})
+            top *= 2
+            if max(self.rows.steps_per_period) > max(need for need, _ in self.needed(limits)):
+                break
+        while True:
+            needed, known = self.needed(limits), set(self.rows.steps_per_period)
+            if new := {one for need, coarser in needed for one in between(coarser, need)} - known:
+                self.run(new)
+                continue
+            varied = set(self.varied.steps_per_period) if len(self.varied) else set()
+            wanted = {need for need, _ in needed if need < math.inf}
+            wanted |= {min((one for one in known if one > need), default=need) for need in wanted}
+            if not starts or not wanted - varied:
+                return
+            self.vary(wanted - varied, starts)
+
+    def time(self, limits: list[Limit]) -> None:
+        """Time a step at the numbers of steps that are needed, as the least of several runs."""
+        timed = Timed(self.motion.problem, self.scheme, ())
+        self.rows["seconds"] = np.nan
+        for count in {need for need, _ in self.needed(limits) if need < math.inf}:
+            steps = min(math.floor(self.motion.duration / self.scale * count), MOST_TIMED)
+            of_step = min(timed.run(self.scale / count, steps)[0] for _ in range(REPEATS)) / steps
+            here = self.rows.steps_per_period == count
+            self.rows.loc[here, "seconds"] = of_step * self.rows.duration[here] * count / self.scale
+
+
+def between(coarser: float, need: float) -> list[int]:
+    """All whole numbers of two digits between two numbers, of which ``need`` may be infinite."""
+    numbers, one = [], two_digits(max(coarser, 1.0) * (1 + 1e-9))
+    while coarser < one < need < math.inf:
+        numbers.append(one)
+        one = two_digits(one + 1)
+    return numbers
+
+
+@experiment("runs", model=_Runs, split=_jobs, reads=_reads)
+def runs(
+    problem: ProblemName,
+    schemes: Schemes,
+    errors: Tolerances,
+    periods: Lengths,
+    decided: float,
+    finest: Count,
+) -> xr.Dataset:
+    """Measure errors and costs of schemes at step sizes down to those that keep the allowed errors.
+
+    The error of a quantity is its largest difference from the reference, over all unknowns and all steps, divided by
+    its largest value; the error of the energy is that of the balance of energies. A step size is the time scale of the
+    problem divided by a number of steps with two digits, or an integer fraction or multiple of the spacing of a record.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (scheme, size, quantity, periods): ``error`` from the problem's own start, and ``largest_error`` from all
+        starts, NaN where only the own start was run. Over (scheme, size, periods): ``status``, and the costs of a run.
+        Over (scheme, size): ``tried``. Over size: ``step_size``, ``steps_per_period``, ``omega_step``, and ``divides``,
+        whether the step size divides the spacing of a record. Values of runs that were not made or failed are NaN.
+
+    Raises
+    ------
+    study.assessment.reference.NoReference
+        If no reference is found.
+    """
+    scale = time_scale(problem)
+    motion = Motion.of(problems[problem], max(periods) * scale, scale / COARSEST)
+    kinked = motion.problem.kinked or motion.problem.history is not None
+    number, width = VARIED_WITH_KINKS if kinked else VARIED
+    starts = [motion.start(1 + width * part) for part in np.linspace(-1, 1, number)]
+    uncertainty = {name: motion.uncertainty[name] for name in DECIDED if name in motion.names}
+    limits = [(name, error) for name, own in uncertainty.items() for error in errors if error >= CERTAIN * own]
+    interval = spacing(motion.problem, motion.duration)
+    of_record = np.array([]) if interval is None else scale / (interval * np.array(OF_SPACING))
+    parts = {}
+    for name in schemes:
+        scheme = schemes_by_name[name]
+        if scheme.refusal(motion.problem):
+            continue
+        progress(f"{name} on {problem}")
+        ladder = _Ladder(scheme, motion, scale, periods, decided)
+        ladder.search(limits, finest, of_record, starts)
+        if np.size(motion.problem.u0) >= TIMED_FROM:
+            ladder.time(limits)
+        parts[name] = ladder.dataset()
+    ds = xr.concat(parts.values(), "scheme", join="outer").assign_coords(scheme=list(parts)).reindex(scheme=schemes)
+    return _described(ds, problem, motion, scale, decided, interval, starts)
+
+
+def _described(
+    ds: xr.Dataset,
+    problem: str,
+    motion: Motion,
+    scale: float,
+    decided: float,
+    interval: float | None,
+    starts: list[Start],
+) -> xr.Dataset:
+    """The runs with step sizes along ``size``, the properties of the problem, and attributes."""
+    order = ("scheme", "size", "quantity", "periods")
+    ds = ds.sortby("steps_per_period").rename(steps_per_period="size").transpose(*order)
+    counts = ds.size.values
+    dt, highest = scale / counts, highest_frequency_along(motion.problem, motion.solution)
+    ratio = np.ones(len(dt)) if interval is None else np.maximum(interval / dt, dt / interval)
+    tried = ds.status.notnull().any("periods")
+    along = ("size",)
+    described = {
+        "error": {"long_name": "largest error over all unknowns and steps, relative to the largest value", "units": "1"},
+        "largest_error": {"long_name": "largest error from all starts", "units": "1"},
+        **{name: {"long_name": attributes["long_name"], "units": "1"} for name, attributes in COSTS.items()},
+        "seconds": {"long_name": COSTS["seconds"]["long_name"], "units": "s"},
+    }
+    ds = ds.assign(
+        status=ds.status.fillna(STATUSES_OR_NOT_RUN.index("not_run")).astype(np.int8),
+        seconds=ds.seconds if "seconds" in ds else xr.full_like(ds.force_evaluations, np.nan),
+        tried=tried.astype(np.int8),
+        uncertainty=("quantity", [motion.uncertainty[name] for name in ds.quantity.values]),
+        step_size=(along, dt, {"long_name": "step size", "units": "s"}),
+        steps_per_period=(along, counts, {"long_name": "steps in a time scale", "units": "1"}),
+        omega_step=(along, highest * dt, {"long_name": "step size times the highest frequency of the motion", "units": "1"}),
+        divides=(along, np.isclose(ratio, np.round(ratio)).astype(np.int8)),
+        highest_frequency=((), highest),
+        time_scale=((), scale),
+        unknowns=((), np.size(motion.problem.u0)),
+        duration=("periods", ds.periods.values * scale),
+    ).drop_vars("size")
+    others = {
+        "status": flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8),
+        "tried": {"long_name": "1 if the scheme was run with this step size", "units": "1"},
+        "uncertainty": {"long_name": "difference of the two solvers of the reference, relative", "units": "1"},
+        "divides": {"long_name": "1 if the step size divides the spacing of a record, or there is no record", "units": "1"},
+        "highest_frequency": {"long_name": "highest circular frequency of small motions", "units": "s-1"},
+        "time_scale": {"long_name": "time by which steps are counted", "units": "s"},
+        "unknowns": {"long_name": "number of unknowns", "units": "1"},
+        "duration": {"long_name": "duration of the run", "units": "s"},
+        "periods": {"long_name": "duration of the run in time scales", "units": "1"},
+        "quantity": {"long_name": "quantity whose error is measured"},
+    }
+    for name, attributes in (described | others).items():
+        ds[name].attrs = attributes
+    ds = ds.set_coords(
+        ["step_size", "steps_per_period", "omega_step", "divides", "highest_frequency", "time_scale", "unknowns", "duration"]
+    )
+    return ds.assign_coords(
+        **coordinates.scheme_coordinates(ds.scheme.values.tolist()),
+        problem=((), problem, {"long_name": "problem"}),
+        problem_title=((), problems[problem].title, {"long_name": "title of the problem"}),
+        decided=((), decided, {"long_name": "duration for which steps are decided, in time scales", "units": "1"}),
+        starts=((), 1 + len(starts), {"long_name": "number of starts of a step that is needed", "units": "1"}),
+    ).assign_attrs(title=f"Errors and costs of the schemes: {problems[problem].title}", reference=motion.solvers)

@@ -1,0 +1,137 @@
+"""Errors and costs of one scheme on one problem, at any step sizes, over several durations and from several starts."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from study.assessment import errors
+from study.assessment.arguments import wanted_quantities
+from study.assessment.errors import Target
+from study.assessment.reference import NoReference, Reference
+from study.assessment.search import ENERGY
+from study.assessment.solution import DenseSolution
+from study.marching.ensemble import FEW
+from study.marching.run import sweep
+from study.mechanics.definition import Problem
+from study.mechanics.loads import excited
+from study.observer.base import Observer
+from study.observer.motion import Quantity
+from study.scheme.base import Scheme
+
+#: Relative tolerance of the solvers of a reference, and target error of its interpolant.
+RTOL, GOAL = 1e-11, 1e-6
+
+
+@dataclass(frozen=True)
+class Start:
+    """A problem with a multiple of its initial values and load, and the reference of its quantities."""
+
+    problem: Problem
+    targets: dict[str, Target]
+
+    @cached_property
+    def observe(self) -> list[str | Observer]:
+        """The observers of a run."""
+        balance = ["energy_balance"] if self.problem.potential is not None or self.problem.dissipative else []
+        return [*errors.observers(list(self.targets.values())), "effort", *balance]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The reference motion of a problem over a duration.
+
+    Attributes
+    ----------
+    problem
+        The problem.
+    duration
+        The longest duration in s.
+    quantities
+        Quantities along time whose errors are measured, by name.
+    solution
+        The reference solution.
+    uncertainty
+        Difference of two solvers in each quantity, relative to its largest value; zero for the balance of energies.
+    solvers
+        Names of the two solvers.
+    """
+
+    problem: Problem
+    duration: float
+    quantities: dict[str, Quantity]
+    solution: DenseSolution
+    uncertainty: dict[str, float]
+    solvers: str
+    first_grid: np.ndarray
+
+    @classmethod
+    def of(cls, problem: Problem, duration: float, coarsest: float) -> "Motion":
+        """Solve for the reference with two solvers.
+
+        Raises
+        ------
+        NoReference
+            If a solver fails.
+        """
+        problem = excited(problem, 1.0, displaced=True)
+        quantities, reference = wanted_quantities(None, problem), Reference(problem, duration)
+        grid = reference.grid(coarsest)
+        try:
+            one, other, grid = reference.solutions(grid, RTOL, GOAL)
+        except RuntimeError as error:
+            raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
+        apart = {name: errors.difference(q, problem, one, other)[0] for name, q in quantities.items()}
+        solvers = " and ".join(route.name for route in reference.routes)
+        return cls(problem, duration, quantities, one, apart | {ENERGY: 0.0}, solvers, grid)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the quantities."""
+        balance = self.problem.potential is not None or self.problem.dissipative
+        return [*self.quantities, *([ENERGY] if balance else [])]
+
+    @cached_property
+    def own(self) -> Start:
+        """The problem from its own start."""
+        return Start(self.problem, self._targets(self.problem, self.solution))
+
+    def _targets(self, problem: Problem, solution: DenseSolution) -> dict[str, Target]:
+        return {name: errors.target(quantity, problem, solution) for name, quantity in self.quantities.items()}
+
+    def start(self, factor: float) -> Start:
+        """The problem with initial values and load multiplied by ``factor``."""
+        problem = excited(self.problem, factor, displaced=True)
+        reference = Reference(problem, self.duration)
+        solution = reference.solution(reference.routes[0], reference.with_kinks(self.first_grid), RTOL)
+        return Start(problem, self._targets(problem, solution))
+
+
+def measured(scheme: Scheme, start: Start, step_sizes: Sequence[float], durations: Sequence[float]) -> pd.DataFrame:
+    """Runs at each step size over each duration.
+
+    A run ends with the last step that fits into the duration.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row for each run: ``step_size``, ``duration``, ``status``, the counts, and the error of each quantity, NaN if
+        the run failed. Quantities along time are compared with the reference at every step and over all unknowns.
+    """
+    dt, ends = (one.ravel() for one in np.meshgrid(step_sizes, durations, indexing="ij"))
+    steps = np.maximum(np.floor(ends / dt * (1 + 1e-9)), 1).astype(int)
+    order = np.argsort(steps, kind="stable")  # lanes of about one length end together
+    parts = [order[i : i + FEW] for i in range(0, len(order), FEW)]
+    return pd.concat([_rows(scheme, start, dt[part], steps[part], ends[part]) for part in parts], ignore_index=True)
+
+
+def _rows(scheme: Scheme, start: Start, dt: np.ndarray, steps: np.ndarray, ends: np.ndarray) -> pd.DataFrame:
+    ds = sweep(start.problem, scheme, dt=dt, steps=steps, observe=start.observe)
+    reached = np.minimum(steps * dt, ends)
+    found = {name: errors.error(target, ds, reached) for name, target in start.targets.items()}
+    if "max_energy_imbalance" in ds:
+        found[ENERGY] = ds.max_energy_imbalance.values
+    counts = {name: ds[name].values for name in ("force_evaluations", "tangent_evaluations", "factorisations")}
+    return pd.DataFrame({"step_size": dt, "duration": ends, "status": ds.status.values} | counts | found)

@@ -1,0 +1,245 @@
+"""The step size that each scheme needs for an allowed error, and the cheapest schemes."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float
+
+from study.io import flags
+from study.program.confirmation import CERTAIN
+
+#: Counts and times of the runs, by name; in needs and decisions they are per second of simulated time.
+COSTS = {
+    "force_evaluations": {"long_name": "internal forces evaluated", "units": "s-1"},
+    "tangent_evaluations": {"long_name": "tangents of the internal force evaluated", "units": "s-1"},
+    "factorisations": {"long_name": "linear systems with a new matrix", "units": "s-1"},
+    "seconds": {"long_name": "computing time", "units": "1"},
+}
+#: Power of the duration with which an error may grow: a phase grows linearly, and quadratically if the period drifts.
+GROWTH = 2
+#: Bounds of the error of each quantity in a run whose whole motion is right. The bounds of velocity and acceleration
+#: admit a scheme that removes an unresolved oscillation, but no oscillation from step to step.
+WHOLE_MOTION = {"displacement": 0.1, "velocity": 0.75, "acceleration": 1.25, "energy": 0.1}
+#: Conditions on the runs, by name.
+CONDITIONS = {
+    "practice": "steps divide the spacing of a record",
+    "any_step": "any steps",
+    "whole_motion": "steps divide the spacing of a record, and displacement, velocity, acceleration and energy are "
+    f"within {', '.join(f'{100 * bound:g}' for bound in WHOLE_MOTION.values())} %",
+}
+#: Outcomes for a scheme, quantity and allowed error.
+FOUND, COARSEST, NONE, UNCERTAIN, NO_VALUE = range(5)
+VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "below_the_reference", "no_value")
+#: Number of force evaluations, or the time, as a multiple of the least, up to which a scheme ties with the cheapest.
+TIED = 1.1
+#: Number of unknowns from which on the computing time decides instead of the number of forces.
+TIMED_FROM = 100
+#: Kinds of schemes.
+KINDS = ("explicit", "implicit")
+#: Choices among which a scheme is decided: the condition on its runs, and whether programs must have the scheme.
+FILTERS = {
+    "all": ("practice", False),
+    "codes": ("practice", True),
+    "any_step": ("any_step", False),
+    "whole_motion": ("whole_motion", False),
+}
+#: Beginnings of the names of the programs whose schemes the filter ``codes`` admits.
+CODES = ("OpenSees", "Abaqus", "LS-DYNA")
+#: Attributes of the variables of needs and decisions.
+ATTRIBUTES = {
+    "step_size": {"long_name": "largest step size that keeps the error, as all smaller ones do", "units": "s"},
+    "steps_per_period": {"long_name": "steps in a time scale", "units": "1"},
+    "omega_step": {"long_name": "step size times the highest frequency of the motion", "units": "1"},
+    "error": {"long_name": "error with this step size from the problem's own start", "units": "1"},
+    "largest_error": {"long_name": "largest error with this step size from all starts", "units": "1"},
+    "smaller_steps": {"long_name": "number of smaller step sizes that keep the error", "units": "1"},
+    "exponent": {"long_name": "p in: step size proportional to periods to the power -p", "units": "1"},
+    "exponent_misfit": {"long_name": "largest ratio of a step size to the fitted power law", "units": "1"},
+    "verdict": flags("how the search for the step ended", VERDICTS, np.int8),
+    **COSTS,
+}
+
+#: Errors of runs over some numbers of periods, and these numbers in ascending order.
+Errors = Float[np.ndarray, "... periods"]
+Periods = Float[np.ndarray, " periods"]
+
+
+def keeps(error: Errors, largest_error: Errors, periods: Periods, allowed: float) -> Bool[np.ndarray, "... periods"]:
+    r"""Whether each run keeps an allowed error.
+
+    A run over n periods keeps it if its error is at most ``allowed`` from all starts that were run. To exclude an error
+    that is small by cancellation at one duration, the errors over each other number n' of periods must satisfy
+
+    .. math::
+
+        e(n') \le \max(1, (n'/n)^2)\, e_\text{allowed}
+
+    Parameters
+    ----------
+    error
+        Errors from the problem's own start, NaN for a failed run, which keeps nothing.
+    largest_error
+        Largest errors from other starts, infinite if a run failed, NaN if no other start was run.
+    periods
+        Numbers of periods.
+    allowed
+        Allowed error.
+    """
+    within = (error <= allowed) & (np.nan_to_num(largest_error, posinf=np.inf) <= allowed)
+    for k, length in enumerate(periods):
+        within &= error[..., k, None] <= np.maximum(1.0, (length / periods) ** GROWTH) * allowed
+    return within
+
+
+def unbroken(kept: Bool[np.ndarray, "... size"]) -> Bool[np.ndarray, "... size"]:
+    """Whether all sizes up to each one keep an error; the sizes ascend along the last axis."""
+    return np.logical_and.accumulate(kept, axis=-1)
+
+
+def _meets(runs: xr.Dataset, condition: str) -> xr.DataArray:
+    """Whether runs meet a condition, over (scheme, size, periods)."""
+    meets = xr.ones_like(runs.error.isel(quantity=0, drop=True), dtype=bool)
+    if condition == "whole_motion":
+        for name, bound in WHOLE_MOTION.items():
+            if name in runs.quantity.values:
+                meets &= runs.error.sel(quantity=name, drop=True) <= bound
+    return meets
+
+
+def needs(runs: xr.Dataset, allowed_errors: Sequence[float]) -> xr.Dataset:
+    """The largest step size that keeps each allowed error, as all smaller step sizes of the scheme do.
+
+    Parameters
+    ----------
+    runs
+        Runs of one problem, ``results/runs/PROBLEM.nc``.
+    allowed_errors
+        Allowed errors, as fractions.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (scheme, quantity, allowed_error, periods, condition): ``step_size`` in s, ``steps_per_period``,
+        ``omega_step``, the costs per second of simulated time, ``error`` at this step size from the problem's own
+        start, ``largest_error`` from all starts, ``smaller_steps``, the number of smaller step sizes that keep it too,
+        and ``verdict``. A value is NaN where no step keeps the error.
+    """
+    runs = runs.sortby("step_size").transpose("scheme", "size", "quantity", "periods", ...)
+    found = []
+    for condition in CONDITIONS:
+        counted = runs.tried == 1
+        if condition != "any_step":
+            counted = counted & (runs.divides == 1)
+        meets = _meets(runs, condition)
+        for allowed in allowed_errors:
+            within = keeps(runs.error.values, runs.largest_error.values, runs.periods.values, allowed)
+            kept = ((runs.error.copy(data=within) & meets) | ~counted).transpose(..., "size")
+            kept = kept.copy(data=unbroken(kept.values)) & counted
+            place = xr.where(kept, np.arange(runs.sizes["size"]), -1).max("size")
+            at = runs.reset_coords(("step_size", "steps_per_period", "omega_step")).isel(size=place.clip(min=0))
+            exists = place >= 0
+            one = xr.Dataset({name: at[name].where(exists) for name in ("step_size", "steps_per_period", "omega_step")})
+            one = one.assign({name: (at[name] / at.duration).where(exists) for name in COSTS})
+            one = one.assign(
+                error=at.error.where(exists),
+                largest_error=at.largest_error.where(exists),
+                smaller_steps=(kept.sum("size") - 1).where(exists),
+                verdict=_verdict(runs, counted, place, allowed),
+            )
+            found.append(one.reset_coords(drop=True).expand_dims(condition=[condition], allowed_error=[allowed]))
+    ds = xr.combine_by_coords(found, combine_attrs="drop").reindex(condition=list(CONDITIONS))
+    ds = ds.sel(allowed_error=list(allowed_errors)).transpose(
+        "scheme", "quantity", "allowed_error", "periods", "condition"
+    )
+    return ds.assign_coords(runs.drop_dims("size").coords).assign_coords(
+        condition_title=("condition", list(CONDITIONS.values()), {"long_name": "condition on the runs"})
+    )
+
+
+def _verdict(runs: xr.Dataset, counted: xr.DataArray, place: xr.DataArray, allowed: float) -> xr.DataArray:
+    """Index in ``VERDICTS``, over (scheme, quantity, periods)."""
+    last = xr.where(counted, np.arange(runs.sizes["size"]), -1).max("size")
+    verdict = xr.where(place < 0, NONE, xr.where(place == last, COARSEST, FOUND))
+    verdict = xr.where(runs.uncertainty * CERTAIN > allowed, UNCERTAIN, verdict)
+    none = (~counted).all("size") | runs.error.where(counted).isnull().all("size")
+    return xr.where(none, NO_VALUE, verdict).transpose("scheme", "quantity", "periods").astype(np.int8)
+
+
+def of_problems(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """The needs of several problems over (problem, scheme, quantity, allowed_error, condition), each for its duration.
+
+    ``exponent`` is p in the power law Δt ∝ n^(-p) that fits the step sizes over n periods, NaN with fewer than three.
+    """
+    found = []
+    for one in parts:
+        own = one.assign(_power_law(one.step_size)).sel(periods=one.decided, drop=True)
+        of_scheme = [name for name in own.coords if name != "scheme" and "scheme" in own[name].dims]
+        found.append(own.drop_vars(of_scheme).expand_dims("problem"))
+    ds = xr.concat(found, "problem", join="outer", coords="all", compat="override", data_vars="all")
+    return ds.assign(verdict=ds.verdict.fillna(NO_VALUE).astype(np.int8))
+
+
+def _power_law(steps: xr.DataArray) -> dict[str, xr.DataArray]:
+    """The exponent of step size over periods by least squares, and the largest misfit as a ratio."""
+    x, y = np.log(steps.periods), np.log(steps)
+    x, count = x - x.mean(), steps.sizes["periods"]
+    if count < 3:
+        none = steps.isel(periods=0, drop=True) * np.nan
+        return {"exponent": none, "exponent_misfit": none}
+    slope = (x * y).sum("periods", skipna=False) / (x**2).sum()
+    misfit = abs(y - y.mean("periods", skipna=False) - slope * x).max("periods", skipna=False)
+    return {"exponent": -slope, "exponent_misfit": np.exp(misfit)}
+
+
+def decisions(needed: xr.Dataset) -> xr.Dataset:
+    """The cheapest scheme of each kind, over (problem, quantity, allowed_error, kind, filter).
+
+    ``scheme`` is its name, empty where no scheme of the kind keeps the error, and ``ties`` the number of schemes that
+    cost as much. The other variables are those of the needs. The cost is the computing time for ``TIMED_FROM`` or more
+    unknowns, and otherwise the number of forces; schemes up to ``TIED`` times the least cost tie, and the smallest
+    error decides among them.
+    """
+    parts = []
+    for name, (condition, of_codes) in FILTERS.items():
+        for kind, flag in zip(KINDS, (1, 0), strict=True):
+            candidates = (needed.explicit == flag) & ((needed.in_codes == 1) | (not of_codes))
+            chosen = needed.sel(condition=condition, drop=True).isel(scheme=np.flatnonzero(candidates))
+            parts.append(_decided(chosen).expand_dims(kind=[kind], filter=[name]))
+    ds = xr.combine_by_coords(parts, combine_attrs="drop")
+    return ds.reindex(kind=list(KINDS), filter=list(FILTERS)).transpose(
+        "problem", "quantity", "allowed_error", "kind", "filter"
+    )
+
+
+def _decided(needed: xr.Dataset) -> xr.Dataset:
+    """The decision among the schemes of a dataset of needs."""
+    large = needed.unknowns >= TIMED_FROM
+    cost = xr.where(large, needed.seconds, needed.force_evaluations).where(needed.step_size > 0)
+    ties = cost <= TIED * cost.min("scheme")
+    error = needed.largest_error.fillna(needed.error).where(ties).fillna(np.inf)
+    place, exists = error.argmin("scheme"), ties.any("scheme")
+    kept = needed.drop_vars([name for name in needed.coords if "scheme" in needed[name].dims])
+    found = kept.isel(scheme=place)
+    found = found.assign({name: found[name].where(exists) for name in found if name != "verdict"})
+    verdict = xr.where(exists, found.verdict, kept.verdict.min("scheme")).astype(np.int8)
+    labels = {
+        name: (place.dims, np.where(exists, needed[name].values[place.values], "")) for name in ("scheme", "scheme_title")
+    }
+    return found.drop_vars("scheme", errors="ignore").assign(verdict=verdict, ties=ties.sum("scheme"), **labels)
+
+
+def dominated(measures: xr.DataArray, scheme: str, equal: float = 1e-6) -> list[str]:
+    """Schemes that are at least as good as ``scheme`` in every respect, and better in at least one.
+
+    ``measures`` has small numbers for good schemes, over (respect, scheme). Numbers within a relative and absolute
+    difference of ``equal`` count as equal, and two infinities too.
+    """
+    own = measures.sel(scheme=scheme).values
+
+    def better(other: np.ndarray) -> bool:
+        with np.errstate(invalid="ignore"):
+            close = np.isclose(other, own, rtol=equal, atol=equal)
+        return bool(((other < own) | close).all() and ((other < own) & ~close).any())
+
+    return [name for name in measures.scheme.values if name != scheme and better(measures.sel(scheme=name).values)]
