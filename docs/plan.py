@@ -3,7 +3,6 @@
 import re
 from pathlib import Path
 
-from paper.data import ASSESSED
 from paper.products import discover
 
 PAGES = Path(__file__).parent / "pages"
@@ -18,12 +17,10 @@ OF_SCHEMES = (
     "stability/robustness",
     "structures",
     "work_precision",
-    *ASSESSED,
+    "needs",
 )
 #: Files of the article's numbers and of its table of decisions.
 NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
-#: Declaration of the table of decisions. Its function also makes the table of recommendations, for fewer schemes.
-(RECOMMENDED,) = (one for one in discover(["tables"]) if one.name == "decision")
 #: Declarations of all tables of the study, and the name of the table of claims.
 TABLES, LEDGER = tuple(one for one in discover(["tables"]) if one.kind == "table"), "claims"
 #: Files of the results that are copied into the site.
@@ -47,7 +44,7 @@ def reads() -> list[str]:
     pages = "\n".join(page.read_text(encoding="utf-8") for page in sorted(PAGES.rglob("*.md")))
     questions = "\n".join(page.read_text(encoding="utf-8") for page in sorted(PAGES.glob("gallery/*.md")))
     opened = re.findall(r'study\.open_dataset\("([\w/]+)"\)', questions)
-    datasets = dict.fromkeys([*OF_SCHEMES, *RECOMMENDED.datasets, *opened])
+    datasets = dict.fromkeys([*OF_SCHEMES, "decisions", *opened])
     figures = dict.fromkeys(re.findall(r"/(figures/\w+\.svg)", pages))
     tables = [f"tables/{one.name}.csv" for one in TABLES]
     return [*(f"{name}.nc" for name in datasets), *figures, NUMBERS, *tables, *PRODUCTS]

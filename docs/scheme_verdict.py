@@ -3,7 +3,7 @@
 import html
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -12,10 +12,9 @@ import xarray as xr
 import study
 from docs.text import definitions, table
 from docs.theory import PERIODS, ROUND_OFF, STEPS, TRIED
-from paper.data import ASSESSED
-from paper.picks import AT_MOST, COARSEST, ERRORS, LEVEL, TIED, fewest_forces, marked, needs_of_spring
-from paper.tables.decision import SPRING
+from paper.tables.decision import steps_of
 from paper.tables.order_under_reality import lost as loses_order
+from study.runs.needs import NO_VALUE, TIED
 from study.words import listed, number, percent
 
 if TYPE_CHECKING:
@@ -23,8 +22,11 @@ if TYPE_CHECKING:
 
 #: Title of the problem whose steps follow from linear theory.
 LINEAR = "undamped linear oscillator (phase and amplitude)"
-#: Allowed error of the displacement at which schemes are compared.
+#: Allowed errors of the displacement, and the one at which schemes are compared.
+ERRORS = (0.1, 0.01, 0.001)
 COMPARED = 0.01
+#: Largest error of a balance of energies that counts as kept.
+LEVEL = 0.1
 #: Relative change of amplitude per period at the rule of thumb above which a scheme is unsuitable for long motions.
 DAMPS = 0.01
 #: Spectral radius, at infinite frequency or close to the stability limit, below which modes count as damped.
@@ -33,23 +35,6 @@ RADIUS = 0.9
 MOST = 0.5
 #: Fraction of the error of a scheme below which the error of another scheme counts as smaller.
 BETTER = 0.9
-
-
-def _of_runs(runs: Any, error: Any, allowed: float) -> pd.DataFrame:
-    forces, place = fewest_forces(runs, error, allowed)
-    steps = [marked(runs.steps_per_period.values, k) for k in place]
-    kinds = np.where(runs.explicit.values == 1, "explicit", "implicit")
-    made = error.transpose("scheme", "steps_per_period").values[np.arange(len(place)), place]
-    columns = {"kind": kinds, "steps": steps, "forces": forces, "error": made}
-    return pd.DataFrame(columns, index=runs.scheme.values).dropna()
-
-
-def _of_spring(spring: Any, error: float) -> pd.DataFrame:
-    found = needs_of_spring(spring, error, "displacement")
-    steps = [
-        f"{AT_MOST if verdict == COARSEST else ''}{n:,}" for n, verdict in zip(found.steps, found.verdict, strict=True)
-    ]
-    return pd.DataFrame({"kind": found.kind, "steps": steps, "forces": found.forces, "error": found.made})
 
 
 def _in_theory(library: "Library", error: float) -> pd.DataFrame:
@@ -64,40 +49,51 @@ def _in_theory(library: "Library", error: float) -> pd.DataFrame:
 def needs(library: "Library") -> dict[str, dict[float, pd.DataFrame]]:
     """Tables of steps and forces per period, by title of the problem and by error of the displacement.
 
-    Each row is a scheme that keeps the error, with its ``kind``. Steps from runs follow the rule of the table of
-    decisions.
+    Each row is a scheme that keeps the error, with its ``kind``.
     """
-    data = library.data
     found = {LINEAR: {error: _in_theory(library, error) for error in ERRORS}}
-    for spring in (data[name] for name in ASSESSED):
-        if spring.scheme.size:
-            found[spring.attrs["problem"]] = {error: _of_spring(spring, error) for error in ERRORS}
-    for name, measure in (("structures", "displacement_error"), ("kinks", "error")):
-        if not data[name].scheme.size:
-            continue
-        for problem in data[name].problem.values:
-            runs = data[name].sel(problem=problem)
-            if problem != SPRING:
-                title = runs.problem_title.item()
-                found[title] = {error: _of_runs(runs, runs[measure], error) for error in ERRORS}
+    for problem in _problems(library):
+        found[problem.problem_title.item()] = {
+            error: _of_runs(problem.sel(allowed_error=error)) for error in problem.allowed_error.values
+        }
     return found
+
+
+def _problems(library: "Library") -> Iterator[xr.Dataset]:
+    """The needs of schemes for an error of the displacement, by problem."""
+    data = library.data["needs"]
+    if data.scheme.size:
+        one = data.sel(quantity="displacement", condition="practice")
+        for place in np.flatnonzero((one.verdict != NO_VALUE).any(["scheme", "allowed_error"])):
+            yield one.isel(problem=place)
+
+
+def _of_runs(needed: xr.Dataset) -> pd.DataFrame:
+    kept = needed.isel(scheme=np.flatnonzero(needed.step_size > 0))
+    rows = [
+        [
+            "explicit" if one.explicit == 1 else "implicit",
+            steps_of(one),
+            one.force_evaluations * one.time_scale,
+            one.error,
+        ]
+        for one in (kept.isel(scheme=k) for k in range(kept.sizes["scheme"]))
+    ]
+    columns = ["kind", "steps", "forces", "error"]
+    frame = pd.DataFrame(rows, kept.scheme.values, columns)
+    return frame.astype({"forces": float, "error": float})
 
 
 def tried(library: "Library") -> dict[str, set[str]]:
-    """Names of the schemes that ran on each problem, by title. On kinks, a scheme whose errors are NaN did not run."""
-    data = library.data
-    kinks, structures = data["kinks"], data["structures"]
-    found = {data[name].attrs.get("problem", ""): {*data[name].scheme.values} for name in ASSESSED}
-    found[LINEAR] = {*library.schemes}
-    if structures.scheme.size:
-        found |= {title: {*structures.scheme.values} for title in structures.problem_title.values}
-    if kinks.scheme.size:
-        ran = np.isfinite(kinks.error).any("steps_per_period")
-        found |= {one.problem_title.item(): {*one.scheme.values[one.values]} for one in ran.transpose("problem", ...)}
+    """Names of the schemes that ran on each problem, by title."""
+    found = {LINEAR: {*library.schemes}}
+    for problem in _problems(library):
+        ran = (problem.verdict != NO_VALUE).any("allowed_error").values
+        found[problem.problem_title.item()] = {*problem.scheme.values[ran]}
     return found
 
 
-def _lost(structures: Any) -> Any:
+def _lost(structures: xr.Dataset) -> xr.DataArray:
     """Whether the run fails or its energies are out of balance at one or more step sizes, over (problem, scheme)."""
     if not structures.scheme.size:
         return xr.DataArray(np.empty((0, 0), bool), dims=("problem", "scheme"))
@@ -107,8 +103,7 @@ def _lost(structures: Any) -> Any:
 def _best(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
     """Rows of the schemes of a kind that tie for the fewest forces, in the order of the table of decisions."""
     rows = rows[rows.kind == kind]
-    ties = rows[rows.forces <= TIED * rows.forces.min()]
-    return ties.assign(finest=ties.steps.str.endswith("†")).sort_values(["finest", "error"], kind="stable")
+    return rows[rows.forces <= TIED * rows.forces.min()].sort_values("error", kind="stable")
 
 
 def _link(name: str, library: "Library") -> str:
@@ -137,9 +132,9 @@ def _steps(subject: "Subject", library: "Library") -> str:
         rows.append([title, *cells, least])
     head = ["problem", *(f"{100 * error:g} %" for error in ERRORS), f"fewest forces for {100 * COMPARED:g} %"]
     runs = (
-        f"The other rows are results of runs, in which the steps also keep the energies to {percent(LEVEL)}. On the "
-        "hardening and the softening spring the error is the largest over a hundred periods, in which the phase error "
-        "grows. ≤ marks the coarsest step that was tried, and † marks the finest."
+        "The other rows are results of runs. On the hardening and the softening spring the error is the largest over a "
+        "hundred periods, in which the phase error grows. ≤ marks the coarsest step that was tried, and † marks the "
+        "finest."
     )
     return (
         "Steps per period, and in brackets forces per period, for an error of the displacement:\n\n"

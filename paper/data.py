@@ -1,16 +1,11 @@
 """Parts of datasets that several products read."""
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from paper.published import PROBLEMS, SCHEMES, STEPS
-
-#: Names of the datasets with the assessments of the springs of the paper's tables.
-ASSESSED = [f"assessment/{name}" for name in PROBLEMS]
 
 #: Titles of the general solvers that figures and tables show, by their names in the datasets.
 SOLVERS = {
@@ -65,16 +60,6 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
     steady = ((ratio > 0.5) & (ratio < 2)).rolling(steps_per_period=neighbours).sum() == neighbours
     ends = [steady.shift(steps_per_period=-ahead, fill_value=False) for ahead in range(neighbours)]
     return size.sel(periods=longer).where(np.logical_or.reduce(ends))
-
-
-def steps_of_period(assessed: xr.Dataset, step: float) -> int:
-    """Number of steps of ``step`` seconds in one period of an assessed spring, rounded up."""
-    return math.ceil(assessed.attrs["duration"] / assessed.attrs["periods"] / step * (1 - 1e-9))
-
-
-def fastest(needs: pd.DataFrame) -> pd.DataFrame:
-    """The rows of ``study.recommend`` that tie for the least time, the fewest force evaluations first."""
-    return needs[needs.ties_with_fastest].sort_values("force_evaluations", kind="stable")
 
 
 def keeps(atlas: xr.Dataset, error: float) -> xr.DataArray:

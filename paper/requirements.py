@@ -92,16 +92,6 @@ OF_THE_TABLES: dict[str, Any] = {
     "energy_error.steps_per_period": STEPS,
     "energy_error.periods": 100,
 }
-#: Requirements on the assessments of the problems of Tables 1 and 2, over any number of periods.
-OF_THE_ASSESSMENTS: dict[str, Any] = {
-    f"assess.{problem}.{key}": wanted
-    for problem in PROBLEMS
-    for key, wanted in (
-        ("schemes", ["average_acceleration", "central_difference", "rk4"]),
-        ("errors", [0.1, 0.01, 0.001]),
-        ("periods", lambda periods: ""),
-    )
-}
 #: Requirements of the resonance of the Runge-Kutta method on the softening spring.
 OF_THE_DRIFT: dict[str, Any] = {
     "energy_drift.problem": "softening",

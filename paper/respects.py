@@ -3,27 +3,20 @@
 import numpy as np
 import xarray as xr
 
+from study.runs.needs import NO_VALUE
+
 #: Relative error of the displacement at which costs are compared. Steps per period at which damping is compared.
 ALLOWED, RESOLVED = 0.01, 20
-#: Relative and absolute tolerance within which two numbers count as equal.
-EQUAL = 1e-6
 
 
-def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
-    """Fewest force evaluations per period with a step at and below which all steps tried keep the allowed error."""
-    fine = runs.sortby("steps_per_period", ascending=False)
-    kept = (fine[error] <= ALLOWED).astype(int).cumprod("steps_per_period")
-    return (fine.steps_per_period * fine.force_evaluations_per_step).where(kept == 1).min("steps_per_period")
+def costs(needs: xr.Dataset) -> xr.DataArray:
+    """Force evaluations per time scale for the allowed error, over (problem, scheme); NaN if no step keeps it.
 
-
-def costs(kinks: xr.Dataset, structures: xr.Dataset) -> xr.DataArray:
-    """Force evaluations per period for the allowed error, over (problem, scheme); NaN if the finest step exceeds it.
-
-    The schemes are those that both datasets have.
+    The problems are those whose error is measured in the displacement.
     """
-    common = [name for name in kinks.scheme.values if name in structures.scheme.values]
-    parts = [_forces(kinks.sel(scheme=common), "error"), _forces(structures.sel(scheme=common), "displacement_error")]
-    return xr.concat(parts, "problem", coords="minimal", compat="override").transpose("problem", "scheme")
+    one = needs.sel(condition="practice", quantity="displacement", allowed_error=ALLOWED)
+    measured = (one.verdict != NO_VALUE).any("scheme").values
+    return (one.force_evaluations * one.time_scale).isel(problem=measured).transpose("problem", "scheme")
 
 
 def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:
@@ -45,15 +38,3 @@ def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:
     ]
     numbers = [*costs_at.fillna(np.inf).values, *(row.values for row in rows)]
     return xr.DataArray(np.array(numbers), {"scheme": costs_at.scheme.values}, ["respect", "scheme"])
-
-
-def dominated_by(of: xr.DataArray, scheme: str) -> list[str]:
-    """Schemes that are at least as good as ``scheme`` in every respect, and better in at least one."""
-    own = of.sel(scheme=scheme).values
-
-    def better(other: np.ndarray) -> bool:
-        with np.errstate(invalid="ignore"):  # two infinities are equal
-            close = np.isclose(other, own, rtol=EQUAL, atol=EQUAL)
-        return bool(((other < own) | close).all() and ((other < own) & ~close).any())
-
-    return [name for name in of.scheme.values if name != scheme and better(of.sel(scheme=name).values)]

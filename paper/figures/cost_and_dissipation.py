@@ -19,9 +19,9 @@ LIMITED, MOST = (1.3, 1.8), 5
     "Schemes with a stability limit are to the right of the line, in the order of that limit. Bars at the top: no step "
     "that was tried reaches this error.",
 )
-def draw(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> Figure:
+def draw(needs: xr.Dataset, spectral: xr.Dataset) -> Figure:
     """One panel per problem, one marker per scheme."""
-    forces = costs(kinks, structures)
+    forces = costs(needs)
     free = spectral.sel(damping_ratio=0, scheme=forces.scheme.values)
     limited = free.stability_limit[np.isfinite(free.stability_limit)].sortby(free.stability_limit).scheme.values
     places = dict(zip(limited, np.linspace(*LIMITED, len(limited)), strict=True))

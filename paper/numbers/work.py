@@ -1,16 +1,10 @@
 """Numbers of the text: computing time for an error, and the cheapest schemes."""
 
-from itertools import product
-
 import numpy as np
-import pandas as pd
 import xarray as xr
 
-from paper.data import ASSESSED, fastest
 from paper.products import numbers
-from paper.published import SCHEMES, printed_cpu_times
-from paper.requirements import OF_THE_ASSESSMENTS
-from study.analysis.recommendation import recommend
+from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
 from study.words import listed, relative_to
 
 #: Error of the displacement at which the fastest schemes and solvers are compared.
@@ -64,52 +58,24 @@ def of_work(work: xr.Dataset) -> dict:
     }
 
 
-def _fastest(springs: list[xr.Dataset]) -> pd.DataFrame:
-    """The fastest scheme for every spring, quantity and error: its name, its title, and whether it is implicit.
-
-    Among schemes that tie, the fastest scheme is the one with the fewest force evaluations. The column ``tied`` has
-    the kinds, explicit or implicit, of all schemes that tie.
-    """
-    rows = []
-    for spring in springs:
-        titles = spring.scheme_title.to_series()
-        for quantity, error in product(spring.quantity.values, spring.allowed_error.values):
-            needs = fastest(recommend(spring, error=error, quantity=quantity))
-            if not needs.empty:
-                best = needs.index[0]
-                rows.append((quantity, error, best, titles[best], needs.kind[best], needs.kind.tolist()))
-    return pd.DataFrame(rows, columns=["quantity", "error", "scheme", "title", "kind", "tied"])
-
-
-@numbers(springs=ASSESSED, requires=OF_THE_ASSESSMENTS)
-def of_recommendations(springs: list[xr.Dataset]) -> dict:
-    """The fastest schemes on the assessed springs, among all schemes and among the schemes of 1996."""
-    best = _fastest(springs)
-    explicit = best.kind == "explicit"
-    there = [name for name in SCHEMES if name in springs[0].scheme.values]
-    of_1996 = _fastest([one.sel(scheme=there, quantity=["displacement"]) for one in springs]).scheme
-    tried = xr.concat([one.steps_tried.where(one.recommended_dt > 0) for one in springs], "problem", join="outer")
-    closest = best[(best.quantity == "energy") & (best.error == best.error.min())]
+@numbers()
+def of_decisions(decisions: xr.Dataset) -> dict:
+    """Schemes and kinds that need the fewest forces on the springs, and the conditions of the decisions."""
+    springs = decisions.sel(problem=[name for name in PROBLEMS if name in decisions.problem.values], filter="all")
+    forces = springs.force_evaluations.fillna(np.inf)
+    explicit = forces.sel(kind="explicit") < forces.sel(kind="implicit")
+    counted = {
+        f"fewer_explicit_{quantity}": f"{int(one.sum())} of {one.size}"
+        for quantity, one in explicit.groupby("quantity")
+    }
+    least = springs.scheme_title.isel(kind=forces.argmin("kind")).sel(quantity="displacement").to_series()
     return {
-        **{
-            f"work_explicit_{quantity}": f"{int(of_quantity.sum())} of {len(of_quantity)}"
-            for quantity, of_quantity in explicit.groupby(best.quantity)
-        },
-        "work_of_all": len(best),
+        **counted,
+        "fewest_of_displacement": ", ".join(f"{one} ({count})" for one, count in least.value_counts().items()),
+        "decided_errors": listed(f"{100 * error:g}" for error in decisions.allowed_error.values),
+        "decided_periods": listed(sorted({f"{one:,.0f}" for one in springs.decided.values})),
+        "decided_starts": listed(sorted({f"{one:,}" for one in decisions.starts.values}, key=len)),
         "error_relative_to": relative_to(),
-        "work_explicit_tied": sum("implicit" in tied for tied in best.tied[explicit]),
-        "explicit_wins_most": bool(explicit.mean() > 0.5),
-        "work_ranking_of_all": ", ".join(f"{one} ({count})" for one, count in best.title.value_counts().items()),
-        "work_ties": int((best.tied.str.len() > 1).sum()),
-        "energy_won_by_conserving": bool((closest.scheme == "energy_momentum").all()),
-        "assessed_periods": listed(sorted({f"{one.attrs['periods']:,}" for one in springs})),
-        "assessed_steps": f"{tried.min().item():.0f} to {tried.max().item():.0f}",
-        "assessed_errors": listed(f"{100 * error:g}" for error in springs[0].allowed_error.values),
-        "work_rk4": int((of_1996 == "rk4").sum()),
-        "work_central_difference": int((of_1996 == "central_difference").sum()),
-        "assessed_of_1996": len(there),
-        "assessed_schemes": springs[0].sizes["scheme"],
-        "explicit_of_1996_only": set(of_1996) <= {"rk4", "central_difference"},
     }
 
 

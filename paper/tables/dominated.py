@@ -6,17 +6,18 @@ import xarray as xr
 
 from paper.claims.wording import joined, number
 from paper.products import table
-from paper.respects import costs, dominated_by, respects
+from paper.respects import costs, respects
+from study.runs.needs import dominated
 
 
 @table("Dominated schemes", requires={"spectral.damping_ratios": [0.0]})
-def tabulate(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
+def tabulate(needs: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
     """One row per scheme: number of problems on which a step keeps the error, median cost, and dominating schemes."""
-    forces = costs(kinks, structures)
+    forces = costs(needs)
     of = respects(forces, spectral)
     rows = []
     for name in forces.scheme.values:
-        cost, others = forces.sel(scheme=name), dominated_by(of, name)
+        cost, others = forces.sel(scheme=name), dominated(of, name)
         rows.append(
             {
                 "Scheme": forces.scheme_title.sel(scheme=name).item(),

@@ -1,26 +1,21 @@
-"""Cost of accuracy with every scheme: steps in a period and computing time for an error of the displacement."""
+"""Cost of accuracy with every scheme: steps and forces in a period for an error of the displacement."""
 
 import pandas as pd
 import xarray as xr
 
-from paper.data import steps_of_period
 from paper.products import table
-from paper.requirements import OF_THE_ASSESSMENTS
-from study.analysis.recommendation import recommend
+from paper.tables.decision import column, cost_of, steps_of
 
 
-@table("Steps and time for an error", spring="assessment/hardening", requires=OF_THE_ASSESSMENTS)
-def tabulate(spring: xr.Dataset) -> pd.DataFrame:
-    """One row per scheme, one column per error; a dash where no step keeps the error."""
+@table("Steps and forces for an error", requires={"runs.problems.hardening.decided": lambda periods: ""})
+def tabulate(needs: xr.Dataset) -> pd.DataFrame:
+    """One row per scheme, one column per error, on the hardening spring; a dash where no step keeps the error."""
+    spring = needs.sel(problem="hardening", quantity="displacement", condition="practice")
     rows = []
-    tables = {
-        f"{100 * error:g} %": recommend(spring, error=error, quantity="displacement")
-        for error in spring.allowed_error.values
-    }
-    for name, title in zip(spring.scheme.values, spring.scheme_title.values, strict=True):
-        row = {"Scheme": title, "Kind": spring.kind.sel(scheme=name).item()}
-        for error, needs in tables.items():
-            step, time = needs.step_size[name], needs.time[name]
-            row[error] = f"{steps_of_period(spring, step):,}, {1e3 * time:.2g} ms" if step > 0 else "–"
-        rows.append(row)
+    for name in spring.scheme.values:
+        one = spring.sel(scheme=name)
+        at = {column(error): one.sel(allowed_error=error) for error in one.allowed_error.values}
+        cells = {name: f"{steps_of(x)} ({cost_of(x)})" if x.step_size > 0 else "–" for name, x in at.items()}
+        kind = "explicit" if one.explicit == 1 else "implicit"
+        rows.append({"Scheme": one.scheme_title.item(), "Kind": kind, **cells})
     return pd.DataFrame(rows)

@@ -1,6 +1,6 @@
 """The step that each scheme needs on each problem, and the decisions that follow."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -9,7 +9,7 @@ from study import io
 from study.declaration.experiment import Options, experiment
 from study.declaration.options import PlainNames, Tolerances
 from study.experiments import coordinates
-from study.runs.needs import ATTRIBUTES, CODES, decisions, needs, of_problems
+from study.runs.needs import ATTRIBUTES, CODES, COSTS, decisions, needs, of_problems
 from study.scheme.codes import names_in_codes
 from study.words import listed
 
@@ -25,40 +25,68 @@ def of_records(spectrum: xr.Dataset) -> xr.Dataset:
     """The runs of oscillators under records in the form of ``runs/PROBLEM``.
 
     The error of the peak drift is the largest over all records, periods and ratios of elastic force to strength, which
-    take the place of the starts. Costs are the means over them.
+    take the place of the starts. Counts are the means over them.
     """
-    runs, each = spectrum.sortby("step_size"), ["record", "period", "reduction"]
-    failed = runs.error.isnull().any(each)
-    error = runs.error.max(each).where(~failed).expand_dims(quantity=["peak drift"], periods=[1.0])
-    per_second = (runs.force_evaluations_per_step.mean(each) / runs.step_size).expand_dims(periods=[1.0])
-    newton = (runs.iterations_per_step.mean(each) / runs.step_size).expand_dims(periods=[1.0])
-    shortest = runs.period.min().item()
-    step = runs.step_size.values
-    tried = runs.error.notnull().any(each)
-    costs = {"force_evaluations": per_second, "tangent_evaluations": newton, "factorisations": newton}
-    ds = xr.Dataset(
-        {
-            **costs,
-            "seconds": xr.full_like(per_second, np.nan),
-            "error": error,
-            "largest_error": error,
-            "tried": tried,
-            "uncertainty": ("quantity", [0.0]),
-        }
-    )
-    return ds.rename(step_size="size").drop_vars("size").assign_coords(
-        step_size=("size", step),
-        steps_per_period=("size", shortest / step),
-        omega_step=("size", 2 * np.pi / shortest * step),
-        divides=("size", runs.commensurate.values),
+    each, shortest = ["record", "period", "reduction"], spectrum.period.min().item()
+    error = spectrum.error.max(each, skipna=False).expand_dims(quantity=["peak drift"])
+    runs = _in_form(spectrum.mean(each), error, spectrum.step_size.values, shortest, duration=1.0)
+    return runs.assign_coords(
+        divides=("size", spectrum.commensurate.values),
         highest_frequency=2 * np.pi / shortest,
-        time_scale=shortest,
+        omega_step=("size", 2 * np.pi / shortest * spectrum.step_size.values),
         unknowns=1,
-        duration=("periods", [1.0]),
-        decided=1.0,
-        starts=int(np.prod([runs.sizes[one] for one in each])),
+        starts=int(np.prod([spectrum.sizes[one] for one in each])),
         problem=RECORDS,
-        problem_title=f"oscillators of {shortest:g} to {runs.period.max().item():g} s under records",
+        problem_title=f"oscillators of {shortest:g} to {spectrum.period.max().item():g} s under records",
+    )
+
+
+def of_structure(structure: xr.Dataset) -> xr.Dataset:
+    """The runs of one structure in the form of ``runs/PROBLEM``; errors are those at the samples of its reference."""
+    errors = {
+        "displacement": structure.displacement_error,
+        "velocity": structure.velocity_error,
+        "acceleration": structure.acceleration_error,
+        "energy": structure.max_energy_imbalance,
+    }
+    error = xr.concat(errors.values(), "quantity", coords="minimal", compat="override")
+    error = error.assign_coords(quantity=list(errors)).reset_coords(drop=True)
+    scale, counts = structure.period.item(), structure.steps_per_period.values
+    runs = _in_form(structure, error, scale / counts, scale, structure.periods.item())
+    return runs.assign(
+        uncertainty=("quantity", [structure.displacement_uncertainty.item(), 0.0, 0.0, 0.0])
+    ).assign_coords(
+        divides=("size", np.ones(len(counts), np.int8)),
+        omega_step=("size", structure.highest_frequency.item() * scale / counts),
+        **{name: structure[name].item() for name in ("highest_frequency", "unknowns", "problem", "problem_title")},
+        starts=1,
+    )
+
+
+def _in_form(
+    per_step: xr.Dataset, error: xr.DataArray, step_sizes: np.ndarray, scale: float, duration: float
+) -> xr.Dataset:
+    """Errors over (scheme, size, quantity) and counts per step as runs over one duration, in time scales."""
+    (along,) = (str(one) for one in error.dims if one not in ("scheme", "quantity"))
+    error = error.rename({along: "size"}).drop_vars(along, errors="ignore")
+    steps = xr.DataArray(duration * scale / step_sizes, dims="size")
+    costs = {}
+    for name in COSTS:
+        per = per_step.get(f"{name}_per_step", error.isel(quantity=0, drop=True) * np.nan)
+        renamed = per.rename({along: "size"}) if along in per.dims else per
+        costs[name] = renamed.drop_vars(along, errors="ignore").reset_coords(drop=True) * steps
+    ds = xr.Dataset({**costs, "error": error, "largest_error": error * np.nan})
+    ds = ds.reset_coords(drop=True).expand_dims(periods=[duration])
+    return (
+        ds.assign(tried=ds.error.notnull().any(("quantity", "periods")).astype(np.int8))
+        .assign(uncertainty=("quantity", np.zeros(ds.sizes["quantity"])))
+        .assign_coords(
+            step_size=("size", step_sizes),
+            steps_per_period=("size", scale / step_sizes),
+            duration=("periods", [duration * scale]),
+            time_scale=scale,
+            decided=duration,
+        )
     )
 
 
@@ -67,7 +95,7 @@ def of_records(spectrum: xr.Dataset) -> xr.Dataset:
     "decisions",
     section="runs",
     options=_options,
-    reads=lambda options: [*(f"runs/{problem}" for problem in options["problems"]), "spectrum"],
+    reads=lambda options: [*(f"runs/{problem}" for problem in options["problems"]), "spectrum", "structures"],
 )
 def needs_and_decisions(problems: PlainNames, errors: Tolerances) -> tuple[xr.Dataset, xr.Dataset]:
     """Find what each scheme needs on each problem, and the cheapest scheme of each kind.
@@ -77,7 +105,10 @@ def needs_and_decisions(problems: PlainNames, errors: Tolerances) -> tuple[xr.Da
     :func:`study.runs.needs.decisions` returns it.
     """
     parts = [needs(io.open_dataset(f"runs/{problem}"), errors) for problem in problems]
-    needed = of_problems([*parts, needs(of_records(io.open_dataset("spectrum")), errors)])
+    structures = io.open_dataset("structures")
+    parts += [needs(of_structure(structures.sel(problem=one)), errors) for one in structures.problem.values]
+    parts += [needs(of_records(io.open_dataset("spectrum")), errors)]
+    needed = of_problems(parts)
     in_codes = {one.scheme for one in names_in_codes() if one.code.startswith(CODES)}
     names = needed.scheme.values.tolist()
     needed = needed.assign_coords(

@@ -1,7 +1,7 @@
 """Errors and costs of the schemes at many step sizes: the data from which needs and decisions follow."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Annotated
 
 import numpy as np
@@ -18,12 +18,11 @@ from study.declaration.options import Checked, Count, ProblemName, Schemes, Tole
 from study.experiments import coordinates
 from study.io import flags
 from study.marching.result import STATUSES_OR_NOT_RUN
-from study.marching.timing import Timed
 from study.problem.inelastic import BOUNCE, PERIOD
 from study.problem.named import approximate_periods, problems, time_scales
 from study.program.confirmation import CERTAIN, Limit
 from study.runs.measured import Motion, Start, measured
-from study.runs.needs import COSTS, TIMED_FROM, keeps, unbroken
+from study.runs.needs import COSTS, keeps, unbroken
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
 
@@ -35,8 +34,6 @@ OF_SPACING = (20, 10, 8, 5, 4, 3, 2, 1, 1 / 2, 1 / 3, 1 / 4, 1 / 5, 1 / 8, 1 / 1
 VARIED, VARIED_WITH_KINKS = (2, 0.01), (20, 0.05)
 #: Quantities whose steps are found to two digits. Errors of others are measured at the steps that are tried.
 DECIDED = ("displacement", "energy")
-#: Number of timed runs, and largest number of steps of each.
-REPEATS, MOST_TIMED = 5, 2000
 
 
 #: Durations in time scales, in ascending order.
@@ -166,16 +163,6 @@ class _Ladder:
                 return
             self.vary(wanted - varied, starts)
 
-    def time(self, limits: list[Limit]) -> None:
-        """Time a step at the numbers of steps that are needed, as the least of several runs."""
-        timed = Timed(self.motion.problem, self.scheme, ())
-        self.rows["seconds"] = np.nan
-        for count in {need for need, _ in self.needed(limits) if need < math.inf}:
-            steps = min(math.floor(self.motion.duration / self.scale * count), MOST_TIMED)
-            of_step = min(timed.run(self.scale / count, steps)[0] for _ in range(REPEATS)) / steps
-            here = self.rows.steps_per_period == count
-            self.rows.loc[here, "seconds"] = of_step * self.rows.duration[here] * count / self.scale
-
 
 def between(coarser: float, need: float) -> list[int]:
     """All whole numbers of two digits between two numbers, of which ``need`` may be infinite."""
@@ -231,8 +218,6 @@ def runs(
         progress(f"{name} on {problem}")
         ladder = _Ladder(scheme, motion, scale, periods, decided)
         ladder.search(limits, finest, of_record, starts)
-        if np.size(motion.problem.u0) >= TIMED_FROM:
-            ladder.time(limits)
         parts[name] = ladder.dataset()
     ds = xr.concat(parts.values(), "scheme", join="outer").assign_coords(scheme=list(parts)).reindex(scheme=schemes)
     return _described(ds, problem, motion, scale, decided, interval, starts)
@@ -256,19 +241,24 @@ def _described(
     tried = ds.status.notnull().any("periods")
     along = ("size",)
     described = {
-        "error": {"long_name": "largest error over all unknowns and steps, relative to the largest value", "units": "1"},
+        "error": {
+            "long_name": "largest error over all unknowns and steps, relative to the largest value",
+            "units": "1",
+        },
         "largest_error": {"long_name": "largest error from all starts", "units": "1"},
         **{name: {"long_name": attributes["long_name"], "units": "1"} for name, attributes in COSTS.items()},
-        "seconds": {"long_name": COSTS["seconds"]["long_name"], "units": "s"},
     }
     ds = ds.assign(
         status=ds.status.fillna(STATUSES_OR_NOT_RUN.index("not_run")).astype(np.int8),
-        seconds=ds.seconds if "seconds" in ds else xr.full_like(ds.force_evaluations, np.nan),
         tried=tried.astype(np.int8),
         uncertainty=("quantity", [motion.uncertainty[name] for name in ds.quantity.values]),
         step_size=(along, dt, {"long_name": "step size", "units": "s"}),
         steps_per_period=(along, counts, {"long_name": "steps in a time scale", "units": "1"}),
-        omega_step=(along, highest * dt, {"long_name": "step size times the highest frequency of the motion", "units": "1"}),
+        omega_step=(
+            along,
+            highest * dt,
+            {"long_name": "step size times the highest frequency of the motion", "units": "1"},
+        ),
         divides=(along, np.isclose(ratio, np.round(ratio)).astype(np.int8)),
         highest_frequency=((), highest),
         time_scale=((), scale),
@@ -279,7 +269,10 @@ def _described(
         "status": flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8),
         "tried": {"long_name": "1 if the scheme was run with this step size", "units": "1"},
         "uncertainty": {"long_name": "difference of the two solvers of the reference, relative", "units": "1"},
-        "divides": {"long_name": "1 if the step size divides the spacing of a record, or there is no record", "units": "1"},
+        "divides": {
+            "long_name": "1 if the step size divides the spacing of a record, or there is no record",
+            "units": "1",
+        },
         "highest_frequency": {"long_name": "highest circular frequency of small motions", "units": "s-1"},
         "time_scale": {"long_name": "time by which steps are counted", "units": "s"},
         "unknowns": {"long_name": "number of unknowns", "units": "1"},
@@ -290,7 +283,16 @@ def _described(
     for name, attributes in (described | others).items():
         ds[name].attrs = attributes
     ds = ds.set_coords(
-        ["step_size", "steps_per_period", "omega_step", "divides", "highest_frequency", "time_scale", "unknowns", "duration"]
+        [
+            "step_size",
+            "steps_per_period",
+            "omega_step",
+            "divides",
+            "highest_frequency",
+            "time_scale",
+            "unknowns",
+            "duration",
+        ]
     )
     return ds.assign_coords(
         **coordinates.scheme_coordinates(ds.scheme.values.tolist()),

@@ -13,6 +13,7 @@ from study.declaration.options import RecordDuration, RecordPeriods, Records, Re
 from study.experiments import coordinates
 from study.marching.run import sweep
 from study.mechanics.ground import GroundMotion
+from study.observer.diagnostics import Evaluations
 from study.observer.peak import Peak
 from study.problem.inelastic import SPACING, yielding_under_record
 from study.scheme.named import schemes as schemes_by_name
@@ -86,7 +87,7 @@ def spectrum(
     lanes = xr.broadcast(step_size, number, exact.period, exact.yield_force)
     dt, record, period, strength = (lane.transpose(*dims).values.ravel() for lane in lanes)
     error = np.full((len(schemes), len(steps), *exact.peak_drift.shape), np.nan)
-    iterations, forces = np.full(error.shape, np.nan), np.full(error.shape, np.nan)
+    counts = {name: np.full(error.shape, np.nan) for name in Evaluations.variables}
     for s, scheme in enumerate(schemes):
         if schemes_by_name[scheme].refusal(yielding_under_record(GroundMotion.el_centro(), 1.0, 1.0)):
             continue
@@ -97,27 +98,24 @@ def spectrum(
             over={"record": record, "period": period, "yield_force": strength},
             dt=dt,
             steps=_counts(duration, dt),
-            observe=[Peak(), "newton_iterations", "effort"],
+            observe=[Peak(), Evaluations()],
         )
         found = ds.peak.where(ds.status == 0).values.reshape(error.shape[1:])
         error[s] = np.abs(found / exact.peak_drift.values - 1)
-        steps_of_run = _counts(duration, dt)
-        iterations[s] = (ds.newton_iterations.values / steps_of_run).reshape(found.shape)
-        forces[s] = (ds.force_evaluations.values / steps_of_run).reshape(found.shape)
+        for name, values in counts.items():
+            values[s] = (ds[name].values / _counts(duration, dt)).reshape(found.shape)
     of_error = {"long_name": "relative error of the peak drift, at the steps and between them", "units": "1"}
     of_runs = xr.Dataset(
         {
             "error": (("scheme", *dims), error, of_error),
-            "iterations_per_step": (
-                ("scheme", *dims),
-                iterations,
-                {"long_name": "Newton iterations per step", "units": "1"},
-            ),
-            "force_evaluations_per_step": (
-                ("scheme", *dims),
-                forces,
-                {"long_name": "forces evaluated per step", "units": "1"},
-            ),
+            **{
+                f"{name}_per_step": (
+                    ("scheme", *dims),
+                    values,
+                    {"long_name": f"{Evaluations.variables[name]['long_name']} per step", "units": "1"},
+                )
+                for name, values in counts.items()
+            },
         },
         coords={
             **coordinates.scheme_coordinates(schemes),

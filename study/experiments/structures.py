@@ -22,10 +22,12 @@ from study.marching.run import sweep
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.frequencies import highest_frequency
-from study.observer.diagnostics import MomentumErrors, NewtonIterations
+from study.observer.diagnostics import Evaluations, MomentumErrors, NewtonIterations
 from study.observer.energy import EnergyBalance
 from study.problem.named import problems as problems_by_name
 
+#: Counts of a run, which are stored per step.
+COUNTS = Evaluations.variables
 #: Observers of every run; structures with positions also have their momenta observed.
 OBSERVERS = ["trajectory", "energy_balance", "newton_iterations", "effort"]
 ATTRIBUTES = {
@@ -36,16 +38,19 @@ ATTRIBUTES = {
     # a support changes the linear momentum, so the error of the linear momentum is NaN for structures that are held
     **MomentumErrors.variables,
     "iterations_per_step": {"long_name": "Newton iterations per step", "units": "1"},
-    "force_evaluations_per_step": {"long_name": "forces evaluated per step", "units": "1"},
+    **{
+        f"{name}_per_step": {"long_name": f"{attributes['long_name']} per step", "units": "1"}
+        for name, attributes in COUNTS.items()
+    },
     "max_newton_iterations": NewtonIterations.variables["max_newton_iterations"],
     "status": STATUS_ATTRIBUTES,
     "failed_at_step": FAILED_AT_STEP_ATTRIBUTES,
 }
 
 
-def _norm(values: np.ndarray) -> np.ndarray:
-    """Euclidean norm over the unknowns, by time."""
-    return np.linalg.norm(values.reshape(len(values), -1), axis=1)
+def _size(values: np.ndarray) -> np.ndarray:
+    """Largest absolute value over the unknowns, by time."""
+    return np.abs(values.reshape(len(values), -1)).max(axis=1)
 
 
 def _held(definition: Problem, displacements: np.ndarray) -> bool:
@@ -87,11 +92,11 @@ def _measured(problem: str, scheme: str, steps_per_period: int, periods: float, 
     exact = _motion(problem, reference.isel(t=slice(ds.sizes["t"] - 1)))
     # a run that failed has NaN, which the maximum keeps
     derived = {
-        f"{name}_error": np.max(_norm(values - exact[name])) / _norm(exact[name]).max()
+        f"{name}_error": np.max(_size(values - exact[name])) / _size(exact[name]).max()
         for name, values in _motion(problem, ds.isel(t=slice(1, None))).items()
     } | {
         "iterations_per_step": ds.newton_iterations / round(periods * steps_per_period),
-        "force_evaluations_per_step": ds.force_evaluations / round(periods * steps_per_period),
+        **{f"{name}_per_step": ds[name] / round(periods * steps_per_period) for name in COUNTS},
     }
     return {name: derived.get(name, ds.get(name, np.nan)) for name in ATTRIBUTES}
 
@@ -131,9 +136,9 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[int], periods: float) -> xr.Dataset:
     """Measure the errors, balances and effort of every scheme on a structure, by steps per period.
 
-    The error of the displacement is max |u − u_ref| / max |u_ref| over the samples of ``reference/PROBLEM``, with
-    Euclidean norms over the unknowns; the errors of velocity and acceleration are defined likewise. The step size is
-    the time scale of the structure divided by ``steps_per_period``. Variables have the shape (problem, scheme,
+    The error of the displacement is max |u − u_ref| / max |u_ref| over the unknowns and the samples of
+    ``reference/PROBLEM``; the errors of velocity and acceleration are defined likewise. The step size is the time scale
+    of the structure divided by ``steps_per_period``. Variables have the shape (problem, scheme,
     steps_per_period) or (problem,).
 
     Raises
@@ -164,7 +169,7 @@ def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[
         values["max_linear_momentum_error"][:] = np.nan
     whole = {"status": np.int32, "failed_at_step": np.int64}
     of_reference = {
-        "displacement_uncertainty": (reference.u_uncertainty.max() / _norm(reference.u.values).max()).item(),
+        "displacement_uncertainty": (reference.u_uncertainty.max() / _size(reference.u.values).max()).item(),
         "unknowns": np.size(definition.u0),
         "period": reference.period.item(),
         "periods": periods,

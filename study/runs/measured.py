@@ -1,7 +1,7 @@
 """Errors and costs of one scheme on one problem, at any step sizes, over several durations and from several starts."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np

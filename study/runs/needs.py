@@ -9,12 +9,11 @@ from jaxtyping import Bool, Float
 from study.io import flags
 from study.program.confirmation import CERTAIN
 
-#: Counts and times of the runs, by name; in needs and decisions they are per second of simulated time.
+#: Counts of the runs, by name; in needs and decisions they are per second of simulated time.
 COSTS = {
     "force_evaluations": {"long_name": "internal forces evaluated", "units": "s-1"},
     "tangent_evaluations": {"long_name": "tangents of the internal force evaluated", "units": "s-1"},
     "factorisations": {"long_name": "linear systems with a new matrix", "units": "s-1"},
-    "seconds": {"long_name": "computing time", "units": "1"},
 }
 #: Power of the duration with which an error may grow: a phase grows linearly, and quadratically if the period drifts.
 GROWTH = 2
@@ -31,10 +30,8 @@ CONDITIONS = {
 #: Outcomes for a scheme, quantity and allowed error.
 FOUND, COARSEST, NONE, UNCERTAIN, NO_VALUE = range(5)
 VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "below_the_reference", "no_value")
-#: Number of force evaluations, or the time, as a multiple of the least, up to which a scheme ties with the cheapest.
+#: Number of force evaluations, as a multiple of the least, up to which a scheme ties with the cheapest.
 TIED = 1.1
-#: Number of unknowns from which on the computing time decides instead of the number of forces.
-TIMED_FROM = 100
 #: Kinds of schemes.
 KINDS = ("explicit", "implicit")
 #: Choices among which a scheme is decided: the condition on its runs, and whether programs must have the scheme.
@@ -63,9 +60,10 @@ ATTRIBUTES = {
 #: Errors of runs over some numbers of periods, and these numbers in ascending order.
 Errors = Float[np.ndarray, "... periods"]
 Periods = Float[np.ndarray, " periods"]
+Kept = Bool[np.ndarray, "..."]
 
 
-def keeps(error: Errors, largest_error: Errors, periods: Periods, allowed: float) -> Bool[np.ndarray, "... periods"]:
+def keeps(error: Errors, largest_error: Errors, periods: Periods, allowed: float) -> Kept:
     r"""Whether each run keeps an allowed error.
 
     A run over n periods keeps it if its error is at most ``allowed`` from all starts that were run. To exclude an error
@@ -92,7 +90,7 @@ def keeps(error: Errors, largest_error: Errors, periods: Periods, allowed: float
     return within
 
 
-def unbroken(kept: Bool[np.ndarray, "... size"]) -> Bool[np.ndarray, "... size"]:
+def unbroken(kept: Kept) -> Kept:
     """Whether all sizes up to each one keep an error; the sizes ascend along the last axis."""
     return np.logical_and.accumulate(kept, axis=-1)
 
@@ -126,35 +124,36 @@ def needs(runs: xr.Dataset, allowed_errors: Sequence[float]) -> xr.Dataset:
         and ``verdict``. A value is NaN where no step keeps the error.
     """
     runs = runs.sortby("step_size").transpose("scheme", "size", "quantity", "periods", ...)
-    found = []
-    for condition in CONDITIONS:
-        counted = runs.tried == 1
-        if condition != "any_step":
-            counted = counted & (runs.divides == 1)
-        meets = _meets(runs, condition)
-        for allowed in allowed_errors:
-            within = keeps(runs.error.values, runs.largest_error.values, runs.periods.values, allowed)
-            kept = ((runs.error.copy(data=within) & meets) | ~counted).transpose(..., "size")
-            kept = kept.copy(data=unbroken(kept.values)) & counted
-            place = xr.where(kept, np.arange(runs.sizes["size"]), -1).max("size")
-            at = runs.reset_coords(("step_size", "steps_per_period", "omega_step")).isel(size=place.clip(min=0))
-            exists = place >= 0
-            one = xr.Dataset({name: at[name].where(exists) for name in ("step_size", "steps_per_period", "omega_step")})
-            one = one.assign({name: (at[name] / at.duration).where(exists) for name in COSTS})
-            one = one.assign(
-                error=at.error.where(exists),
-                largest_error=at.largest_error.where(exists),
-                smaller_steps=(kept.sum("size") - 1).where(exists),
-                verdict=_verdict(runs, counted, place, allowed),
-            )
-            found.append(one.reset_coords(drop=True).expand_dims(condition=[condition], allowed_error=[allowed]))
-    ds = xr.combine_by_coords(found, combine_attrs="drop").reindex(condition=list(CONDITIONS))
-    ds = ds.sel(allowed_error=list(allowed_errors)).transpose(
-        "scheme", "quantity", "allowed_error", "periods", "condition"
+    parts = [
+        xr.concat(
+            [_needed(runs, condition, allowed) for allowed in allowed_errors], _index(allowed_error=allowed_errors)
+        )
+        for condition in CONDITIONS
+    ]
+    ds = xr.concat(parts, _index(condition=list(CONDITIONS)))
+    return ds.transpose("scheme", "quantity", "allowed_error", "periods", "condition").assign_coords(
+        runs.drop_dims("size").coords
     )
-    return ds.assign_coords(runs.drop_dims("size").coords).assign_coords(
-        condition_title=("condition", list(CONDITIONS.values()), {"long_name": "condition on the runs"})
-    )
+
+
+def _index(**values: Sequence) -> xr.IndexVariable:
+    ((name, along),) = values.items()
+    return xr.IndexVariable(name, list(along))
+
+
+def _needed(runs: xr.Dataset, condition: str, allowed: float) -> xr.Dataset:
+    """The needs over (scheme, quantity, periods) for one condition and one allowed error; step sizes ascend."""
+    sizes, counted = ["step_size", "steps_per_period", "omega_step"], runs.tried == 1
+    if condition != "any_step":
+        counted = counted & (runs.divides == 1)
+    within = keeps(runs.error.values, runs.largest_error.values, runs.periods.values, allowed)
+    kept = ((runs.error.copy(data=within) & _meets(runs, condition)) | ~counted).transpose(..., "size")
+    kept = kept.copy(data=unbroken(kept.values)) & counted
+    place = xr.where(kept, np.arange(runs.sizes["size"]), -1).max("size")
+    at = runs.reset_coords(sizes).isel(size=place.clip(min=0))
+    costs = {name: at[name] / at.duration for name in COSTS} | {"smaller_steps": kept.sum("size") - 1}
+    one = at[[*sizes, "error", "largest_error"]].assign(costs).where(place >= 0)
+    return one.assign(verdict=_verdict(runs, counted, place, allowed)).reset_coords(drop=True)
 
 
 def _verdict(runs: xr.Dataset, counted: xr.DataArray, place: xr.DataArray, allowed: float) -> xr.DataArray:
@@ -182,51 +181,44 @@ def of_problems(parts: Sequence[xr.Dataset]) -> xr.Dataset:
 
 def _power_law(steps: xr.DataArray) -> dict[str, xr.DataArray]:
     """The exponent of step size over periods by least squares, and the largest misfit as a ratio."""
-    x, y = np.log(steps.periods), np.log(steps)
-    x, count = x - x.mean(), steps.sizes["periods"]
-    if count < 3:
+    if steps.sizes["periods"] < 3:
         none = steps.isel(periods=0, drop=True) * np.nan
         return {"exponent": none, "exponent_misfit": none}
+    x, y = xr.DataArray(np.log(steps.periods)), np.log(steps.where(steps.notnull().all("periods")))
+    x, y = x - x.mean(), y - y.mean("periods")
     slope = (x * y).sum("periods", skipna=False) / (x**2).sum()
-    misfit = abs(y - y.mean("periods", skipna=False) - slope * x).max("periods", skipna=False)
-    return {"exponent": -slope, "exponent_misfit": np.exp(misfit)}
+    return {"exponent": -slope, "exponent_misfit": np.exp(abs(y - slope * x).max("periods", skipna=False))}
 
 
 def decisions(needed: xr.Dataset) -> xr.Dataset:
     """The cheapest scheme of each kind, over (problem, quantity, allowed_error, kind, filter).
 
     ``scheme`` is its name, empty where no scheme of the kind keeps the error, and ``ties`` the number of schemes that
-    cost as much. The other variables are those of the needs. The cost is the computing time for ``TIMED_FROM`` or more
-    unknowns, and otherwise the number of forces; schemes up to ``TIED`` times the least cost tie, and the smallest
-    error decides among them.
+    cost as much. The other variables are those of the needs. Schemes with up to ``TIED`` times the fewest force
+    evaluations tie, and the smallest error decides among them.
     """
     parts = []
-    for name, (condition, of_codes) in FILTERS.items():
-        for kind, flag in zip(KINDS, (1, 0), strict=True):
-            candidates = (needed.explicit == flag) & ((needed.in_codes == 1) | (not of_codes))
-            chosen = needed.sel(condition=condition, drop=True).isel(scheme=np.flatnonzero(candidates))
-            parts.append(_decided(chosen).expand_dims(kind=[kind], filter=[name]))
-    ds = xr.combine_by_coords(parts, combine_attrs="drop")
-    return ds.reindex(kind=list(KINDS), filter=list(FILTERS)).transpose(
-        "problem", "quantity", "allowed_error", "kind", "filter"
-    )
+    for condition, of_codes in FILTERS.values():
+        admitted = needed.sel(condition=condition, drop=True)
+        admitted = admitted.isel(scheme=np.flatnonzero((needed.in_codes == 1) | (not of_codes)))
+        of_kinds = [_decided(admitted.isel(scheme=np.flatnonzero(admitted.explicit == flag))) for flag in (1, 0)]
+        parts.append(xr.concat(of_kinds, _index(kind=KINDS)))
+    ds = xr.concat(parts, _index(filter=list(FILTERS)))
+    return ds.transpose("problem", "quantity", "allowed_error", "kind", "filter")
 
 
 def _decided(needed: xr.Dataset) -> xr.Dataset:
     """The decision among the schemes of a dataset of needs."""
-    large = needed.unknowns >= TIMED_FROM
-    cost = xr.where(large, needed.seconds, needed.force_evaluations).where(needed.step_size > 0)
-    ties = cost <= TIED * cost.min("scheme")
+    ties = needed.force_evaluations <= TIED * needed.force_evaluations.min("scheme")
     error = needed.largest_error.fillna(needed.error).where(ties).fillna(np.inf)
     place, exists = error.argmin("scheme"), ties.any("scheme")
-    kept = needed.drop_vars([name for name in needed.coords if "scheme" in needed[name].dims])
+    kept = needed.drop_vars([str(name) for name in needed.coords if "scheme" in needed[name].dims])
     found = kept.isel(scheme=place)
     found = found.assign({name: found[name].where(exists) for name in found if name != "verdict"})
     verdict = xr.where(exists, found.verdict, kept.verdict.min("scheme")).astype(np.int8)
-    labels = {
-        name: (place.dims, np.where(exists, needed[name].values[place.values], "")) for name in ("scheme", "scheme_title")
-    }
-    return found.drop_vars("scheme", errors="ignore").assign(verdict=verdict, ties=ties.sum("scheme"), **labels)
+    for name in ("scheme", "scheme_title"):
+        found[name] = place.dims, np.where(exists, needed[name].values[place.values], "")
+    return found.assign(verdict=verdict, ties=ties.sum("scheme"))
 
 
 def dominated(measures: xr.DataArray, scheme: str, equal: float = 1e-6) -> list[str]:
