@@ -68,8 +68,9 @@ def rows_of(decisions: xr.Dataset) -> list[tuple[str, str, str]]:
 TABULATED = ("displacement", "energy", "peak drift")
 
 
-def _beware(row: xr.Dataset, whole: xr.Dataset) -> str:
+def _beware(decided: xr.Dataset) -> str:
     """Remark if other schemes or steps are chosen where the whole motion must be right."""
+    row, whole = decided.sel(filter="all"), decided.sel(filter="whole_motion")
     same = (row.scheme == whole.scheme) & ((row.step_size == whole.step_size) | row.step_size.isnull())
     return "" if same.all() else "the whole motion needs other steps"
 
@@ -79,14 +80,14 @@ def tabulated(decisions: xr.Dataset, limits: dict[str, float], chosen: str) -> p
     rows, before = [], ("", "")
     for problem, quantity, kind in rows_of(decisions):
         one = decisions.sel(problem=problem, quantity=quantity, kind=kind)
-        row, whole = one.sel(filter=chosen), one.sel(filter="whole_motion")
+        row = one.sel(filter=chosen)
         rows.append(
             {
                 "Problem": sentence(one.problem_title.item()) if problem != before[0] else "",
                 "Right in": quantity if (problem, quantity) != before else "",
                 "Scheme": kind,
                 **{column(error): cell(row.sel(allowed_error=error), limits) for error in row.allowed_error.values},
-                "Beware of": _beware(row, whole),
+                "Beware of": _beware(one),
             }
         )
         before = problem, quantity

@@ -166,7 +166,7 @@ class _Ladder:
 
 def between(coarser: float, need: float) -> list[int]:
     """All whole numbers of two digits between two numbers, of which ``need`` may be infinite."""
-    numbers, one = [], two_digits(max(coarser, 1.0) * (1 + 1e-9))
+    numbers, one = [], two_digits(coarser * (1 + 1e-9)) if coarser >= 1 else 1
     while coarser < one < need < math.inf:
         numbers.append(one)
         one = two_digits(one + 1)

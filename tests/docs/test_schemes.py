@@ -15,10 +15,12 @@ from docs.scheme_results import orders
 from docs.scheme_table import COLUMNS, table_of
 from docs.scheme_verdict import verdict
 from docs.theory import PERIODS, TRIED, theory_of
+from study.runs.needs import needs, of_problems
 from study.scheme.codes import names_in_codes
 from study.user_files import load
 from study.words import number, percent
 from tests import bibliography
+from tests.runs.made_up import COUNTS, runs
 
 HEUN = Path(__file__).parents[2] / "examples" / "scheme.py"
 
@@ -108,18 +110,24 @@ def _kinks(*needed, first_order=0):
 
 
 def test_the_verdict_follows_the_data():
-    def of(name, kinks):
-        data = Empty({"kinks": kinks})
-        library = Library(data, {one: study.schemes[one] for one in ("central_difference", "rk4")}, {})
+    names = {one: study.schemes[one] for one in ("central_difference", "rk4")}
+
+    def of(name, first_order=0, needed=(32, 16)):
+        kinks = _kinks(*needed, first_order=first_order)
+        errors = [np.where(COUNTS < least, 0.02, 0.005) for least in needed]
+        made = runs([*errors, errors[0]], problem="yield").isel(scheme=[0, 1]).assign_coords(scheme=list(names))
+        data = of_problems([needs(made, [0.1, 0.01, 0.001])]).assign_coords(explicit=("scheme", [1, 1]))
+        library = Library(Empty({"kinks": kinks, "needs": data}), names, {})
         return verdict(library.subject(name), library)
 
-    cheaper = of("central_difference", _kinks(32, 16))
-    assert "within 1\u00a0% on the yielding oscillator" in cheaper and "first order only" not in cheaper
-    assert "| yielding oscillator | ≤\u00a016 (16) | 32 (32) | – | this one |" in cheaper
-    assert "[Central difference](central_difference.md): 32 (32) |" in of("rk4", _kinks(32, 16))
-    dearer = of("central_difference", _kinks(100, 16, first_order=1))
+    cheaper = of("central_difference")
+    assert "within 1\u00a0% on the yielding thing" in cheaper and "first order only" not in cheaper
+    assert "| yielding thing | ≤\u00a08 (8) | 32 (32) | – | this one |" in cheaper
+    dearer = of("rk4", needed=(32, 64))
+    assert "[Central difference](central_difference.md): 32 (32) |" in dearer
+    dearer = of("central_difference", first_order=1, needed=(100, 16))
     assert "within 1\u00a0%" not in dearer and "small errors on the yielding oscillator" in dearer
-    assert "| – | – | [Runge-Kutta](rk4.md): ≤\u00a016 (64) |" in dearer
+    assert "| – | – | [Runge-Kutta](rk4.md): 16 (32) |" in dearer
 
 
 def test_the_verdict_and_the_orders_have_the_circumstances_of_real_problems():

@@ -1,0 +1,73 @@
+"""Errors and costs at many step sizes, on an oscillator under a pulse, whose motion has a closed form."""
+
+import numpy as np
+import pytest
+
+import study
+from study.experiments.runs import OF_SPACING, between, runs, time_scale, two_digits
+from study.problem.inelastic import BOUNCE
+from study.runs.needs import needs
+
+PERIODS, ERRORS = [2.0, 3.0, 4.0], [0.1, 0.01]
+
+
+@pytest.fixture(scope="module")
+def pulse():
+    return runs("pulse", ["central_difference", "rk4", "gauss4"], ERRORS, PERIODS, 3.0, 200)
+
+
+def _exact(t):
+    """Displacement of ü + ω² u = ω² sin(πt/t_d) up to t_d = 0.2, and of the free motion after it, with ω = 2π."""
+    omega, end = 2 * np.pi, 0.2
+    r = np.pi / (omega * end)
+
+    def forced(t):
+        return (np.sin(np.pi * t / end) - r * np.sin(omega * t)) / (1 - r**2)
+
+    velocity = (np.pi / end * np.cos(np.pi) - r * omega * np.cos(omega * end)) / (1 - r**2)
+    free = forced(end) * np.cos(omega * (t - end)) + velocity / omega * np.sin(omega * (t - end))
+    return np.where(t <= end, forced(t), free)
+
+
+def test_errors_are_those_against_the_closed_form(pulse):
+    one = pulse.sel(scheme="central_difference", quantity="displacement", periods=3)
+    size = int(np.flatnonzero(one.steps_per_period == 32)[0])
+    ds = study.run("pulse", "central_difference", dt=1 / 32, steps=96)
+    largest = abs(_exact(np.linspace(0, 3, 100_001))).max()
+    expected = abs(ds.u.values - _exact(ds.t.values)).max() / largest
+    assert one.error.values[size] == pytest.approx(expected, rel=1e-4)
+    assert one.force_evaluations.values[size] == ds.steps + 1 and one.step_size.values[size] == 1 / 32
+
+
+def test_the_step_of_two_digits_is_the_largest_that_keeps_the_error(pulse):
+    needed = needs(pulse, ERRORS).sel(condition="practice", quantity="displacement", periods=3)
+    for name in ("central_difference", "rk4"):
+        for allowed in ERRORS:
+            own = pulse.sel(scheme=name, quantity="displacement")
+            tried = own.isel(size=np.flatnonzero(own.tried))
+            count = needed.steps_per_period.sel(scheme=name, allowed_error=allowed).item()
+            before = [one for one in range(1, int(count)) if two_digits(one) == one][-1]
+            assert before in tried.steps_per_period
+            at = tried.isel(size=int(np.flatnonzero(tried.steps_per_period == count)[0]))
+            assert (at.largest_error.sel(periods=3) <= allowed) and (
+                at.largest_error.sel(periods=3) >= at.error.sel(periods=3)
+            )
+    assert (needed.smaller_steps.sel(scheme="rk4") >= 1).all()
+
+
+def test_a_scheme_that_refuses_a_problem_has_no_value():
+    ds = runs("yielding", ["energy_momentum", "rk4"], [0.1], [1.0], 1.0, 16)
+    assert not ds.tried.sel(scheme="energy_momentum").any() and ds.tried.sel(scheme="rk4").any()
+
+
+def test_numbers_of_steps_have_two_digits():
+    assert [two_digits(one) for one in (4, 5.66, 11.3, 99.5, 362, 1448)] == [4, 6, 12, 100, 370, 1500]
+    assert between(8, 12) == [9, 10, 11] and between(91, 130) == [92, 93, 94, 95, 96, 97, 98, 99, 100, 110, 120]
+    assert between(0.0, 4) == [1, 2, 3] and between(8, float("inf")) == []
+    assert 1 in OF_SPACING and min(OF_SPACING) == 1 / 40
+
+
+def test_the_bouncing_mass_returns_after_its_period():
+    assert time_scale("bouncing") == BOUNCE
+    ds = study.run("bouncing", "rk4", dt=BOUNCE / 20_000, steps=20_000)
+    assert ds.u.values[-1] == pytest.approx(-0.5, abs=1e-6) and ds.v.values[-1] == pytest.approx(0.0, abs=1e-4)

@@ -1,0 +1,105 @@
+"""Which step keeps an error, and which scheme is the cheapest, from made-up runs."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from study.runs.needs import VERDICTS, decisions, dominated, keeps, needs, of_problems
+from tests.runs.made_up import runs, with_kinds
+
+NAN = np.nan
+FINE = [[0.2, 0.05, 0.005, 0.0005]] * 3
+
+
+def _steps(needed: xr.Dataset, condition="practice", quantity="displacement") -> np.ndarray:
+    one = needed.sel(condition=condition, quantity=quantity).isel(periods=0)
+    return one.steps_per_period.transpose("scheme", "allowed_error").values
+
+
+def test_an_error_that_is_small_by_cancellation_at_one_duration_is_not_kept():
+    """Bathe's scheme and average acceleration with as many solves in a period of the softening spring."""
+    periods = np.array([50.0, 100.0, 200.0])
+    bathe, average = np.array([0.0043, 0.0075, 0.075]), np.array([0.005, 0.0095, 0.022])
+    unknown = np.full(3, NAN)
+    assert keeps(bathe, unknown, periods, 0.01).tolist() == [True, False, False]
+    assert keeps(average, unknown, periods, 0.01).tolist() == [True, True, False]
+
+
+def test_another_start_or_a_failed_run_breaks_an_error():
+    one, periods = np.array([0.001]), np.array([10.0])
+    assert keeps(one, np.array([0.009]), periods, 0.01).all()
+    assert not keeps(one, np.array([0.011]), periods, 0.01).any()
+    assert not keeps(one, np.array([np.inf]), periods, 0.01).any()
+    assert not keeps(np.array([NAN]), np.array([NAN]), periods, 0.01).any()
+
+
+def test_all_finer_steps_must_keep_the_error():
+    accident = [[0.05, 0.2, 0.05, 0.005], [NAN, 0.05, 0.05, 0.05], [0.05, 0.05, 0.05, 0.2]]
+    needed = needs(runs(accident), [0.1, 0.01])
+    np.testing.assert_array_equal(_steps(needed), [[32, 64], [16, NAN], [NAN, NAN]])
+    first = needed.sel(scheme="cheap", condition="practice", quantity="displacement", allowed_error=0.1).isel(periods=0)
+    assert first.error == 0.05 and first.smaller_steps == 1 and first.step_size == 2 / 32
+    # ten periods of two seconds with 32 steps of one force
+    assert first.force_evaluations == 16 and first.omega_step == 6 / 32
+
+
+def test_a_step_that_was_not_tried_does_not_count():
+    tried = np.array([[1, 1, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1]])
+    needed = needs(runs([[0.05, 0.05, NAN, 0.05], [NAN] * 4, [NAN] * 4], tried=tried), [0.1, 0.01])
+    np.testing.assert_array_equal(_steps(needed), [[8, NAN], [NAN, NAN], [NAN, NAN]])
+    verdict = needed.verdict.sel(condition="practice", quantity="displacement").isel(periods=0)
+    words = [[VERDICTS[k] for k in row] for row in verdict.transpose("scheme", "allowed_error").values]
+    none = "no_value"
+    assert words == [["already_the_coarsest_step", "not_even_the_finest_step"], [none, none], [none, none]]
+    assert (
+        needs(runs(FINE, uncertainty=0.0011), [0.01]).verdict.isel(quantity=0) == VERDICTS.index("below_the_reference")
+    ).all()
+
+
+def test_conditions_choose_among_the_steps():
+    needed = needs(runs(FINE, divides=[1, 0, 1, 1], velocity=[[0.8, 0.8, 0.8, 0.1]] * 3), [0.1])
+    assert _steps(needed)[:, 0].tolist() == [32] * 3
+    assert _steps(needed, "any_step")[:, 0].tolist() == [16] * 3
+    assert _steps(needed, "whole_motion")[:, 0].tolist() == [64] * 3
+
+
+@pytest.fixture(scope="module")
+def decided():
+    other = runs([[0.2, 0.2, 0.05, 0.0005], [0.2, 0.01, 0.01, 0.001], [0.2] * 4], problem="mov")
+    parts = [needs(one, [0.1, 0.01]) for one in (runs(FINE), other)]
+    return decisions(with_kinds(of_problems(parts)))
+
+
+def test_a_decision_is_the_fewest_forces_of_its_kind(decided):
+    one = {"problem": "swing", "quantity": "displacement", "allowed_error": 0.1, "filter": "all"}
+    explicit, implicit = (decided.sel(one | {"kind": kind}) for kind in ("explicit", "implicit"))
+    assert (explicit.scheme, implicit.scheme, implicit.scheme_title) == ("cheap", "stiff", "Stiff")
+    assert explicit.steps_per_period == 16 and explicit.force_evaluations * explicit.time_scale == 16
+    assert decided.sel(one | {"filter": "codes", "kind": "explicit"}).scheme == "dear"
+    # 32 steps of one force and 16 of two tie, and the smaller error decides
+    tied = decided.sel(one | {"problem": "mov", "kind": "explicit"})
+    assert tied.scheme == "dear" and tied.ties == 2
+    nobody = decided.sel(one | {"problem": "mov", "kind": "implicit"})
+    assert nobody.scheme == "" and np.isnan(nobody.step_size)
+    assert VERDICTS[nobody.verdict.item()] == "not_even_the_finest_step"
+
+
+def test_the_law_of_the_duration_is_fitted():
+    lengths = [10.0, 40.0, 160.0]
+    one = runs(FINE).isel(periods=0, drop=True)
+    along_periods = [name for name in one if "size" in one[name].dims and name != "tried"]
+    several = xr.concat([one] * 3, xr.IndexVariable("periods", lengths), data_vars=along_periods)
+    several = several.assign_coords(duration=("periods", 2 * np.array(lengths)))
+    # an error n/N² keeps an error with N proportional to the root of n
+    of_law = several.periods / (10 * several.steps_per_period**2)
+    several["error"] = (of_law + 0 * several.error).transpose(*several.error.dims)
+    needed = of_problems([needs(several, [0.02])])
+    exponent = needed.exponent.sel(condition="practice", quantity="displacement")
+    assert exponent.values == pytest.approx(0.5) and needed.exponent_misfit.sel(
+        condition="practice"
+    ).values == pytest.approx(1.0)
+
+
+def test_a_scheme_dominates_if_it_is_worse_in_nothing_and_better_in_something():
+    of = xr.DataArray([[1.0, 2.0, np.inf], [3.0, 3.0, np.inf]], {"scheme": ["a", "b", "c"]}, ["respect", "scheme"])
+    assert dominated(of, "b") == ["a"] and dominated(of, "a") == [] and dominated(of, "c") == ["a", "b"]
