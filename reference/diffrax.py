@@ -166,9 +166,11 @@ def trajectory(
     if problem.history is not None:
         begin = *begin, problem.at_time(0.0).committed(*start).history
     solve = partial(_solve if problem.history is None else _solve_with_history, problem.untitled())
-    pieces = [times] if end == np.inf else _pieces(times)
+    pieces = [_padded(times)] if end == np.inf else _pieces(times)
     if end == np.inf:
-        jax.block_until_ready(solve(begin, jnp.asarray(times), jnp.asarray(LOOSE_RTOL), method, max_steps))  # compiles
+        jax.block_until_ready(
+            solve(begin, jnp.asarray(pieces[0]), jnp.asarray(LOOSE_RTOL), method, max_steps)
+        )  # compiles
     clock, parts, total = time.perf_counter(), [], 0
     for piece in pieces:
         check_time(end)
@@ -178,6 +180,11 @@ def trajectory(
         total += int(steps)
     u, v = np.moveaxis(np.concatenate(parts)[: len(t)], 1, 0)
     return Solution(u, v, total * STAGES[method], time.perf_counter() - clock)
+
+
+def _padded(t: Times) -> Times:
+    """The times with the last one repeated up to a power of two, so that few programs are compiled."""
+    return np.pad(t, (0, (1 << (len(t) - 1).bit_length()) - len(t)), mode="edge")
 
 
 def _pieces(t: Times) -> list[Times]:

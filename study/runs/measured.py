@@ -57,6 +57,8 @@ class Motion:
         Difference of two solvers in each quantity, relative to its largest value; zero for the balance of energies.
     solvers
         Names of the two solvers.
+    grid
+        Times between which the reference is interpolated.
     """
 
     problem: Problem
@@ -65,7 +67,7 @@ class Motion:
     solution: DenseSolution
     uncertainty: dict[str, float]
     solvers: str
-    first_grid: np.ndarray
+    grid: np.ndarray
 
     @classmethod
     def of(cls, problem: Problem, duration: float, coarsest: float) -> "Motion":
@@ -105,7 +107,7 @@ class Motion:
         """The problem with initial values and load multiplied by ``factor``."""
         problem = excited(self.problem, factor, displaced=True)
         reference = Reference(problem, self.duration)
-        solution = reference.solution(reference.routes[0], reference.with_kinks(self.first_grid), RTOL)
+        solution = reference.solution(reference.routes[0], reference.with_kinks(self.grid), RTOL)
         return Start(problem, self._targets(problem, solution))
 
 

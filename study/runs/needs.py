@@ -184,10 +184,14 @@ def _power_law(steps: xr.DataArray) -> dict[str, xr.DataArray]:
     if steps.sizes["periods"] < 3:
         none = steps.isel(periods=0, drop=True) * np.nan
         return {"exponent": none, "exponent_misfit": none}
-    x, y = xr.DataArray(np.log(steps.periods)), np.log(steps.where(steps.notnull().all("periods")))
+    x = xr.DataArray(np.log(steps.periods.values), dims="periods")
+    y = xr.DataArray(np.log(steps.where(steps.notnull().all("periods"))))
     x, y = x - x.mean(), y - y.mean("periods")
     slope = (x * y).sum("periods", skipna=False) / (x**2).sum()
-    return {"exponent": -slope, "exponent_misfit": np.exp(abs(y - slope * x).max("periods", skipna=False))}
+    return {
+        "exponent": -slope,
+        "exponent_misfit": xr.DataArray(np.exp(abs(y - slope * x).max("periods", skipna=False))),
+    }
 
 
 def decisions(needed: xr.Dataset) -> xr.Dataset:
