@@ -1,14 +1,11 @@
 """Numbers of the text: schemes since 1996, from the ledger and from the table of decisions."""
 
-import re
-
 import pandas as pd
 import xarray as xr
 
 from paper.claims.later_schemes_in_motion import excess_of_tangent
 from paper.claims.ledger import Verdict
 from paper.products import numbers
-from study.scheme.named import schemes
 
 #: Schemes with a model of the structure in their coefficients. Their claims of stability are judged together.
 WITH_MODEL = ("chen_ricles", "chang", "kr_alpha")
@@ -84,18 +81,18 @@ VALUES = {
 YEAR = 1996
 
 
-def _later(decisions: xr.Dataset) -> dict[str, str]:
+def _later(decisions: xr.Dataset, needs: xr.Dataset) -> dict[str, str]:
     """Share of later schemes among the decisions that name a scheme, by kind, such as "3 of 20"."""
-    years = {name: int(re.findall(r"\((\d{4})", scheme.source)[0]) for name, scheme in schemes.items()}
+    years = needs.scheme_source.to_series().str.extract(r"\((\d{4})", expand=False).astype(int)
     counts = {}
     for kind in decisions.kind.values:
         chosen = [name for name in decisions.scheme.sel(kind=kind, filter="all").values.ravel() if name]
-        counts[f"later_{kind}"] = f"{sum(years[name] > YEAR for name in chosen)} of {len(chosen)}"
+        counts[f"later_{kind}"] = f"{(years[chosen] > YEAR).sum()} of {len(chosen)}"
     return counts
 
 
 @numbers(claims="claims.csv")
-def of_later_schemes(claims: pd.DataFrame, decisions: xr.Dataset, later_schemes: xr.Dataset) -> dict:
+def of_later_schemes(claims: pd.DataFrame, decisions: xr.Dataset, needs: xr.Dataset, later_schemes: xr.Dataset) -> dict:
     """Facts and values of the ledger, the bound on the tangent, and the share of later schemes among the choices."""
     ledger = claims.set_index("claim")
     facts = {
@@ -107,4 +104,4 @@ def of_later_schemes(claims: pd.DataFrame, decisions: xr.Dataset, later_schemes:
         for name, (fact, place) in VALUES.items()
     }
     excess = max(excess_of_tangent(later_schemes, scheme) for scheme in WITH_MODEL)
-    return facts | values | _later(decisions) | {"model_excess": f"{excess:.1f}"}
+    return facts | values | _later(decisions, needs) | {"model_excess": f"{excess:.1f}"}

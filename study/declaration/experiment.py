@@ -176,7 +176,7 @@ def merged(makes: str, of: Sequence[str]) -> None:
 
 
 #: Packages whose modules declare experiments.
-PACKAGES = ("reference.experiments", "study.experiments", "study.assessment")
+PACKAGES = ("reference.experiments", "study.experiments", "study.assessment", "study.runs")
 
 
 def discover() -> list[Experiment | Merged]:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import study
-from study.experiments.runs import OF_SPACING, between, runs, time_scale, two_digits
 from study.problem.inelastic import BOUNCE
+from study.runs.experiment import OF_SPACING, between, runs, time_scale, two_digits
 from study.runs.needs import needs
 
 PERIODS, ERRORS = [2.0, 3.0, 4.0], [0.1, 0.01]
