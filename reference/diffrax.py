@@ -12,17 +12,16 @@ import optimistix
 
 from reference.solution import (
     ATOL_BELOW_RTOL,
-    ENDS,
     RouteFailed,
     Solution,
     StepLimit,
     Times,
-    check_time,
     check_tolerance,
     check_trajectory,
     release,
     right_side,
 )
+from study.algebra.deadline import check_time, deadline
 from study.algebra.jit import jit
 from study.mechanics.definition import Problem
 
@@ -160,7 +159,7 @@ def trajectory(
     """
     check_tolerance(f"diffrax {method}", rtol, SMALLEST_RTOL)
     check_trajectory(f"diffrax {method}", problem, t, unknowns=np.inf)
-    times, end = np.asarray(t, float), ENDS.get()
+    times, end = np.asarray(t, float), deadline()
     start = jnp.stack([jnp.asarray(problem.u0), jnp.asarray(problem.v0)])
     begin: tuple = jnp.zeros(()), start
     if problem.history is not None:
@@ -173,7 +172,7 @@ def trajectory(
         )  # compiles
     clock, parts, total = time.perf_counter(), [], 0
     for piece in pieces:
-        check_time(end)
+        check_time()
         states, steps, result, begin = solve(begin, jnp.asarray(piece), jnp.asarray(rtol), method, max_steps)
         _check(problem, method, result)
         parts.append(np.asarray(states))

@@ -1,9 +1,6 @@
 """Common parts of the routes: their solution, their exceptions, and their checks of problem and times."""
 
-import math
-import time
 from collections.abc import Sequence
-from contextvars import ContextVar
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -18,9 +15,6 @@ from study.mechanics.definition import Problem
 
 #: Ratio of absolute to relative tolerance, for displacements and velocities of order one or more.
 ATOL_BELOW_RTOL = 1e-2
-
-#: Value of the monotonic clock at which the routes give up; infinity by default.
-ENDS: ContextVar[float] = ContextVar("ends", default=math.inf)
 
 #: Times in seconds.
 Times = Float[np.ndarray, "t"]
@@ -51,12 +45,6 @@ class Solution(NamedTuple):
     v: History
     evaluations: int
     seconds: float
-
-
-def check_time(end: float) -> None:
-    """Raise ``TimeoutError`` if the monotonic clock has passed ``end``."""
-    if time.monotonic() > end:
-        raise TimeoutError("a reference has run out of time.")
 
 
 class RouteFailed(RuntimeError):

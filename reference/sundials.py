@@ -14,17 +14,16 @@ from sksundae.cvode import CVODE
 
 from reference.solution import (
     ATOL_BELOW_RTOL,
-    ENDS,
     RouteFailed,
     Solution,
     StepLimit,
     Times,
-    check_time,
     check_tolerance,
     check_trajectory,
     release,
     right_side,
 )
+from study.algebra.deadline import check_time, deadline
 from study.mechanics.definition import Problem
 from study.mechanics.internal_force import switches
 
@@ -69,8 +68,8 @@ class _Motion:
 
 
 def _in_time(fill: Callable) -> Callable:
-    """The function f(t, y, ẏ), which raises ``TimeoutError`` after the time ``ENDS``."""
-    end = ENDS.get()
+    """The function f(t, y, ẏ), which raises ``TimeoutError`` after the deadline."""
+    end = deadline()
     if end == math.inf:
         return fill
 

@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 import heyoka as hy
 import numpy as np
 
-from reference.solution import ENDS, RouteFailed, Solution, check_time, check_tolerance, check_trajectory, release
+from reference.solution import RouteFailed, Solution, check_tolerance, check_trajectory, release
 from reference.symbolic import expression, first_order
+from study.algebra.deadline import check_time, deadline
 from study.mechanics.definition import Problem
 
 #: Bits of the significand of a double.
@@ -72,12 +73,12 @@ def trajectory(
     integrator = _integrator(problem, bits, formulation, **options)
     times = t if t[0] == 0 else [0.0, *t]  # the grid must begin at the initial time of the integrator
     grid = np.array([_number(value, bits) for value in times])
-    start, end = time.perf_counter(), ENDS.get()
+    start, end = time.perf_counter(), deadline()
     in_time = {} if end == np.inf else {"callback": lambda integrator: time.monotonic() <= end}
     outcome, *_, steps, _, states = integrator.propagate_grid(grid, **in_time)
     seconds = time.perf_counter() - start
     if outcome == hy.taylor_outcome.cb_stop:
-        check_time(end)
+        check_time()
     _check(problem, outcome, integrator.time)
     return Solution(states[-len(t) :, 0], states[-len(t) :, 1], steps * integrator.order, seconds)
 

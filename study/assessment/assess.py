@@ -10,13 +10,14 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from study.algebra.deadline import until
 from study.algebra.reads import reading
 from study.algebra.scalars import is_number
 from study.assessment import failures, large, oscillation, search
 from study.assessment.arguments import checked_errors, chosen_schemes, refusal, remarks_on_stability, wanted_quantities
-from study.assessment.certified import cases_of, certified
+from study.assessment.certified import KINKS, cases_of, certified, undeclared
 from study.assessment.dataset import Assessed, dataset_of
-from study.assessment.deadline import OutOfTime, within
+from study.assessment.deadline import Budget, OutOfTime, within
 from study.assessment.errors import DEFAULT
 from study.assessment.of_program import assess_program, narrowed
 from study.assessment.periods import highest_frequency_along, length_of, model_of, remark_on_record, slowest_period
@@ -106,7 +107,10 @@ def assess(
     seconds
         Wall time in s after which no work begins. The results so far are returned. The verdict is ``out_of_time`` where
         the runs do not suffice, schemes without any run are left out with a warning, and there are neither maps nor
-        times. A run that has begun ends; the two solvers of the reference are given up.
+        times. Runs and the two solvers of the reference are given up at the next of their pauses, which are about a
+        second apart. A compilation that has begun ends: five to ten seconds for a reference, and one to five for a
+        scheme. No scheme is compiled if the time is shorter than earlier schemes took. A run of a program ends, and so
+        does the first run of a problem that is assessed like one, which compiles.
 
     Returns
     -------
@@ -173,7 +177,7 @@ def assess(
         raise ValueError(next(iter(chosen.values())).refusal(equation))
     own_schemes = {name: one for name, one in fit.items() if one not in schemes_by_name.values()}
     asked = "; ".join(own_schemes)
-    spacing, progress, end = search.spacing(equation, length), Progress(len(fit)), time.monotonic() + seconds
+    spacing, progress, budget = search.spacing(equation, length), Progress(len(fit)), Budget(time.monotonic() + seconds)
     model = model_of(equation, length, spacing)
     progress.say(f"{equation.title}: {'; '.join(model)}")
     remarks = remark_on_record(equation, spacing) + remarks_on_stability(own_schemes.values())
@@ -201,10 +205,10 @@ def assess(
     progress.report(f"solving for a reference of '{equation.title}'")
     unfinished = (
         f"the reference of '{equation.title}' was not found in {seconds:g} s; allow more seconds, larger errors or a "
-        f"shorter duration: {model[0]}."
+        f"shorter duration{', or ' + KINKS if undeclared(equation.load) else ''}: {model[0]}."
     )
     # functions inside the force are traced again too if what they read has changed
-    with within(end, unfinished), reading(equation.reads):
+    with within(budget.end, unfinished), reading(equation.reads):
         reference = certified(equation, length, wanted, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
     if length < requested:
@@ -215,7 +219,7 @@ def assess(
             stacklevel=2,
         )
     remarks += remarks_on_scales(reference.targets)
-    with within(end, unfinished), reading(equation.reads):
+    with within(budget.end, unfinished), reading(equation.reads):
         cases = cases_of(equation, reference, wanted, allowed[-1])
     if of_energy and (lacking := lack_of_energy(equation, reference.solution)):
         warnings.warn(lacking, RuntimeWarning, stacklevel=2)
@@ -227,25 +231,33 @@ def assess(
     limits = [(name, error) for name in names for error in allowed if error >= CERTAIN * uncertainty[name]]
 
     def of(scheme: Scheme) -> Assessed | None:
-        if time.monotonic() > end:
+        if not budget.allows("compiling"):
             return None
-        runs = Search(scheme, cases, length, min(coarsest, length), finest, of_energy, end)
-        runs.search(limits, lambda top: progress.report(f"{scheme.title}: steps of {top / 2:.3g} to {top:.3g} s"))
+        with until(budget.end):
+            runs = Search(scheme, cases, length, min(coarsest, length), finest, of_energy, budget.end)
+            runs.search(limits, lambda top: progress.report(f"{scheme.title}: steps of {top / 2:.3g} to {top:.3g} s"))
+        if not len(runs.runs):
+            return None
+        budget.took("compiling", runs.compiling)
         verdicts = {limit: runs.verdict(*limit) for limit in limits}
         recommended = np.unique([one.recommended for one in verdicts.values() if one.recommended > 0])
-        map_of_failures = (
-            failures.map_of(equation, scheme, length, coarsest, recommended) if maps and not runs.late else None
-        )
+        map_of_failures = None
+        if maps and not runs.late and budget.allows("map"):
+            with budget.work("map"):
+                map_of_failures = failures.map_of(equation, scheme, length, coarsest, recommended)
         if control is None or scheme.needs_equal_steps:
             return Assessed(runs.runs, verdicts, map_of_failures)
-        with_control = ToleranceSearch(scheme, control, cases, length, of_energy, end)
+        with_control = ToleranceSearch(scheme, control, cases, length, of_energy, budget.end)
         along = [limit for limit in limits if limit[0] not in oscillation.QUANTITIES]
-        with_control.search(along, lambda top: progress.report(f"{scheme.title}: tolerances up to {top:.3g}"))
+        with_control.late = not budget.allows("compiling control")
+        with until(budget.end):
+            with_control.search(along, lambda top: progress.report(f"{scheme.title}: tolerances up to {top:.3g}"))
+        budget.took("compiling control", with_control.compiling)
         tolerances = {limit: with_control.verdict(*limit) for limit in along}
         return Assessed(runs.runs, verdicts, map_of_failures, tolerances)
 
     found = _each(fit, of, progress, f"no scheme was run on '{equation.title}' in {seconds:g} s; allow more seconds.")
-    ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed, end)
+    ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed, budget.end)
     if control is not None:
         ds = ds.merge(variables_of({name: one.tolerances for name, one in found.items()}, names, allowed))
         ds.attrs["controller"] = control.title

@@ -1,6 +1,7 @@
 """The certified reference of a problem, by two solvers whose tolerance is tightened until they agree."""
 
 import warnings
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +26,9 @@ TOLERANCES = (1e-8, 1e-10, 1e-12, 1e-14)
 #: suddenly: where a motion is chaotic, their difference grows by a small factor from one point of the grid to the next.
 SUDDEN = 100
 
+#: Advice for a load whose kinks are found by a scan only.
+KINKS = "give the load an attribute kinks with the times at which it or its slope jumps"
+
 #: Smallest fraction of the duration over which the two solutions must agree.
 SHORTEST = 0.05
 
@@ -40,6 +44,11 @@ class Certified(NamedTuple):
     witness: Route
     rtol: float
     horizon: float
+
+
+def undeclared(load: Callable | None) -> bool:
+    """Whether there is a load that declares no kinks."""
+    return load is not None and not np.size(getattr(load, "kinks", ()))
 
 
 def _holds(
@@ -66,14 +75,13 @@ def _suddenly(
 def _check_shortest(reference: Reference) -> None:
     """Warn if the load has a pulse that the scan can only find by a number of the program."""
     load, duration = reference.problem.load, reference.duration
-    if load is None or np.size(getattr(load, "kinks", ())):
+    if not undeclared(load):
         return
     gaps = np.diff(times_of(load, duration, FINE))
     if gaps.size and (shortest := gaps.min()) < duration / FINE:
         warnings.warn(
             f"the load of '{reference.problem.title}' has a pulse of about {shortest:.1g} s; another one shorter "
-            f"than {2 * duration / FINE:.1g} s may have been missed: give the load an attribute kinks with the times "
-            "at which it or its slope jumps.",
+            f"than {2 * duration / FINE:.1g} s may have been missed: {KINKS}.",
             RuntimeWarning,
             stacklevel=4,
         )
@@ -122,19 +130,17 @@ def certified(
     horizon = duration
     if max(apart.values()) > ACCEPTED * tightest:
         horizon = _holds(one, other, quantities, problem, AIMED * tightest)
-        undeclared = problem.load is not None and not np.size(getattr(problem.load, "kinks", ()))
-        kinks = "give the load an attribute kinks with the times at which it or its slope jumps"
-        smooth = not problem.kinked and problem.history is None
-        if undeclared and smooth and _suddenly(one, other, quantities, problem, horizon) > SUDDEN * AIMED * tightest:
+        may_jump = undeclared(problem.load) and not problem.kinked and problem.history is None
+        if may_jump and _suddenly(one, other, quantities, problem, horizon) > SUDDEN * AIMED * tightest:
             raise NoReference(
                 f"{route.name} and {witness.name} part suddenly on '{problem.title}' after t = {horizon:.4g}, as at a "
-                f"short pulse of the load: {kinks}."
+                f"short pulse of the load: {KINKS}."
             )
         if horizon < SHORTEST * duration:
             raise NoReference(
                 f"{route.name} and {witness.name} differ by {max(apart.values()):.1e} on '{problem.title}' at a "
                 f"tolerance of {rtol:g}, and agree to {AIMED * tightest:.1e} only up to t = {horizon:.4g}: "
-                + (f"{kinks}, or " if undeclared else "")
+                + (f"{KINKS}, or " if undeclared(problem.load) else "")
                 + "allow a larger error or a shorter duration."
             )
         one, other = (s.until(horizon) for s in (one, other))

@@ -98,9 +98,9 @@ def _times(
 
     After Ctrl-C, or after ``end`` of the monotonic clock, only the finished schemes have times.
     """
-    times = {}
+    times, longest = dict[str, dict](), 0.0
     for name, one in found.items():
-        if time.monotonic() > end:
+        if (begin := time.monotonic()) + longest > end:
             break
         steps = one.runs.groupby("dt").steps.first()
         wanted = {v.recommended: int(steps[v.recommended]) for v in one.verdicts.values() if v.recommended > 0}
@@ -110,6 +110,7 @@ def _times(
             left = [other for other in found if other not in times]
             warnings.warn(f"interrupted: {', '.join(left)} have no times.", RuntimeWarning, stacklevel=4)
             break
+        longest = max(longest, time.monotonic() - begin)
     return times
 
 

@@ -1,9 +1,11 @@
-"""A limit on the wall time of a reference."""
+"""A limit on the wall time of an assessment."""
 
+import time
+from collections import defaultdict
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
-from reference.solution import ENDS
+from study.algebra.deadline import until
 
 
 class OutOfTime(ValueError):
@@ -19,10 +21,37 @@ def within(end: float, unfinished: str) -> Iterator[None]:
     OutOfTime
         If a solver is given up; ``unfinished`` is the message.
     """
-    token = ENDS.set(end)
     try:
-        yield
+        with until(end):
+            yield
     except TimeoutError:
         raise OutOfTime(unfinished) from None
-    finally:
-        ENDS.reset(token)
+
+
+class Budget:
+    """The wall time of an assessment. Work that compiles cannot be given up, so its time is estimated.
+
+    Parameters
+    ----------
+    end
+        Value of the monotonic clock at which the time ends.
+    """
+
+    def __init__(self, end: float):
+        self.end, self._longest = end, defaultdict[str, float](float)
+
+    def allows(self, kind: str) -> bool:
+        """Whether there is time for work that takes as long as the longest work of its kind so far."""
+        return time.monotonic() + self._longest[kind] <= self.end
+
+    def took(self, kind: str, seconds: float) -> None:
+        """Note the time of work of a kind."""
+        self._longest[kind] = max(self._longest[kind], seconds)
+
+    @contextmanager
+    def work(self, kind: str) -> Iterator[None]:
+        """Measure work of a kind. It is given up between two of its pieces, without an error, when the time ends."""
+        begin = time.monotonic()
+        with suppress(TimeoutError), until(self.end):
+            yield
+        self.took(kind, time.monotonic() - begin)

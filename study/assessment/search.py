@@ -152,12 +152,14 @@ class Search:
     of_energy
         Whether the balance of energies is one of the quantities.
     end
-        Value of ``time.monotonic()`` after which the search ends. The first runs are made in any case.
+        Value of ``time.monotonic()`` after which no runs begin, except the first ones.
 
     Attributes
     ----------
     late
-        Whether ``end`` had passed when the last runs ended.
+        Whether ``end`` has passed, so that runs may be missing.
+    compiling
+        Wall time of the first runs in s, most of which is compilation; zero before them.
     runs
         A row for each run: ``start``, ``dt``, ``steps``, ``status``, ``imbalance``, ``iterations``, ``forces``, and the
         error of each quantity.
@@ -174,7 +176,7 @@ class Search:
         end: float = math.inf,
     ):
         self.scheme, self.duration, self.coarsest, self.finest = scheme, duration, coarsest, finest
-        self._cases, self._of_energy, self._end, self.late = cases, of_energy, end, False
+        self._cases, self._of_energy, self._end, self.late, self.compiling = cases, of_energy, end, False, 0.0
         self._long = LONG if duration / finest > 1.01 * FINEST_OF_RUN else LONG_OF_SHORT
         self._size, self._spacing = np.size(cases[1.0].problem.u0), spacing(cases[1.0].problem, duration)
         self.runs, self._random = pd.DataFrame(), np.random.default_rng(0)
@@ -199,12 +201,25 @@ class Search:
         return pd.DataFrame({name: np.broadcast_to(values, len(ends)) for name, values in rows.items()})
 
     def run(self, dt: np.ndarray, start: float = 1.0) -> None:
-        """Make runs with the step sizes ``dt``, with start and load multiplied by ``start``."""
-        dt = np.sort(dt)  # sorted, so that the lanes of a tile end together
+        """Make runs with the step sizes ``dt``, with start and load multiplied by ``start``.
+
+        The runs with the finest steps are left out if the time does not suffice, so that no gap is left above a step.
+        """
+        dt = np.sort(dt)[::-1]  # sorted, so that the lanes of a tile end together
         alone = (self.duration / dt > self._long) & (self._size == 1)
         at_once, together = TILE * cores() if self._size == 1 else FEW, dt[~alone]
         parts = [*(together[i : i + at_once] for i in range(0, len(together), at_once)), *dt[alone]]
-        self.runs = pd.concat([self.runs, *(self._run(start, part) for part in parts)], ignore_index=True)
+        for part in parts:
+            if self.late and len(self.runs):
+                return
+            begin = time.perf_counter()
+            try:
+                self.runs = pd.concat([self.runs, self._run(start, part)], ignore_index=True)
+            except TimeoutError:
+                self.late = True
+                return
+            self.compiling = self.compiling or time.perf_counter() - begin
+            self.late |= time.monotonic() > self._end
 
     def _stretch(self, bottom: float, top: float) -> None:
         """Make runs at random steps from ``bottom`` to ``top``.
@@ -260,7 +275,7 @@ class Search:
                 report(top)
                 bottom = max(top / 2, least, self.finest)
                 self._stretch(bottom, top)
-                top, self.late = bottom, time.monotonic() > self._end
+                top = bottom
                 continue
             steps = {round_step(one, self._spacing) for one in largest if one}
             new, missing = np.array(sorted(steps - {*self._arrays()[0]})), self._unconfirmed(steps)
@@ -271,16 +286,16 @@ class Search:
             for start in self._cases:
                 if start != 1.0 and len(new):
                     self.run(new, start)
-            self.late = time.monotonic() > self._end
 
     def _round(self, limit: Limit) -> float:
         largest = self.largest(*limit)
         return round_step(largest, self._spacing) if largest else 0.0
 
     def _known(self, step: float) -> bool:
-        """Whether a step and all runs that confirm it have been made."""
-        tried = self._arrays()[0]
-        return step in tried and tried.min() <= TWENTIETH * step and not len(self._unconfirmed([step]))
+        """Whether a step, from all starts, and all runs that confirm it have been made."""
+        starts, tried = self.runs.start[self.runs.dt == step], self._arrays()[0]
+        finer = tried.min() <= TWENTIETH * step and not len(self._unconfirmed([step]))
+        return finer and {*starts} == {*self._cases}
 
     def verdict(self, name: str, allowed: float) -> Recommendation:
         """The verdict of the runs on a quantity and its allowed error."""

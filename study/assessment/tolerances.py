@@ -100,7 +100,9 @@ class ToleranceSearch:
     end
         Value of ``time.monotonic()`` after which no runs begin.
     late
-        Whether ``end`` had passed when the last runs ended.
+        Whether ``end`` has passed, so that runs may be missing.
+    compiling
+        Wall time of the first runs in s, most of which is compilation; zero before them.
     runs
         A row for each run: ``start``, ``tolerance``, ``steps``, ``forces``, and the error of each quantity.
     """
@@ -112,6 +114,7 @@ class ToleranceSearch:
     of_energy: bool
     end: float = math.inf
     late: bool = False
+    compiling: float = 0.0
     runs: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     def __post_init__(self):
@@ -119,27 +122,34 @@ class ToleranceSearch:
         self._estimator = estimators[usual_estimator(self.scheme, problem)]
         self._power = self._estimator.exponent(self.scheme)
         self._random = np.random.default_rng(0)
-        self.late = time.monotonic() > self.end
 
     def _run(self, start: float, tolerance: np.ndarray) -> None:
         """Make runs with the given tolerances, with start and load multiplied by ``start``."""
         case = self.cases[start]
-        ds = sweep(
-            case.problem,
-            self.scheme,
-            tolerance=tolerance,
-            duration=self.duration,
-            estimator=self._estimator,
-            controller=self.controller,
-            steps=MOST_STEPS,
-            observe=[one for one in case.observe if isinstance(one, str) or not one.needs_equal_steps],
-        )
+        if self.late:
+            return
+        begin = time.monotonic()
+        try:
+            ds = sweep(
+                case.problem,
+                self.scheme,
+                tolerance=tolerance,
+                duration=self.duration,
+                estimator=self._estimator,
+                controller=self.controller,
+                steps=MOST_STEPS,
+                observe=[one for one in case.observe if isinstance(one, str) or not one.needs_equal_steps],
+            )
+        except TimeoutError:
+            self.late = True
+            return
         steps = ds.steps.values
         ends = np.full(len(tolerance), self.duration)
         found: dict[str, Any] = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
         found |= {ENERGY: ds.max_energy_imbalance.values} if self.of_energy else {}
         rows = {"start": start, "tolerance": tolerance, "steps": steps, "forces": ds.force_evaluations.values} | found
         self.runs = pd.concat([self.runs, pd.DataFrame(rows)], ignore_index=True)
+        self.compiling = self.compiling or time.monotonic() - begin
         self.late = time.monotonic() > self.end
 
     def _drawn(self, bottom: float, top: float, first: Sequence[float] = ()) -> np.ndarray:
@@ -183,7 +193,7 @@ class ToleranceSearch:
         largest = self.largest(name, allowed) if len(self.runs) else 0.0
         own = self.runs[self.runs.start == 1.0] if len(self.runs) else self.runs
         tolerance = round_tolerance(largest) if largest else 0.0
-        if self.late and not (tolerance and tolerance in own.tolerance.values):
+        if self.late and not (tolerance and {*self.runs.start[self.runs.tolerance == tolerance]} == {*self.cases}):
             return Tolerance(OUT_OF_TIME)
         if not tolerance:
             return Tolerance(FINEST_FAILS)

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from jax import lax
 
+from study.algebra.deadline import check_time
 from study.algebra.jit import jit
 from study.control.estimators import Sizes
 from study.io import flags
@@ -261,6 +262,7 @@ class Adaptive:
                 trial = trial._replace(place=jnp.zeros_like(trial.place))
             if ended:
                 return trial, _joined(parts, lanes), {n: np.asarray(x) for n, x in values.items()}
+            check_time()
 
     def _report_failures(self, status, steps, t, dt, on_failure: str) -> None:
         """Warn of failed runs, or raise an error."""

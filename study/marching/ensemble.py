@@ -9,6 +9,7 @@ import jax
 import numpy as np
 from tqdm import tqdm
 
+from study.algebra.deadline import deadline, until
 from study.marching.program import Program
 from study.marching.result import Result
 from study.marching.shapes import CountPerRun, DisplacementsOfLanes, OfLanes
@@ -44,9 +45,11 @@ def _in_tiles(values: np.ndarray, shape: tuple[int, int, int], size: int, filler
 def _on_cores(run: Callable[..., Result], arguments: Sequence[tuple]) -> list[Result]:
     """Results of ``run`` for each tuple of arguments, on at most one thread per core. Ctrl-C ends all runs."""
     stopped = threading.Event()
-    workers = cores() if jax.default_backend() == "cpu" else 1
+    workers, end = cores() if jax.default_backend() == "cpu" else 1, deadline()
 
-    @jax.enable_x64(jax.enable_x64.value)  # a new thread does not inherit the precision of this thread
+    # a new thread does not inherit the precision and the deadline of this thread
+    @jax.enable_x64(jax.enable_x64.value)
+    @until(end)
     def one(arguments):
         return run(*arguments, on_pause=lambda step: not stopped.is_set())
 

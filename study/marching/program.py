@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from study.algebra.deadline import check_time
 from study.algebra.jit import jit
 from study.algebra.reads import Reads, reading, reads_of
 from study.marching.march import March
@@ -222,6 +223,7 @@ class Program:
             # reading the result waits for the end of the stretch, so that Ctrl-C acts between two stretches
             if np.all(np.asarray(result[0])) or not on_pause(until):
                 break
+            check_time()
         for values in whole.values():
             values[(*before, slice(first + new, None))] = np.nan
         return as_result(result, whole)

@@ -88,9 +88,9 @@ class Runs:
         self.program, self.made, self._report = program, dict[Job, Run](), report
         self._workers = program.workers or cores()
         key = json.dumps([FORM, program.identity(), float(program.duration).hex()])
-        self._folder, self._checked = program.place / _digest(key), False
+        self._folder, self._checked, self._unsure = program.place / _digest(key), False, set[str]()
         self._pool = self._start()
-        self._end, self.late, self.interrupted = time.monotonic() + seconds, False, False
+        self._end, self._first, self.late, self.interrupted = time.monotonic() + seconds, 0.0, False, False
 
     @property
     def _at_once(self) -> int:
@@ -155,12 +155,14 @@ class Runs:
             schemes = listed(dict.fromkeys(scheme for scheme, _ in kept))
             self._report(f"one kept run of {schemes} is repeated, in case the program has changed")
         again = {(run.scheme, run.dt): run for run in self._made([*kept])}
+        self._unsure = {scheme for scheme, dt in kept if (scheme, dt) not in again}
         completes = {scheme for (scheme, _), run in kept.items() if run.completed}
         changes = [
             how
             for (scheme, dt), run in kept.items()
             # where other runs complete, a failure may give other reasons, such as a time or the name of a file
-            if (run.completed or again[scheme, dt].completed or scheme not in completes)
+            if (scheme, dt) in again
+            and (run.completed or again[scheme, dt].completed or scheme not in completes)
             and (how := self._change(run, again[scheme, dt]))
         ]
         if changes:
@@ -212,10 +214,13 @@ class Runs:
         """
         self._check_kept()
         jobs = {job: self._path(*job, repeat) for job in wanted}
-        missing = [job for job, path in jobs.items() if not path.exists() or self._waited_less(_read(path))]
+        missing = [
+            job
+            for job, path in jobs.items()
+            if job[0] in self._unsure or not path.exists() or self._waited_less(_read(path))
+        ]
         expected = self._expected(missing)
         late = {*missing} - {*(missing := self._in_time(expected))}
-        self.late |= bool(late)
         ends = time.monotonic() + self._wait([expected[job] for job in missing])
         waiting = {*missing}
         try:
@@ -232,8 +237,9 @@ class Runs:
                     f"{_to_go(ends)}){ended}"
                 )
         except KeyboardInterrupt:  # the runs so far are returned, and no other run begins
-            self._end, self.late, self.interrupted = -math.inf, True, True
-            late |= waiting
+            self._end, self.interrupted = -math.inf, True
+        late |= waiting
+        self.late |= bool(late) or self.interrupted
         found = [_read(path) for job, path in jobs.items() if job not in late]
         if not repeat:
             self.made |= {(run.scheme, run.dt): run for run in found}
@@ -242,13 +248,13 @@ class Runs:
     def _expected(self, jobs: list[Job]) -> dict[Job, float]:
         """Estimated time in s of each run, from the least time per step in the completed runs of its scheme.
 
-        It is zero if the scheme has no completed run.
+        Without such a run it is the longest time that any scheme took for its first run.
         """
         work = dict[str, float]()  # time in s of a run with a step of one second, by scheme
         for run in self.made.values():
             if run.completed:
                 work[run.scheme] = min(work.get(run.scheme, math.inf), run.elapsed * run.dt)
-        return {(s, dt): work.get(s, 0.0) / dt for s, dt in jobs}
+        return {(s, dt): work[s] / dt if s in work else self._first for s, dt in jobs}
 
     def _wait(self, each: list[float]) -> float:
         """Expected wall time in s of all runs if several are made at once; ``each`` holds the time of every run."""
@@ -270,20 +276,39 @@ class Runs:
         return run.status == "timed_out" and (limit is None or run.elapsed < limit)
 
     def _made(self, jobs: list[Job]) -> Iterator[Run]:
-        """Make runs, and yield each run when it ends."""
+        """Make runs, and yield each run when it ends; runs that are expected to end late do not begin."""
         if self._pool is None:
-            yield from (attempt(self.program.run, *job, self.program.duration) for job in jobs)
+            for job in jobs:
+                if not self._late(job):
+                    yield self._measured(attempt(self.program.run, *job, self.program.duration))
             return
-        waiting = {self._submit(job): job for job in jobs}
+        waiting = {self._submit(job): job for job in jobs if not self._late(job)}
         lost = []
         for one in as_completed(waiting):
+            if one.cancelled():
+                continue
             try:
-                yield one.result()
+                run = self._measured(one.result())
             except BrokenProcessPool:  # one run has ended its process, which also ends all waiting runs
                 lost.append(waiting[one])
+                continue
+            for other, job in waiting.items():
+                if self._late(job):
+                    other.cancel()
+            yield run
         self._pool = self._start() if lost else self._pool
         for job in lost:
             yield self._alone(job)
+
+    def _late(self, job: Job) -> bool:
+        """Whether a run that begins now is expected to end late."""
+        return time.monotonic() + self._expected([job])[job] > self._end
+
+    def _measured(self, run: Run) -> Run:
+        """The run, after its time has been noted if it is the first of its scheme, which may include compilation."""
+        if run.scheme not in {scheme for scheme, _ in self.made}:
+            self._first = max(self._first, run.elapsed)
+        return run
 
     def _submit(self, job: Job) -> Future:
         assert self._pool is not None

@@ -135,12 +135,12 @@ def test_recommend_lists_what_was_run(assessed):
     assert (table.omega_step / table.step_size).to_numpy() == pytest.approx(np.sqrt(1 + 3 * largest**2), rel=1e-3)
     assert table.kind.to_dict() == {"average_acceleration": "implicit", "rk4": "explicit"}
     assert table.forces_per_time["rk4"] == pytest.approx(4 / table.step_size["rk4"])
-    assert table["time"].is_monotonic_increasing and table.ties_with_fastest.iloc[0]
+    assert table["time"][~table.ties_with_fastest].is_monotonic_increasing and table.ties_with_fastest.iloc[0]
 
 
 def test_what_there_is_no_time_for_is_said(driven, assessed, monkeypatch):
     # the time of the searches ends after the first runs
-    monkeypatch.setattr(search, "time", SimpleNamespace(monotonic=lambda: math.inf))
+    monkeypatch.setattr(search, "time", SimpleNamespace(monotonic=lambda: math.inf, perf_counter=time.perf_counter))
     hurried = study.assess(
         driven, "newmark", duration=DURATION, quantities=QUANTITIES, errors=(0.05, 0.01), seconds=1000.0
     )

@@ -31,7 +31,7 @@ class MadeUp(Search):
         self._error, self.runs = error, pd.DataFrame()
         self._cases = dict.fromkeys((1.0, *STARTS))  # type: ignore[assignment]
         self._random, self._long = np.random.default_rng(1), 30_000
-        self._end, self.late = math.inf, False
+        self._end, self.late, self.compiling = math.inf, False, 0.0
 
     def _run(self, start, dt):
         dt = np.atleast_1d(dt)

@@ -411,6 +411,18 @@ def _eight_seconds(run, scheme, dt, duration):
     return Run(scheme, dt, "completed", "", 1.0, 8.0 / dt, np.empty(0), {"peak": np.array(1.0)})
 
 
+def test_no_first_run_begins_if_another_first_run_took_too_long(tmp_path, monkeypatch):
+    """A kept run that is not repeated in time is not used either."""
+    monkeypatch.setattr(runs, "attempt", _eight_seconds)
+    own, jobs = program(models.linear, tmp_path, ["a", "b"], workers=1), [("a", 1.0), ("b", 1.0)]
+    with Runs(own, seconds=5.0) as made:
+        assert [run.scheme for run in made.run(jobs)] == ["a"] and made.late
+    with Runs(own) as made:
+        assert len(made.run(jobs)) == 2 and not made.late
+    with Runs(own, seconds=5.0) as made:
+        assert [run.scheme for run in made.run(jobs)] == ["a"] and made.late
+
+
 def test_no_run_begins_that_would_end_late_on_its_own_worker(tmp_path, monkeypatch):
     monkeypatch.setattr(runs, "attempt", _eight_seconds)
     with Runs(program(models.linear, tmp_path, ["a", "b"], workers=1), seconds=10.0) as made:
