@@ -68,16 +68,18 @@ class Reads:
     ----------
     certain
         Whether all values were found; otherwise the reads equal no others.
+    traced
+        Whether JAX traces one of the values, or may trace one that was not found.
     """
 
-    def __init__(self, digest: bytes, certain: bool = True, held: Iterable[Any] = ()):
-        self._digest, self.certain = digest, certain
+    def __init__(self, digest: bytes, certain: bool = True, held: Iterable[Any] = (), traced: bool = False):
+        self._digest, self.certain, self.traced = digest, certain, traced
         self._held = tuple(held)  # objects that the digest knows by their addresses, which no others may take
 
     @classmethod
     def unique(cls) -> "Reads":
         """Reads that equal no others."""
-        return cls(f"unique {next(_numbers)}".encode(), certain=False)
+        return cls(f"unique {next(_numbers)}".encode(), certain=False, traced=True)
 
     def __hash__(self) -> int:
         return hash(self._digest)
@@ -177,12 +179,12 @@ class _Search:
         self._seen: dict[int, int] = {}
         self._classes: set[type] = set()
         self._held: list[Any] = []
-        self._certain = True
+        self._certain, self._traced = True, False
 
     def found(self) -> Reads:
         if not self._certain:
             return Reads.unique()
-        return Reads(self._hash.digest(), self._certain, self._held)
+        return Reads(self._hash.digest(), self._certain, self._held, self._traced)
 
     def argument(self, x: Any) -> None:
         """Add what an argument of a compiled function reads."""
@@ -205,6 +207,7 @@ class _Search:
         if type(x) in _LITERALS:
             self._add(type(x).__name__, x)
         elif isinstance(x, jax.core.Tracer):
+            self._traced = True
             self._add(x.aval)
         elif type(x) is np.ndarray or isinstance(x, np.generic):
             self._array(x)
@@ -250,6 +253,7 @@ class _Search:
 
     def _object(self, x: Any) -> None:
         if isinstance(x, Reads):
+            self._traced |= x.traced
             self._add(x)
         elif isinstance(x, types.FunctionType):
             self._function(x)

@@ -1,7 +1,6 @@
 """A run as a pure function, which JAX differentiates, vectorises and compiles with its surroundings."""
 
 import math
-import warnings
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -13,19 +12,17 @@ import numpy as np
 from jax import lax
 
 from study.algebra.arrays import Scalar, ScalarLike, Vector, VectorLike
+from study.algebra.derivatives import watched
 from study.algebra.reads import reading, reads_of
 from study.marching.arguments import checked_observers, positive_integer, resolve
 from study.marching.march import March
 from study.mechanics.definition import Problem
-from study.mechanics.function_checks import DOUBLE_WHERE, displacements, is_lost_in_reverse, known
+from study.mechanics.function_checks import DOUBLE_WHERE
 from study.observer.base import Observer
 from study.observer.named import observers as named_observers
 from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
-
-#: Number of times at which the derivative of a load is examined.
-TIMES = 65
 
 
 def final_state(
@@ -52,9 +49,9 @@ def final_state(
     reverse mode. JAX 0.10 then ignores the rule for derivatives of an implicit root in a scan, even for its own
     ``lax.custom_root``.
 
-    Derivatives in reverse mode are NaN if ``jnp.where`` leaves out a branch that is not finite or has no finite slope,
-    such as ``jnp.where(u > 0, u**1.5, 0.0)`` at u < 0. Derivatives in forward mode are right. If JAX traces the run,
-    force and load are examined at some displacements and times.
+    Derivatives are NaN where a function of the problem has no finite derivative, such as ``jnp.sqrt(u**2)`` at u = 0.
+    Derivatives in reverse mode are also NaN if ``jnp.where`` leaves out a branch that is not finite or has no finite
+    slope, such as ``jnp.where(u > 0, u**1.5, 0.0)`` at u < 0. A warning is given when such a derivative is computed.
 
     Parameters
     ----------
@@ -73,8 +70,7 @@ def final_state(
     Warns
     -----
     RuntimeWarning
-        If derivatives in reverse mode of the force or the load are NaN where their values and their derivatives in
-        forward mode are finite.
+        If a computed derivative is NaN.
 
     Raises
     ------
@@ -114,11 +110,17 @@ def final_state(
             f"'{name}' is recorded along time, and final_state returns one value per run: observe a reduction, such as "
             f"{', '.join(fit[:3])}, or a Quantity with reduce=."
         )
-    with reading(reads_of(march)):
-        end = _end(march, starts[0], starts[1], jnp.asarray(dt, float), count)
-    if any(isinstance(value, jax.core.Tracer) for value in end.values()):
-        _check_derivatives(equation, dt, count)
-    return end
+    given, reads = (*starts, jnp.asarray(dt, float)), reads_of(march)
+    with reading(reads):
+        if not (reads.traced or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves((march, given)))):
+            return _end(march, *given, count)
+        message = (
+            f"a derivative of the final state of '{equation.title}' is NaN, because the run failed, or because a "
+            f"function of the problem has no finite derivative where its value is finite: {DOUBLE_WHERE}."
+        )
+        # the numbers that JAX differentiates may also be captured by functions
+        converted, numbers = jax.closure_convert(lambda *given: _end(march, *given, count), *given)
+        return watched(converted(*watched(given, message), *watched(numbers, message)), message)
 
 
 @eqx.filter_jit
@@ -135,25 +137,6 @@ def _end(march: March, u0: Vector, v0: Vector, dt: Scalar, count: int) -> dict[s
     progress = _steps(march, progress, dt, count % block)
     failure, values = march.result(progress)
     return {"u": progress.state.u, "v": progress.state.v, "failed_at_step": failure // 3 - 1, **values}
-
-
-def _check_derivatives(problem: Problem, dt: ScalarLike, steps: int) -> None:
-    """Warn if derivatives in reverse mode would be NaN although derivatives in forward mode are finite."""
-    with jax.ensure_compile_time_eval():  # JAX may trace u₀ and Δt
-        u = displacements(problem.u0)
-        times = np.linspace(0, 1, TIMES) * steps * np.asarray(known(dt))
-    functions = {
-        "force": None if problem.linear else (lambda u: problem.varying_force(u, problem.v0), u),
-        "load": None if problem.load is None else (problem.load, times),
-    }
-    for name, given in functions.items():
-        if given and is_lost_in_reverse(*given):
-            warnings.warn(
-                f"derivatives in reverse mode, as by jax.grad, are NaN for the {name} of '{problem.title}', although "
-                f"derivatives in forward mode, as by jax.jacfwd, are finite: {DOUBLE_WHERE}.",
-                RuntimeWarning,
-                stacklevel=3,
-            )
 
 
 def _steps(march: March, progress: Any, dt: Scalar, count: int) -> Any:

@@ -8,7 +8,6 @@ import inspect
 import linecache
 import traceback
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 import equinox as eqx
@@ -256,36 +255,7 @@ def known(value):
     return jnp.full(value.shape, UNKNOWN).astype(value.dtype) if known is None else known
 
 
-def is_lost_in_reverse(function: Callable, *points) -> bool:
-    """Whether the derivative in reverse mode is NaN at a point where the value and the forward derivative are finite.
-
-    A branch that ``jnp.where`` does not select causes this: its infinite or undefined slope is multiplied by zero.
-    Each argument has one entry per point in front. Derivatives are also taken with respect to numbers that JAX traces.
-    """
-    program = eqx.filter_make_jaxpr(function)(*(jnp.asarray(at[0]) for at in points))[0]
-    if "select_n" not in str(program.jaxpr):
-        return False
-    traced = [isinstance(value, jax.core.Tracer) for value in program.consts]
-
-    def lost(numbers, arguments):
-        def value(numbers, arguments):
-            remaining = iter(numbers)
-            consts = [next(remaining) if given else one for given, one in zip(traced, program.consts, strict=True)]
-            return jax.core.eval_jaxpr(program.jaxpr, consts, *arguments)[0]
-
-        given = numbers, arguments
-        result, back = jax.vjp(value, *given)
-        _, along = jax.jvp(value, given, jax.tree.map(jnp.ones_like, given))
-        slopes = jax.tree.leaves(back(jnp.ones_like(result)))
-        nan = jnp.stack([jnp.isnan(slope).any() for slope in slopes]).any()
-        return nan & jnp.isfinite(result).all() & jnp.isfinite(along).all()
-
-    with jax.ensure_compile_time_eval():
-        numbers = [known(value) for value, is_traced in zip(program.consts, traced, strict=True) if is_traced]
-        return bool(jax.vmap(partial(lost, numbers))(tuple(map(jnp.asarray, points))).any())
-
-
-def displacements(u0) -> np.ndarray:
+def _displacements(u0) -> np.ndarray:
     """Displacements around u₀ and zero, at distances far below and far above the size of u₀, of shape (points, ...)."""
     u0 = np.asarray(known(u0))
     ways = np.random.default_rng(0).uniform(0.5, 1.5, (2, *u0.shape))
@@ -294,7 +264,7 @@ def displacements(u0) -> np.ndarray:
     return np.stack([u0, -u0, *(around + one for around in (u0, 0 * u0) for one in away)])
 
 
-#: Advice for a function whose derivative is lost in reverse mode.
+#: Advice for a function whose value is finite and whose derivative is not.
 DOUBLE_WHERE = (
     "keep the branch that jnp.where does not select finite by a double where, such as "
     "jnp.where(u > 0, jnp.where(u > 0, u, 1.0) ** 1.5, 0.0)"
@@ -302,9 +272,25 @@ DOUBLE_WHERE = (
 
 
 def check_derived_force(problem) -> None:
-    """Refuse a potential whose gradient, which is the force, is NaN where the potential and its change are finite."""
+    """Refuse a potential whose gradient, which is the force, is NaN where the potential and its change are finite.
+
+    A branch that ``jnp.where`` does not select causes this: its infinite or undefined slope is multiplied by zero.
+    """
     memory = () if problem.history is None else (problem.history,)
-    if is_lost_in_reverse(lambda u: problem.potential(u, *memory), displacements(problem.u0)):
+    program = eqx.filter_make_jaxpr(lambda u: problem.potential(u, *memory))(jnp.asarray(problem.u0))[0]
+
+    def is_lost(u):
+        def potential(u):
+            return jax.core.eval_jaxpr(program.jaxpr, numbers, u)[0]
+
+        value, slope = jax.value_and_grad(potential)(u)
+        _, along = jax.jvp(potential, (u,), (jnp.ones_like(u),))
+        return jnp.isnan(slope).any() & jnp.isfinite(value) & jnp.isfinite(along)
+
+    with jax.ensure_compile_time_eval():
+        numbers = [known(value) for value in program.consts]
+        lost = "select_n" in str(program.jaxpr) and jax.vmap(is_lost)(jnp.asarray(_displacements(problem.u0))).any()
+    if lost:
         raise ValueError(
             f"the force of '{problem.title}', the gradient of its potential, is NaN where the potential is finite: "
             f"{DOUBLE_WHERE}."
