@@ -27,7 +27,7 @@ from study.marching.adaptive import (
     proceed,
 )
 from study.marching.control import Control
-from study.marching.failure import HOW, RunFailedWarning, likely_cause
+from study.marching.failure import HOW, RunFailedWarning, cause_of_derivative, likely_cause
 from study.marching.march import March
 from study.marching.program import PAUSE, ROOM, unlabelled
 from study.marching.result import COMPLETED, FAILED_AT_STEP_ATTRIBUTES, STATUSES, Labels, nan_where
@@ -205,7 +205,7 @@ class Adaptive:
         status = np.asarray(trial.status).astype(np.int32)
         failed, steps, t = status != COMPLETED, np.asarray(trial.taken), np.asarray(trial.t)
         if on_failure != "ignore" and failed.any():
-            self._report_failures(status, steps, t, np.asarray(trial.dt), on_failure)
+            self._report_failures(trial, on_failure)
         lane = ("lane",) if self._lanes else ()
         data: dict[str, Any] = {
             "status": (lane, status, _STATUS),
@@ -264,13 +264,19 @@ class Adaptive:
                 return trial, _joined(parts, lanes), {n: np.asarray(x) for n, x in values.items()}
             check_time()
 
-    def _report_failures(self, status, steps, t, dt, on_failure: str) -> None:
+    def _report_failures(self, trial: Trial, on_failure: str) -> None:
         """Warn of failed runs, or raise an error."""
+        status = np.asarray(trial.status)
         failed = np.flatnonzero(status)
         first = failed[0]
-        how, step, at, size = (np.ravel(x)[first] for x in (status, steps, t, dt))
+        how, step, at, size = (np.ravel(x)[first] for x in (status, trial.taken, trial.t, trial.dt))
         many = f"{failed.size} of {status.size} runs failed, the first of them, lane {first}: " if status.ndim else ""
-        cause = likely_cause(self._problem, self._scheme, int(how), float(size)) if how < STEP_TOO_SMALL else ""
+        cause = ""
+        if not (self._over or self._scheme.explicit):
+            state = jax.tree.map(lambda x: x[first], trial.state) if self._lanes else trial.state
+            cause = cause_of_derivative(self._problem.at(state), float(at), state.u, state.v, float(size))
+        if not cause and how < STEP_TOO_SMALL:
+            cause = likely_cause(self._problem, self._scheme, int(how), float(size))
         what = (
             f"{many}'{self._scheme.title}' failed on '{self._problem.title}' after {step} steps, at t = {at:.6g}, with "
             f"dt = {size:.6g}: {_HOW[int(how)]}." + (f" Likely cause: {cause}" if cause else "")

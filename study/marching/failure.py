@@ -1,12 +1,16 @@
 """The message of a failed run: scheme, step, time and the likely cause."""
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 
 from study.marching import stability
+from study.marching.pure import final_state
 from study.marching.result import COMPLETED, NO_SOLUTION, NOT_FINITE, UNBOUNDED, Result
 from study.marching.shapes import PerRun
 from study.mechanics.definition import Problem
 from study.mechanics.frequencies import frequencies
+from study.mechanics.function_checks import DOUBLE_WHERE
 from study.scheme.base import Scheme
 
 #: Reactions of :func:`study.run` to a failed run.
@@ -14,6 +18,10 @@ ON_FAILURE = ("warn", "raise", "ignore")
 
 #: Largest ωΔt of the stiffest mode at which smaller steps do not help Newton's iteration.
 RESOLVED = 0.01
+
+#: Displacements at which the derivative of a force is examined after a failure, as multiples of u̇ Δt from the last
+#: state.
+EXAMINED = np.linspace(-1.0, 2.0, 61)
 
 #: Descriptions of failures, by status.
 HOW = {
@@ -70,8 +78,34 @@ def likely_cause(
     )
 
 
-def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun, motion: stability.SmallMotion | None) -> str:
-    """Two sentences on the first failed run, with the number of failed lanes; empty if all runs completed."""
+def cause_of_derivative(problem: Problem, t: float, u, v, dt: float) -> str:
+    """A sentence if the derivative of the force is not finite within a step from a state, although the force is.
+
+    Newton's iteration has no correction there. The sentence is empty if there is no such displacement.
+    """
+
+    def is_lost(part):
+        now = problem.at_time(t + part * dt)
+        force, slope = jax.jvp(lambda u: now.varying_force(u, v), (u + part * dt * v,), (jnp.ones_like(u),))
+        return jnp.isfinite(force).all() & ~jnp.isfinite(slope).all()
+
+    if problem.linear or not jax.vmap(is_lost)(jnp.asarray(EXAMINED)).any():
+        return ""
+    return f"the derivative of the force is not finite there, although the force is: {DOUBLE_WHERE}."
+
+
+def sentence(
+    result: Result,
+    problem: Problem,
+    scheme: Scheme,
+    begin: tuple | None,
+    dt: PerRun,
+    motion: stability.SmallMotion | None,
+) -> str:
+    """Two sentences on the first failed run, with the number of failed lanes; empty if all runs completed.
+
+    ``begin`` has the initial displacements and velocities; None for lanes with problems of their own.
+    """
     failed = np.flatnonzero(result.status != COMPLETED)
     if not failed.size:
         return ""
@@ -81,5 +115,12 @@ def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun, motio
     how = HOW[status]
     many = f"{failed.size} of {result.status.size} runs failed, the first of them, lane {first}: "
     where = f"'{scheme.title}' failed on '{problem.title}' at step {step}, t = {step * size:.6g}, with dt = {size:.6g}"
-    cause = likely_cause(problem, scheme, status, size, None if motion is None else motion.of_lane(first))
+    cause = ""
+    if begin is not None and not (scheme.explicit or problem.linear):
+        u, v = (jnp.asarray(x[first] if np.ndim(result.status) else x) for x in begin)
+        if step > 1:  # the state before the step that failed
+            before = final_state(problem, scheme, dt=size, steps=step - 1, u0=u, v0=v)
+            u, v = before["u"], before["v"]
+        cause = cause_of_derivative(problem, (step - 1) * size, u, v, size)
+    cause = cause or likely_cause(problem, scheme, status, size, None if motion is None else motion.of_lane(first))
     return f"{many if np.ndim(result.status) else ''}{where}: {how}. Likely cause: {cause}"

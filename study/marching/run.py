@@ -300,7 +300,7 @@ def run(
         result = jax.tree.map(lambda all_, new: _replaced(all_, unsolved, new), result, again) if lanes else again
     motion = stability.taken_from(result.values) if watches else None
     if on_failure is not _SILENT:
-        _report_failures(result, equation, method, step_size, on_failure, motion)
+        _report_failures(result, equation, method, None if values else begin[:2], step_size, on_failure, motion)
     if motion is not None:
         _report_excess(result, method, motion, step_size, count)
     labels = Labels(equation, method, chosen)
@@ -338,13 +338,14 @@ def _report_failures(
     result: Result,
     problem: Problem,
     scheme: Scheme,
+    begin: tuple | None,
     dt: PerRun,
     on_failure: str,
     motion: stability.SmallMotion | None,
 ) -> None:
     """Warn of failed runs, raise an error, or do nothing."""
     if on_failure != "ignore" and np.any(result.status):
-        what = failure.sentence(result, problem, scheme, dt, motion)
+        what = failure.sentence(result, problem, scheme, begin, dt, motion)
         if on_failure == "raise":
             raise RuntimeError(what)
         warnings.warn(what, failure.RunFailedWarning, stacklevel=3)

@@ -45,6 +45,17 @@ def test_a_force_that_is_not_finite_is_the_likely_cause():
         study.run(below, "rk4", dt=0.1, steps=3, on_failure="raise")
 
 
+@pytest.mark.parametrize(
+    "how",
+    [{"dt": 0.02, "steps": 20}, {"dt": np.array([1e-9, 0.02]), "steps": 20}, {"tolerance": 1e-2, "duration": 1.0}],
+)
+def test_a_derivative_of_the_force_that_is_not_finite_is_the_likely_cause(how):
+    """arcsin(clip(u)) has the derivative ∞ · 0 from u = 1 on, which the motion reaches after a few steps."""
+    clipped = study.Problem(lambda u: u + jnp.arcsin(jnp.clip(u, -1, 1)), u0=0.9, v0=1.0)
+    with pytest.raises(RuntimeError, match="Likely cause: the derivative of the force is not finite there, although"):
+        study.run(clipped, "average_acceleration", observe=[], on_failure="raise", **how)
+
+
 def test_a_motion_that_grows_by_itself_is_not_blamed_on_the_step_alone():
     falling = study.Problem(lambda u: -u, u0=1.0)
     with pytest.raises(RuntimeError, match="at the start no mode oscillates, and the motion may also grow by itself"):
