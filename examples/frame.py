@@ -38,7 +38,7 @@ frame = study.Problem(
     potential=energy,
     u0=np.zeros(3),
     mass=np.full(3, MASS),
-    damping=study.Rayleigh(0.7, 0.0015),
+    damping=study.Rayleigh(a=0.7, b=0.0015),
     ground=study.GroundMotion.el_centro(),
     title="three-storey frame",
 )

@@ -311,9 +311,9 @@ def open_dataset(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
     if not path.exists():
         present = sorted(p.relative_to(folder).with_suffix("").as_posix() for p in Path(folder).rglob("*.nc"))
         near = nearest(str(name), present)
-        question = f"did you mean {' or '.join(map(repr, near))}? If not, " if near else ""
+        meant = f"'{name}' may mean {' or '.join(map(repr, near))}, " if near else ""
         raise FileNotFoundError(
-            f"there is no dataset '{path}'; {question}`snakemake {path}` makes it if the study has it. "
-            "Run this command in the folder of the sources. For results in another folder, give it as `folder`."
+            f"there is no dataset '{path}': {meant}another folder of results is given as `folder`, and a dataset of "
+            f"the study is made by `snakemake {path}` in the folder of its sources."
         )
     return read(path)

@@ -20,7 +20,7 @@ import numpy as np
 
 from study.algebra.arrays import Vector, as_float64
 from study.algebra.scalars import is_whole
-from study.keywords import keywords_only
+from study.keywords import KeywordsOnly, keywords_only
 from study.mechanics.internal_force import number_of_arguments
 
 
@@ -45,7 +45,7 @@ def _check_shapes(**parameters: Any) -> None:
         raise ValueError(f"parameters must be numbers or arrays of one shape, a value for each element, not {each}.")
 
 
-class Elastoplastic(eqx.Module):
+class Elastoplastic(KeywordsOnly, eqx.Module):
     r"""An elastoplastic spring with linear kinematic hardening, the bilinear spring of structural codes.
 
     .. math::
@@ -99,7 +99,7 @@ def elastoplastic(*, stiffness, yield_force, hardening=0.0) -> Elastoplastic:
     _check("yield_force", yield_force, 0.0, strict=True)
     _check("hardening", hardening, 0.0, strict=False, high=1.0)
     _check_shapes(stiffness=stiffness, yield_force=yield_force, hardening=hardening)
-    return Elastoplastic(stiffness, yield_force, hardening)
+    return Elastoplastic(stiffness=stiffness, yield_force=yield_force, hardening=hardening)
 
 
 @keywords_only
@@ -118,10 +118,10 @@ def friction(*, slip_force, stiffness) -> Elastoplastic:
     _check("slip_force", slip_force, 0.0, strict=True)
     _check("stiffness", stiffness, 0.0, strict=True)
     _check_shapes(slip_force=slip_force, stiffness=stiffness)
-    return Elastoplastic(stiffness, slip_force, 0.0)
+    return Elastoplastic(stiffness=stiffness, yield_force=slip_force, hardening=0.0)
 
 
-class BoucWen(eqx.Module):
+class BoucWen(KeywordsOnly, eqx.Module):
     r"""The smooth hysteresis of Bouc and Wen, without a sharp yield point.
 
     .. math::
@@ -186,10 +186,10 @@ def bouc_wen(*, stiffness, yield_force, hardening=0.0, exponent: int = 1) -> Bou
     _check_shapes(stiffness=stiffness, yield_force=yield_force, hardening=hardening)
     if not is_whole(exponent, 1) or exponent > 2:
         raise ValueError(f"exponent must be 1 or 2, for which the law has a closed solution, not {exponent!r}.")
-    return BoucWen(stiffness, yield_force, hardening, int(exponent))
+    return BoucWen(stiffness=stiffness, yield_force=yield_force, hardening=hardening, exponent=int(exponent))
 
 
-class ViscousDamper(eqx.Module):
+class ViscousDamper(KeywordsOnly, eqx.Module):
     """A fluid damper with the force c abs(u̇)^α sgn u̇."""
 
     coefficient: Any = eqx.field(converter=as_float64)
@@ -215,10 +215,10 @@ def viscous_damper(*, coefficient, exponent=1.0) -> ViscousDamper:
     _check("coefficient", coefficient, 0.0, strict=False)
     _check("exponent", exponent, 0.0, strict=True, high=2.0)
     _check_shapes(coefficient=coefficient, exponent=exponent)
-    return ViscousDamper(coefficient, exponent)
+    return ViscousDamper(coefficient=coefficient, exponent=exponent)
 
 
-class Gap(eqx.Module):
+class Gap(KeywordsOnly, eqx.Module):
     """A spring that is in contact beyond the displacement g: p = k (u − g) for u > g, zero otherwise."""
 
     stiffness: Any = eqx.field(converter=as_float64)
@@ -245,7 +245,7 @@ def gap(*, stiffness, opening=0.0) -> Gap:
     _check("stiffness", stiffness, 0.0, strict=True)
     _check("opening", opening, -np.inf, strict=True)
     _check_shapes(stiffness=stiffness, opening=opening)
-    return Gap(stiffness, opening)
+    return Gap(stiffness=stiffness, opening=opening)
 
 
 class _Elements(eqx.Module):

@@ -96,7 +96,7 @@ def _damped_chain(structure=None, linear=False) -> study.Problem:
         u0=np.linspace(0.2, 1, n),
         v0=np.linspace(0.5, -0.5, n),
         mass=np.array([1.0, 2.0, 1.0, 1.0, 1.5]),
-        damping=study.Rayleigh(0.1, 0.02),
+        damping=study.Rayleigh(a=0.1, b=0.02),
         load=_Pull(n),
         tangent=structure,
     )

@@ -88,9 +88,9 @@ def test_an_assessment_is_found_by_its_file(capsys, tmp_path, monkeypatch):
         ),
         (
             ["recommend", "hardening", "--error", "0.01", "--folder", "{folder}"],
-            "there is no dataset '{folder}/assessment/hardening.nc'; "
-            "`snakemake {folder}/assessment/hardening.nc` makes it if the study has it. Run this command in the "
-            "folder of the sources. For results in another folder, give it as `folder`.",
+            "there is no dataset '{folder}/assessment/hardening.nc': another folder of results is given as `folder`, "
+            "and a dataset of the study is made by `snakemake {folder}/assessment/hardening.nc` in the folder of its "
+            "sources.",
         ),
     ],
 )

@@ -145,12 +145,12 @@ def test_a_file_that_cannot_be_is_refused_before_any_work(tmp_path):
 
 
 def test_a_missing_dataset_says_what_to_run(dataset, tmp_path):
-    with pytest.raises(FileNotFoundError, match="`snakemake .*energy_error.nc` makes"):
+    with pytest.raises(FileNotFoundError, match="is made by `snakemake .*energy_error.nc` in"):
         study.open_dataset("energy_error", tmp_path)
     io.write(dataset, tmp_path / "energy_error.nc")
-    with pytest.raises(FileNotFoundError, match="hardening.nc'; `snakemake .*assessment/hardening.nc` makes"):
+    with pytest.raises(FileNotFoundError, match="hardening.nc': .* by `snakemake .*assessment/hardening.nc` in"):
         study.recommend("hardening", error=0.01, folder=tmp_path)
-    with pytest.raises(FileNotFoundError, match="did you mean 'energy_error'[?] If not, `snakemake"):
+    with pytest.raises(FileNotFoundError, match="may mean 'energy_error', another folder .* by `snakemake"):
         study.open_dataset("energy_eror", tmp_path)
 
 

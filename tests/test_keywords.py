@@ -25,6 +25,11 @@ SCHEMES = [one for one in map(study.__getattr__, dir(study)) if inspect.isclass(
             lambda: study.materials.elastoplastic(1e3, 4e5),
             "elastoplastic takes keywords only: elastoplastic(stiffness=…, yield_force=…, hardening=…).",
         ),
+        (lambda: study.Rayleigh(0.1, 0.02), "Rayleigh takes keywords only: Rayleigh(a=…, b=…)."),  # type: ignore[call-arg]
+        (
+            lambda: study.materials.Gap(1e3, 0.1),  # type: ignore[call-arg]
+            "Gap takes keywords only: Gap(stiffness=…, opening=…).",
+        ),
         (lambda: study.DeadBand(1.0, 0.1), "DeadBand takes keywords only: DeadBand(low=…, high=…, patience=…)."),
     ],
 )

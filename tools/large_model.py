@@ -41,7 +41,7 @@ def membrane(columns: int, rows: int) -> study.Problem:
         u0=np.zeros(n),
         v0=np.zeros(n),
         stiffness=sparse.csc_array(along + across),
-        damping=study.Rayleigh(0.1, 1e-4),
+        damping=study.Rayleigh(a=0.1, b=1e-4),
         load=lambda t: 20 * jnp.asarray(shape) * jnp.sin(4 * t),
         title=f"membrane of {n:,} unknowns",
     )

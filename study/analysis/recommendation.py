@@ -1,5 +1,6 @@
 """``study.recommend``: the cheapest scheme for an allowed error."""
 
+import shutil
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -44,6 +45,10 @@ class Recommended(pd.DataFrame):
         """The answer and the table as text; the parameters are those of pandas."""
         table = self._formatted().to_string(*arguments, **options)
         return table if table is None else "\n".join([*self._words(), table]).replace("\u00a0", " ")
+
+    def __repr__(self) -> str:
+        """The answer and all columns of the table, in blocks that fit the width of the terminal."""
+        return self.to_string(line_width=shutil.get_terminal_size().columns)
 
     def _repr_html_(self) -> str | None:
         table = self._formatted()._repr_html_()  # type: ignore[operator]

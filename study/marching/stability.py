@@ -36,6 +36,7 @@ from study.mechanics.state import Phase
 from study.observer.base import Reduction
 from study.scheme.base import Scheme
 from study.scheme.contract import started, stepped
+from study.words import step_size
 
 #: Largest number of unknowns for which all modes are computed.
 FEW = 8
@@ -58,14 +59,17 @@ SAFE = 0.2
 #: Largest force at u = 0, relative to the force at u₀, with which u = 0 is an equilibrium.
 EQUILIBRIUM = 1e-8
 
+#: Ratio of c² to k from which the limit is one of cΔt/m, because the faster root of the mode is then c to one percent.
+HEAVY = 100.0
+
 #: Number of squarings of an amplification matrix, from whose size its spectral radius follows.
 SQUARINGS = 30
 
 #: Numbers of oscillators in one call of the compiled function, for few and for many.
 TILES = (64, 2048)
 
-#: Parts of the step among which its stable part is sought, and number of parts in a refinement.
-PARTS, REFINED = np.geomspace(1e-6, 1.0, 1024), 1024
+#: Parts of the step among which its stable part is sought, number of refinements, and number of parts in a refinement.
+PARTS, REFINEMENTS, REFINED = np.geomspace(1e-6, 1.0, 1024), 2, 1024
 
 
 class SmallMotion(NamedTuple):
@@ -320,10 +324,13 @@ def stable_part(scheme: Scheme, motion: SmallMotion, dt: float) -> tuple[float, 
     first = int(found.any(axis=1).argmax())
     if first == 0:
         return 0.0, int(found[0].argmax())
-    finer = np.linspace(PARTS[first - 1], PARTS[first], REFINED)
-    found = unstable(finer)
-    last = int(found.any(axis=1).argmax())
-    return float(finer[last - 1]), int(found[last].argmax())
+    low, high = PARTS[first - 1], PARTS[first]
+    for _ in range(REFINEMENTS):
+        finer = np.linspace(low, high, REFINED)
+        found = unstable(finer)
+        last = int(found.any(axis=1).argmax())
+        low, high = finer[last - 1], finer[last]
+    return float(low), int(found[last].argmax())
 
 
 def sentence(scheme: Scheme, motion: SmallMotion, dt: float, of_lane: str = "") -> str:
@@ -333,12 +340,17 @@ def sentence(scheme: Scheme, motion: SmallMotion, dt: float, of_lane: str = "") 
     where = ("at the start" if mode < len(k) / len(motion.mass) else "about u = 0") + of_lane
     k, c = k[mode], c[mode]
     root = np.abs(np.roots([1.0, c, k])).max()
-    overdamped = not c.imag and c.real**2 >= 4 * k
+    overdamped = not c.imag and c.real**2 >= HEAVY * k
     name, value = ("cΔt/m", c.real * dt) if overdamped else ("ωΔt", (root if c.imag else np.sqrt(k)) * dt)
+    if part and scheme.stability_limit and not c:
+        part = scheme.stability_limit / value
+    limit, digits = value * part, 4
+    while digits < 15 and f"{value:.{digits}g}" == f"{limit:.{digits}g}":
+        digits += 1
     ratio = f" with the damping ratio {c.real / 2 / np.sqrt(k):.3g}" if c.real and k and not overdamped else ""
     if not part:
         return f"'{scheme.title}' amplifies small motions with {name} = {value:.4g} {where}{ratio} at every step"
     return (
-        f"{name} = {value:.4g} {where} exceeds {value * part:.4g}, the stability limit of '{scheme.title}'{ratio}, "
-        f"which allows steps up to {dt * part:.4g}"
+        f"{name} = {value:.{digits}g} {where} exceeds {limit:.{digits}g}, the stability limit of "
+        f"'{scheme.title}'{ratio}, which allows steps up to {step_size(dt * part, digits=digits)}"
     )

@@ -97,7 +97,10 @@ def check_symmetry(name: str, matrix) -> None:
         difference = np.abs(matrix - matrix.T).max()
         if difference > SYMMETRY * np.abs(matrix).max():
             matrix_of_jax = "jax.experimental.sparse.BCOO.from_scipy_sparse(K)" if is_sparse(matrix) else "K"
-            instead = f": give it as a force, force=lambda u: {matrix_of_jax} @ u" if name == "stiffness" else ""
+            instead = {
+                "stiffness": f": give it as a force, force=lambda u: {matrix_of_jax} @ u",
+                "mass": ": leave it out, and give force, damping and load multiplied by its inverse",
+            }.get(name, "")
             raise ValueError(f"{name} must be symmetric; it differs from its transpose by {difference:g}{instead}.")
 
 
@@ -133,9 +136,10 @@ def _is_singular(mass: ScipySparse) -> bool:
 
 def check_rayleigh(damping: Rayleigh, title: str) -> None:
     """Refuse coefficients of Rayleigh damping that are negative or not finite numbers."""
-    if any(isinstance(c, jax.core.Tracer) for c in damping):
+    coefficients = damping.a, damping.b
+    if any(isinstance(c, jax.core.Tracer) for c in coefficients):
         return
-    if not all(np.ndim(c) == 0 and np.asarray(c).dtype.kind in "fiu" and 0 <= c < np.inf for c in damping):
+    if not all(np.ndim(c) == 0 and np.asarray(c).dtype.kind in "fiu" and 0 <= c < np.inf for c in coefficients):
         raise ValueError(f"{damping} of '{title}': a and b must be finite numbers that are not negative.")
 
 

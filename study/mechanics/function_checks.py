@@ -6,6 +6,7 @@ and the expected and received results.
 
 import inspect
 import linecache
+import re
 import traceback
 from collections.abc import Callable
 from pathlib import Path
@@ -42,7 +43,9 @@ NOT_TRACEABLE = (
 
 #: What to write in a function that JAX cannot trace, by the exception. Subclasses come first.
 _INSTEAD = {
-    jax.errors.TracerBoolConversionError: "jnp.where in place of if, & in place of and, or jnp.maximum in place of max",
+    jax.errors.TracerBoolConversionError: (
+        "jnp.where in place of if, & in place of and, jnp.minimum in place of min, or jnp.maximum in place of max"
+    ),
     jax.errors.TracerArrayConversionError: "jnp.sin, jnp.interp or jnp.array in place of functions of NumPy and SciPy",
     jax.errors.TracerIntegerConversionError: "an array of jnp in place of a list with this index",
     jax.errors.NonConcreteBooleanIndexError: "jnp.where in place of this index",
@@ -65,7 +68,10 @@ def failure(error: Exception, otherwise: str) -> str:
     instead = next((words for kind, words in _INSTEAD.items() if isinstance(error, kind)), None)
     instead = instead or next((words for part, words in _INSTEAD_OF.items() if part in text), None)
     if instead:
-        return f"must be written with jax.numpy: use {instead}{_place(error)}."
+        place = _place(error)
+        if isinstance(error, jax.errors.TracerBoolConversionError) and (called := re.search(r"\b(min|max)\(", place)):
+            instead = f"jnp.{called[1]}imum in place of {called[1]}"
+        return f"must be written with jax.numpy: use {instead}{place}."
     return f"{otherwise}: {type(error).__name__}: {text}."
 
 

@@ -1,7 +1,6 @@
 """Special forms of terms of the equation of motion: strain energy and Rayleigh damping."""
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import equinox as eqx
 import jax
@@ -9,6 +8,7 @@ import jax.numpy as jnp
 
 from study.algebra.arrays import Matrix, Scalar, Vector, as_float64
 from study.algebra.matrices import add, product
+from study.keywords import KeywordsOnly
 
 
 class StrainEnergy(eqx.Module):
@@ -38,11 +38,11 @@ def gradient(potential: Callable, u: Vector) -> Vector:
     return jax.grad(potential)(u)
 
 
-class Rayleigh(NamedTuple):
+class Rayleigh(KeywordsOnly, eqx.Module):
     r"""Damping C = a M + b K with the stiffness K of the undeformed structure.
 
     K is the tangent of the whole internal force at u = 0. A mode of circular frequency ω has the damping ratio
-    :math:`\xi = (a/\omega + b\omega)/2`.
+    :math:`\xi = (a/\omega + b\omega)/2`. Both coefficients are given by name.
     """
 
     a: float
@@ -51,5 +51,4 @@ class Rayleigh(NamedTuple):
 
 def rayleigh_matrix(damping: Rayleigh, mass: Matrix, stiffness: Matrix, n: int) -> Matrix:
     """C = a M + b K for n unknowns."""
-    a, b = damping
-    return add(product(as_float64(a), mass, n), product(as_float64(b), stiffness, n), n=n)
+    return add(product(as_float64(damping.a), mass, n), product(as_float64(damping.b), stiffness, n), n=n)

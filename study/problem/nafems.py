@@ -18,7 +18,12 @@ _MIDDLE, _SHARE = np.sin(ODD * np.pi / 2), 4 / (ODD * np.pi)
 def _suddenly_loaded(title: str, stiffness: np.ndarray, mass: np.ndarray, load: np.ndarray, a: float, b: float):
     """A linear structure at rest under a load that appears at t = 0, with the damping a M + b K."""
     return Problem(
-        u0=np.zeros(len(load)), stiffness=stiffness, mass=mass, load=lambda t: load, damping=Rayleigh(a, b), title=title
+        u0=np.zeros(len(load)),
+        stiffness=stiffness,
+        mass=mass,
+        load=lambda t: load,
+        damping=Rayleigh(a=a, b=b),
+        title=title,
     )
 
 

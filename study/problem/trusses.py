@@ -87,7 +87,7 @@ def cantilever_truss() -> Problem:
         potential=_bars(joints, bars, 1e4, free),
         u0=zero,
         v0=zero,
-        damping=Rayleigh(0.02, 0.0005),
+        damping=Rayleigh(a=0.02, b=0.0005),
         load=lambda t: jnp.asarray(flat),
         tangent=2 * (TRUSS[1] + 2) + 1,
         title="cantilever truss",

@@ -331,7 +331,8 @@ def test_programs_follow_what_functions_read(request):
     """Every kind of run, and what is computed for it, uses the value that holds when it is called."""
     request.addfinalizer(lambda: set_global(1.0))
     set_global(1.0)
-    problem = study.Problem(kept_by_jax, u0=1.0, damping=study.Rayleigh(0.0, 0.01), load=lambda t: k * jnp.ones_like(t))
+    damping = study.Rayleigh(a=0.0, b=0.01)
+    problem = study.Problem(kept_by_jax, u0=1.0, damping=damping, load=lambda t: k * jnp.ones_like(t))
     options = {"dt": 0.01, "steps": 100, "observe": study.Quantity(lambda u: k * u, name="end", reduce="final")}
 
     def family(mass):

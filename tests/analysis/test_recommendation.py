@@ -73,6 +73,7 @@ def test_what_is_printed_can_be_typed_back(assessed):
     assert row[1:5] == ["3.6e-06", "3.86e-06", "–", "27777"] and float(row[1]) == 3.6e-6
     assert "NaN" not in text and "nan" not in text
     assert str(table).startswith("1 % of displacement: Central difference, 3.6 µs\n")
+    assert all(name in str(table).split() for name in table.columns)
     assert table.step_size.dtype == float and table.head(1).to_string().startswith("1 % of")
     assert "<p>1\u00a0% of displacement: " in table._repr_html_()
 

@@ -74,7 +74,8 @@ def test_a_lane_that_fails_is_reported_and_the_others_go_on():
 
 def test_rayleigh_damping_and_starts_of_several_unknowns_vary():
     def pair(a, start):
-        return study.Problem(lambda u: 4 * u + u**3, u0=start * np.array([1.0, -0.5]), damping=study.Rayleigh(a, 0.01))
+        damping = study.Rayleigh(a=a, b=0.01)
+        return study.Problem(lambda u: 4 * u + u**3, u0=start * np.array([1.0, -0.5]), damping=damping)
 
     ds = study.run(pair, "average_acceleration", dt=0.05, steps=50, over={"a": [0.1, 0.3], "start": [1.0, 2.0]})
     alone = study.run(pair(0.3, 2.0), "average_acceleration", dt=0.05, steps=50)

@@ -31,7 +31,7 @@ def test_a_diagonal_matrix_is_as_regular_as_its_diagonal():
 
 
 def test_numbers_of_numpy_are_numbers():
-    problem = _problem(tangent=np.int64(1), damping=study.Rayleigh(np.int64(1), np.float32(0.5)))
+    problem = _problem(tangent=np.int64(1), damping=study.Rayleigh(a=np.int64(1), b=np.float32(0.5)))
     assert problem.tangent == 1
 
 
@@ -56,7 +56,8 @@ def _problem(force=chain, u0=ZERO, v0=None, **keywords):
         ({"tangent": 1.0}, "tangent=1.0 of 'tried': give one of diagonal"),
         ({"force": jnp.sinh, "u0": 0.0, "tangent": "diagonal"},
          "tangent='diagonal' of 'tried': the tangent of one unknown is a number; leave it out."),
-        ({"mass": np.eye(N) + np.eye(N, k=1)}, "mass must be symmetric; it differs from its transpose by 1."),
+        ({"mass": np.eye(N) + np.eye(N, k=1)}, 
+         "mass must be symmetric; it differs from its transpose by 1: leave it out, and give force, damping and load"),
         ({"tangent": "matrix_free", "damping": np.eye(N) + np.eye(N, k=1)},
          "damping must be symmetric; it differs from its transpose by 1."),
         ({"mass": [1.0, 1.0, -0.5, 1.0, 1.0]}, "mass must not be negative; its smallest value is -0.5."),
@@ -74,10 +75,10 @@ def _problem(force=chain, u0=ZERO, v0=None, **keywords):
         ({"potential": lambda u: jnp.sum(u**2)}, "the force of 'tried' is not the gradient of its potential: along"),
         ({"force": lambda u: {"mass": 1.0}["stiffness"] * u},
          "force of 'tried' fails for the displacement alone: KeyError: 'stiffness'"),
-        ({"force": lambda u: u / jnp.sqrt(jnp.sum(u * u)), "u0": np.ones(N), "damping": study.Rayleigh(0.1, 0.1)},
+        ({"force": lambda u: u / jnp.sqrt(jnp.sum(u * u)), "u0": np.ones(N), "damping": study.Rayleigh(a=0.1, b=0.1)},
          "the stiffness of 'tried' at u = 0, on which its Rayleigh damping is based, is not finite."),
-        ({"damping": study.Rayleigh(0.1, "b")}, "a and b must be finite numbers that are not negative."),
-        ({"damping": study.Rayleigh(-0.1, 0.1)}, "a and b must be finite numbers that are not negative."),
+        ({"damping": study.Rayleigh(a=0.1, b="b")}, "a and b must be finite numbers that are not negative."),
+        ({"damping": study.Rayleigh(a=-0.1, b=0.1)}, "a and b must be finite numbers that are not negative."),
         ({"force": lambda u: u * u[N]},
          "force of 'tried' takes an entry that does not exist: index 5 is out of bounds for axis 0 with size 5."),
         ({"force": lambda u: u.at[N].add(1.0)},
@@ -205,7 +206,7 @@ def test_a_load_that_is_no_number_is_refused_before_the_run(number):
 def test_rayleigh_damping_is_of_mass_and_stiffness(structure, mass):
     """C = aM + bK with the stiffness at u = 0, whatever the initial displacement."""
     a, b = 0.3, 0.05
-    problem = _problem(u0=np.linspace(0, 2, N), mass=mass, damping=study.Rayleigh(a, b), tangent=structure)
+    problem = _problem(u0=np.linspace(0, 2, N), mass=mass, damping=study.Rayleigh(a=a, b=b), tangent=structure)
     whole = np.eye(N) if mass is None else np.diag(np.broadcast_to(mass, N)) if np.ndim(mass) < 2 else mass
     damping = a * whole + b * np.asarray(jax.jacfwd(chain)(jnp.zeros(N)))
     u, v, rhs = np.linspace(0, 1, N), np.linspace(1, 2, N), np.ones(N)
@@ -217,7 +218,7 @@ def test_rayleigh_damping_is_of_mass_and_stiffness(structure, mass):
 
 
 def test_rayleigh_damping_of_one_unknown():
-    problem = study.Problem(lambda u: 4 * u + u**3, u0=1.0, mass=2.0, damping=study.Rayleigh(0.3, 0.05))
+    problem = study.Problem(lambda u: 4 * u + u**3, u0=1.0, mass=2.0, damping=study.Rayleigh(a=0.3, b=0.05))
     assert float(problem.damping) == pytest.approx(0.3 * 2 + 0.05 * 4)
 
 
@@ -226,7 +227,7 @@ def test_without_a_velocity_it_starts_at_rest():
 
 
 @pytest.mark.parametrize(
-    "damping", [study.Rayleigh(float("nan"), 1.0), study.Rayleigh("a", 1.0), study.Rayleigh(None, 1)]
+    "damping", [study.Rayleigh(a=float("nan"), b=1.0), study.Rayleigh(a="a", b=1.0), study.Rayleigh(a=None, b=1)]
 )
 def test_rayleigh_damping_takes_finite_numbers(damping):
     with pytest.raises(ValueError, match="a and b must be finite numbers"):
@@ -267,9 +268,11 @@ def _writing(u):
         (
             _branching,
             1.0,
-            "use jnp.where in place of if, & in place of and, or jnp.maximum in place of max, in `u > 0`.",
+            "use jnp.where in place of if, & in place of and, jnp.minimum in place of min, or jnp.maximum in place of "
+            "max, in `u > 0`.",
         ),
-        (lambda u: max(u, 0.0), 1.0, "use jnp.where .* or jnp.maximum in place of max, in `max\\(u, 0.0\\)`."),
+        (lambda u: max(u, 0.0), 1.0, "use jnp.maximum in place of max, in `max\\(u, 0.0\\)`."),
+        (lambda u: max(min(u, 1.0), 0.0), 1.0, "use jnp.minimum in place of min, in `min\\(u, 1.0\\)`."),
         (lambda u: np.sin(u), 1.0, "use .* in place of functions of NumPy and SciPy, in `np.sin\\(u\\)`."),
         (lambda u: math.sin(u), 1.0, "use .* in place of float, int and functions of math, in `math.sin\\(u\\)`."),
         (
@@ -284,6 +287,17 @@ def _writing(u):
 def test_what_to_write_in_place_of_an_expression_is_said_in_one_sentence(force, u0, sentence):
     with pytest.raises(ValueError, match=rf"^force of 'tried' must be written with jax.numpy: {sentence}$"):
         study.Problem(force, u0=u0, title="tried")
+
+
+def test_an_unsymmetric_mass_is_part_of_the_other_terms():
+    """What the message says, against the matrix exponential."""
+    mass, stiffness = np.array([[2.0, 1.0], [0.0, 1.0]]), np.diag([100.0, 150.0])
+    with pytest.raises(ValueError, match="by 1: leave it out, and give force, damping and load multiplied by its inv"):
+        study.Problem(stiffness=stiffness, mass=mass, u0=[1.0, 0.5])
+    of_mass = np.linalg.inv(mass)
+    end = study.final_state(study.Problem(lambda u: of_mass @ stiffness @ u, u0=[1.0, 0.5]), "rk4", dt=1e-3, steps=1000)
+    first_order = np.block([[np.zeros((2, 2)), np.eye(2)], [-of_mass @ stiffness, np.zeros((2, 2))]])
+    np.testing.assert_allclose(end["u"], (expm(first_order) @ [1, 0.5, 0, 0])[:2], atol=1e-8)
 
 
 def test_an_unsymmetric_stiffness_is_a_force():

@@ -87,7 +87,7 @@ def test_the_coupling_of_contacts_that_slip_near_the_start_is_found(slip):
         p, history = contacts(u, v, history)
         return 1e7 * u + p, history
 
-    options = {"u0": np.zeros(8), "history": contacts.history, "damping": study.Rayleigh(0.0, 0.02)}
+    options = {"u0": np.zeros(8), "history": contacts.history, "damping": study.Rayleigh(a=0.0, b=0.02)}
     found = study.Problem(force, **options)
     assert found.tangent == 1
     declared = study.Problem(force, tangent="dense", **options)

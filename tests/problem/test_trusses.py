@@ -9,7 +9,7 @@ from study.problem import trusses
 def test_a_cantilever_comes_to_rest_where_its_forces_balance(small_truss):
     light = trusses.cantilever_truss()
     heavy = study.Problem(
-        potential=light.potential, u0=light.u0, v0=light.v0, damping=study.Rayleigh(4.0, 0.01), load=light.load,
+        potential=light.potential, u0=light.u0, v0=light.v0, damping=study.Rayleigh(a=4.0, b=0.01), load=light.load,
         tangent=light.tangent,
     )  # fmt: skip
     end = study.run(heavy, "average_acceleration", dt=0.1, steps=200, every=200).isel(t=-1)

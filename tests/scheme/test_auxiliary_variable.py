@@ -14,7 +14,7 @@ def test_a_linear_structure_moves_as_by_bdf2():
     """The motion of a linear structure with damping and a load equals that of BDF2."""
     problem = study.Problem(
         stiffness=np.array([[6.0, -2.0], [-2.0, 4.0]]), mass=np.array([2.0, 1.0]), u0=[1.0, 0.0], v0=[0.0, 1.0],
-        damping=study.Rayleigh(0.1, 0.05), load=lambda t: jnp.stack([jnp.cos(t), 0.0 * t]),
+        damping=study.Rayleigh(a=0.1, b=0.05), load=lambda t: jnp.stack([jnp.cos(t), 0.0 * t]),
     )  # fmt: skip
     one, other = (study.run(problem, scheme, dt=0.3, steps=30) for scheme in (study.AuxiliaryVariable(), "bdf2"))
     np.testing.assert_allclose(one.u, other.u, atol=1e-13)

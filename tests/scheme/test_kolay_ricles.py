@@ -32,7 +32,7 @@ def test_stability_that_is_called_unconditional_ends_where_the_stiffness_has_ris
 def test_changs_method_is_the_trapezoidal_rule_for_a_linear_structure():
     damped = {
         "mass": np.array([2.0, 1.0]),
-        "damping": study.Rayleigh(0.1, 0.05),
+        "damping": study.Rayleigh(a=0.1, b=0.05),
         "u0": [1.0, 0.5],
         "v0": [0.0, 2.0],
     }

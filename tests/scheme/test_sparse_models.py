@@ -102,7 +102,7 @@ def test_a_linear_structure_keeps_its_energy_and_its_modes():
 WHIRL = sparse.csc_array(0.1 * STIFFNESS + sparse.diags_array([-0.3, 0.3], offsets=[-1, 1], shape=(N, N)))
 
 
-@pytest.mark.parametrize("damping", [study.Rayleigh(0.1, 0.02), WHIRL], ids=["Rayleigh", "gyroscopic"])
+@pytest.mark.parametrize("damping", [study.Rayleigh(a=0.1, b=0.02), WHIRL], ids=["Rayleigh", "gyroscopic"])
 def test_damping_loads_and_ground_are_those_of_full_matrices(damping):
     terms = {
         "damping": damping,
