@@ -33,14 +33,15 @@ class WithEnd(Estimator):
         d &= u_1 - u_0 - \tfrac{\Delta t}{2} (\dot u_0 + \dot u_1), \quad
         r = g_1 - g_0 + \tfrac{12}{\Delta t^2} M d, \quad
         \theta = \min(1, |r| / \max(|g_0|, |g_1|)) \\
-        e &= M (\dot u_1 - \dot u_0) - \tfrac{\Delta t}{2} (g_0 + g_1), \quad
-        \eta = \frac{|u_1 - u_0|^T M^{-1} (\theta^2 |e|)}{\Delta t \max (\dot u^T \dot u)}
+        e &= |M (\dot u_1 - \dot u_0) - \tfrac{\Delta t}{2} (g_0 + g_1)| + \kappa\,\tfrac{\Delta t}{2} |r|, \quad
+        \eta = \frac{|u_1 - u_0|^T M^{-1} (\theta^2 e)}{\Delta t \max (\dot u^T \dot u)}
 
     where θ is taken for each unknown. The force r is the difference between g₁ and M ü of the polynomial of fourth
-    degree through u, u̇ and ü at the start and u and u̇ at the end. Where a motion is smooth, θ is at most of the order
-    of Δt for schemes of second order and of Δt² for schemes of fourth order, and η is below the error of the step. If
-    an unknown has no mass, M⁻¹ is left out, and the kinetic energy takes the place of u̇ᵀu̇. One additional force per
-    step.
+    degree through u, u̇ and ü at the start and u and u̇ at the end. The factor κ is one for a force whose slope may
+    jump, and otherwise zero: without it, e is zero for average acceleration, whose trapezoidal rule errs by up to
+    Δt/2 r where a step enters or leaves a contact. Where a motion is smooth, θ is at most of the order of Δt for
+    schemes of second order and of Δt² for schemes of fourth order, and η is below the error of the step. If an unknown
+    has no mass, M⁻¹ is left out, and the kinetic energy takes the place of u̇ᵀu̇. One additional force per step.
 
     A step with η above ``FAR`` counts as a step without a solution, because some controllers accept every estimate.
     """
@@ -99,7 +100,10 @@ def _unforeseen(problem: Problem, old: Any, new: Any, before: Vector, after: Vec
     rest = after - before + 12 / dt**2 * problem.momentum(defect)
     largest = jnp.maximum(jnp.abs(before), jnp.abs(after))
     part = jnp.minimum(1.0, jnp.abs(rest) / jnp.where(largest > 0, largest, 1.0))
-    missing = part**2 * (problem.momentum(new.v - old.v) - dt / 2 * (before + after))
+    missing = jnp.abs(problem.momentum(new.v - old.v) - dt / 2 * (before + after))
+    if problem.kinked:
+        missing += dt / 2 * jnp.abs(rest)
+    missing = part**2 * missing
     if not (problem.massless or problem.mass is None):
         missing = solve(problem.mass, missing)
     return jnp.sum(jnp.abs(way * missing)) / dt

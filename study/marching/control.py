@@ -56,11 +56,11 @@ def usual_estimator(scheme: Scheme, problem: Problem) -> str:
 
 
 def with_end(estimator: Estimator, scheme: Scheme, problem: Problem) -> Estimator:
-    """The estimator, with the force at the end of a step if no force of the scheme is evaluated there.
+    """The estimator, with the force at the end of a step if the scheme evaluates none there, or its slope may jump.
 
-    A linear structure meets no contact, so its estimator stays the same.
+    A linear structure meets no contact, and the other estimates see a smooth force that is evaluated at the end.
     """
-    seen = scheme.force_at_end or problem.linear or isinstance(estimator, WithEnd)
+    seen = (scheme.force_at_end and not problem.kinked) or problem.linear or isinstance(estimator, WithEnd)
     return estimator if seen else WithEnd(estimator)
 
 

@@ -154,7 +154,8 @@ def run(
         Names in ``study.estimators`` and ``study.controllers``, or your own. The default estimator is the first of
         ``embedded_pair``, ``zienkiewicz_xie`` (if the scheme has an ``acceleration_offset``) and ``step_doubling`` that
         fits the scheme and the problem. For a scheme whose formula does not evaluate the force at the end of a step
-        (``force_at_end``), every estimate also contains the force there, except with ``Prescribed``. The default
+        (``force_at_end``), and for a force whose slope may jump, as in contact, every estimate also contains the force
+        there, except with ``Prescribed``. The default
         controller is ``pi``. ``Prescribed`` by default has no estimator.
     times
         Times at which a step of a run with a tolerance must end, in addition to those of the load. These are the

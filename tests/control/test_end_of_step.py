@@ -61,6 +61,20 @@ def test_a_controlled_step_does_not_end_inside_the_floor(name, estimator):
     assert (ds.deepest < 1.01 * DEPTH + 2.0 * tolerance).all() and (ds.deepest > 0.9 * DEPTH).all()
 
 
+@pytest.mark.parametrize("name", ["average_acceleration", "central_difference", "rk4"])
+def test_stops_on_both_sides_put_no_energy_in(name):
+    """The depth of the stops, 0.003, is far below the error of u that the largest tolerance allows."""
+
+    def energy(u, v):
+        return v**2 / 2 + 5e5 * (jnp.maximum(u - 1, 0.0) ** 2 + jnp.minimum(u + 1, 0.0) ** 2)
+
+    stops = study.Problem(lambda u: 1e6 * (jnp.maximum(u - 1, 0.0) + jnp.minimum(u + 1, 0.0)), u0=0.0, v0=3.0)
+    observe = [study.Quantity(energy, name=reduce, reduce=reduce) for reduce in ("peak", "final")]
+    ds = study.run(stops, name, tolerance=np.array([1e-2, 1e-4, 1e-6]), duration=10.0, observe=observe)
+    assert (ds.status == 0).all() and (ds.peak < 1.05 * 4.5).all()
+    assert (ds.final[1:] > 0.9 * 4.5).all() and ds.final[2] > 0.98 * 4.5
+
+
 def test_controllers_that_accept_every_estimate_repeat_a_step_into_the_floor():
     sized = {"tolerance": 0.05, "duration": 2.0, "dt": 0.05, "observe": [SPECIFIC]}
     ds = study.run(FALL, "generalized_alpha", estimator="apparent_frequency", controller="nastran", **sized)
