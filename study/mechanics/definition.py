@@ -170,6 +170,8 @@ class Problem(eqx.Module):
         if isinstance(self.damping, Rayleigh):
             self._rayleigh = self.damping
 
+        # a problem is complete before JAX traces it to find what it reads
+        self._found_for, self.kinked, self.takes_velocity = Reads.unique(), False, False
         self._found_for = self.reads
         with reading(self._found_for):
             self._examine_functions()
@@ -226,8 +228,9 @@ class Problem(eqx.Module):
                 problem.potential and problem.stored_energy(u),
             )
 
+        start = [jnp.asarray(x) for x in (0.0, self.u0, self.v0)]  # JAX compiles this conversion once for all reads
         with suppress(Exception), reading(Reads.unique()):  # a user's function may raise anything; the checks report it
-            return reads_of_program(eqx.filter_make_jaxpr(values)(self, *map(jnp.asarray, (0.0, self.u0, self.v0)))[0])
+            return reads_of_program(eqx.filter_make_jaxpr(values)(self, *start)[0])
         return None
 
     def examined(self) -> "Problem":
