@@ -134,7 +134,7 @@ class AdaptiveMarch(eqx.Module):
     def _sample(self, trial: Trial, initial, state, t, dt, estimate) -> dict[str, jax.Array]:
         # in one array, because storing an array takes as long as a step of one unknown
         of_step = jnp.stack([t, dt, estimate, trial.estimated.astype(float), trial.unsolved.astype(float)])
-        return {**self.march._sample(initial, state, t), OF_STEP: of_step}
+        return {**self.march._sample(self.march.problem, initial, state, t), OF_STEP: of_step}
 
     def turn(self, trial: Trial, initial, tolerance) -> tuple[Trial, dict[str, jax.Array]]:
         """Progress of the run after one trial step, and the sample of that step."""

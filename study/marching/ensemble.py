@@ -4,6 +4,8 @@ import math
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import Any
 
 import jax
 import numpy as np
@@ -12,7 +14,7 @@ from tqdm import tqdm
 from study.algebra.deadline import deadline, until
 from study.marching.program import Program
 from study.marching.result import Result
-from study.marching.shapes import CountPerRun, DisplacementsOfLanes, OfLanes
+from study.marching.shapes import CountPerRun, DisplacementsOfLanes, PerRun
 from study.settings import cores
 
 #: Number of lanes of a tile. Their state stays in the cache of a core, whatever the size of the ensemble. Small
@@ -23,14 +25,15 @@ TILE = 64
 #: compiled program of a single run. Tiles are faster only for more lanes.
 FEW = 64
 
-#: Initial displacements, initial velocities and step sizes of all lanes.
-Begin = tuple[DisplacementsOfLanes, DisplacementsOfLanes, OfLanes]
+#: Initial displacements and velocities of all lanes, step size of all lanes or of each lane, and arguments of the
+#: function that makes the problem of each lane, empty unless the ensemble is a family.
+Begin = tuple[DisplacementsOfLanes, DisplacementsOfLanes, PerRun, dict[str, np.ndarray]]
 
 #: Possible numbers of tiles in one call of the compiled program.
 GROUPS = (1, 8, 64)
 
 
-def _in_tiles(values: np.ndarray, shape: tuple[int, int, int], size: int, filler: float) -> np.ndarray:
+def _in_tiles(values: np.ndarray, shape: tuple[int, int, int], size: int, filler: Any) -> np.ndarray:
     """Values of the lanes, reshaped to (groups, ``size``, lanes of a tile, ...).
 
     ``shape`` is (groups, tiles of a group that hold lanes, lanes of a tile). Empty places hold ``filler``.
@@ -72,8 +75,9 @@ def march_one_by_one(program: Program, begin: Begin, steps: CountPerRun, every: 
     def run(u0, v0, dt, steps, on_pause):
         return program.run(u0, v0, np.asarray(dt), steps, every, samples, on_pause=on_pause)
 
-    counts = np.broadcast_to(steps, len(begin[0])).tolist()
-    results = _on_cores(run, list(zip(*begin, counts, strict=True)))
+    u0, v0, dt, _ = begin
+    sizes, counts = np.broadcast_to(dt, len(u0)), np.broadcast_to(steps, len(u0)).tolist()
+    results = _on_cores(run, list(zip(u0, v0, sizes, counts, strict=True)))
     return jax.tree.map(lambda *lanes: np.stack(lanes), *results)
 
 
@@ -88,7 +92,8 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     Parameters
     ----------
     begin
-        Initial displacements and velocities (lanes, ...), and step sizes (lanes,).
+        Initial displacements and velocities (lanes, ...), step sizes () or (lanes,), and arguments of the function that
+        makes the problems of a family (lanes, ...).
     steps
         Number of steps, of shape () or (lanes,).
     every, samples
@@ -99,8 +104,8 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     Result
         NumPy arrays with the lanes along the first axis and the samples along the second.
     """
-    u0, v0, dt = begin
-    lanes = len(dt)
+    u0, v0, dt, arguments = begin
+    lanes = len(u0)
     on_cpu = jax.default_backend() == "cpu"
     tile = TILE if on_cpu else lanes
     tiles = -(-lanes // tile)
@@ -111,16 +116,19 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     order = np.argsort(steps, kind="stable") if steps.ndim else np.arange(lanes)
     last = int(steps.max())
     # lanes that pad a tile start from NaN: they fail before their first step and add no Newton iterations
+    in_tiles = partial(_in_tiles, shape=shape, size=size)
+    of_lanes = {name: in_tiles(value[order], filler=value[order[-1]]) for name, value in arguments.items()}
     groups = (
-        _in_tiles(u0[order], shape, size, np.nan),
-        _in_tiles(v0[order], shape, size, 0.0),
-        _in_tiles(dt[order], shape, size, 1.0),
-        _in_tiles(steps[order], shape, size, last) if steps.ndim else [None] * shape[0],
+        in_tiles(u0[order], filler=np.nan),
+        in_tiles(v0[order], filler=0.0),
+        in_tiles(dt[order], filler=dt[0]) if dt.ndim else np.full((shape[0], size), dt),
+        in_tiles(steps[order], filler=last) if steps.ndim else [None] * shape[0],
+        [{name: value[group] for name, value in of_lanes.items()} for group in range(shape[0])],
     )
 
-    def run(u0, v0, dt, own, on_pause):
+    def run(u0, v0, dt, own, arguments, on_pause):
         end = last if own is None else int(own.max())
-        return program.run(u0, v0, dt, end, every, samples, own, on_pause=on_pause)
+        return program.run(u0, v0, dt, end, every, samples, own, on_pause=on_pause, arguments=arguments)
 
     results = _on_cores(run, list(zip(*groups, strict=True)))
     back = np.argsort(order)

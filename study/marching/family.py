@@ -7,18 +7,10 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import lax
 
-from study.algebra.jit import jit
 from study.algebra.scalars import check_unmasked
 from study.marching.arguments import RESERVED
-from study.marching.ensemble import TILE
-from study.marching.march import March
-from study.marching.program import as_result
-from study.marching.result import Result
-from study.marching.shapes import CountOfLanes, OfLanes
 from study.mechanics.definition import Problem
-from study.mechanics.function_checks import NOT_TRACEABLE, failure
 from study.mechanics.loads import times_of
 from study.mechanics.scan import Times, beside_jumps, events
 from study.observer.base import Observer
@@ -113,59 +105,3 @@ def times_of_lanes(
 
     times = beside_jumps(of_lanes, events(of_lanes, duration), duration)
     return times[(times > 0) & (times < duration)]
-
-
-def march_family(
-    make: Callable[..., Problem],
-    over: Mapping[str, np.ndarray],
-    march_of: Callable[[Problem], March],
-    dt: OfLanes,
-    steps: CountOfLanes,
-    every: int,
-    samples: int,
-) -> Result:
-    """March one problem per lane; the problems are made inside the compiled program.
-
-    Parameters
-    ----------
-    make, over
-        Function that makes the problem, and its arguments, each (lanes, ...).
-    march_of
-        Function that returns the march on a problem.
-    dt, steps
-        Step sizes and numbers of steps (lanes,).
-    every, samples
-        As in :meth:`study.marching.program.Program.run`.
-
-    Returns
-    -------
-    Result
-        NumPy arrays with the lanes along the first axis and the samples along the second.
-    """
-    lanes = len(dt)
-    tile = min(lanes, TILE)
-    tiles = -(-lanes // tile)
-    # copies of the last lane fill up the last tile
-    place = np.minimum(np.arange(tiles * tile), lanes - 1).reshape(tiles, tile)
-
-    def one(arguments, dt, steps):
-        march = march_of(make(**arguments))
-        begin = jnp.asarray(march.problem.u0), jnp.asarray(march.problem.v0)
-        progress, initial, stored = march.start(*begin, dt, samples + 1)
-        each_step = every == 1 and begin[0].ndim == 0
-        progress, stored = march.proceed(progress, stored, initial, dt, steps, every, 0, each_step)
-        return {name: values[: samples + 1] for name, values in stored.items()}, march.result(progress)
-
-    @jit
-    def all_of(*lanes):
-        return lax.map(lambda tile: jax.vmap(one)(*tile), lanes)
-
-    try:
-        found = all_of({name: value[place] for name, value in over.items()}, dt[place], steps[place])
-    except NOT_TRACEABLE as error:
-        raise ValueError(
-            "the function that makes the problem of each lane, in which a sparse matrix that depends on its arguments "
-            f"is a jax.experimental.sparse.BCOO, {failure(error, 'fails')}"
-        ) from error
-    stored, result = jax.tree.map(lambda x: np.asarray(x).reshape(-1, *x.shape[2:])[:lanes].copy(), found)
-    return as_result(result, stored)

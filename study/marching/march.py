@@ -11,6 +11,7 @@ import numpy as np
 from jax import lax
 
 from study.algebra.matrices import SMALL
+from study.marching.components import across, joined, where
 from study.mechanics.definition import Problem
 from study.observer.base import Observer, Record, Reduction
 from study.observer.diagnostics import Restarts
@@ -26,7 +27,8 @@ PATIENCE = 64
 class Progress(NamedTuple):
     """The progress of a run, with everything needed to continue it.
 
-    With lanes, every array except ``step`` has an axis of lanes in front.
+    With lanes, every array except ``step`` has an axis of lanes in front, or is divided into
+    :class:`study.marching.components.Components`.
 
     Attributes
     ----------
@@ -47,11 +49,18 @@ class Progress(NamedTuple):
     carried: tuple
 
 
+class _Unmade(NamedTuple):
+    """What a march must know of the problems of a family before it makes them."""
+
+    u0: np.ndarray
+    safeguarded: bool
+
+
 class March(eqx.Module):
     """A scheme on a problem with its observers, as pure functions of :class:`Progress`.
 
     With ``lanes``, the functions take and return arrays with an axis of lanes. The lanes share each turn of the loop,
-    and none depends on its neighbours.
+    and none depends on its neighbours. In a family, each lane has its own problem.
     """
 
     problem: Problem
@@ -61,6 +70,10 @@ class March(eqx.Module):
     lanes: bool = eqx.field(static=True, default=False)
     #: Largest displacement, beyond which a run ends as unbounded.
     bound: float = eqx.field(default=np.inf, converter=np.float64)
+    #: Function that makes the problem of a lane, or None.
+    make: Callable[..., Problem] | None = None
+    #: Arguments of ``make`` in all lanes.
+    arguments: Any = None
 
     @classmethod
     def of(
@@ -70,8 +83,9 @@ class March(eqx.Module):
         observers: Sequence[Observer],
         lanes: bool = False,
         bound: float = np.inf,
+        make: Callable[..., Problem] | None = None,
     ) -> "March":
-        """The march of a scheme on a problem.
+        """The march of a scheme on a problem, or on the problems that ``make`` returns.
 
         The scheme is wrapped in :class:`WithHistory` if the problem has a history, and in :class:`Linearised` if an
         observer needs a neighbouring run.
@@ -85,11 +99,33 @@ class March(eqx.Module):
             parts.append(Restarts())
         reductions = tuple(part for part in parts if isinstance(part, Reduction))
         records = tuple(part for part in parts if isinstance(part, Record))
-        return cls(problem, scheme, reductions, records, lanes, bound)
+        model: Any = problem if make is None else _Unmade(np.zeros_like(problem.u0), problem.safeguarded)
+        return cls(model, scheme, reductions, records, lanes, bound, make)
+
+    def with_arguments(self, arguments: Any) -> "March":
+        """The march of a family in which ``make`` has these arguments, with an axis of lanes."""
+        if self.make is None:
+            return self
+        arguments = self._across(lambda one: one)(arguments)
+        return eqx.tree_at(lambda march: march.arguments, self, arguments, is_leaf=lambda x: x is None)
+
+    def _problem(self, arguments: Any) -> Problem:
+        """The problem of a lane."""
+        if self.make is None:
+            return self.problem
+        problem = self.make(**arguments)
+        return problem.with_safeguard() if self.problem.safeguarded else problem
+
+    @property
+    def _across(self) -> Callable[[Callable], Callable]:
+        return across(np.shape(self.problem.u0))
 
     def _each(self, function):
-        """A function of one run, mapped over the lanes if there are any."""
-        return jax.vmap(function) if self.lanes else function
+        """``function(problem, ...)`` without its first argument, mapped over the lanes if there are any."""
+        if not self.lanes:
+            return partial(function, self.problem)
+        of_lanes = self._across(lambda arguments, *rest: function(self._problem(arguments), *rest))
+        return partial(of_lanes, self.arguments)
 
     def _failure(self, state, effort, step):
         """``Progress.failure`` after this step."""
@@ -98,62 +134,64 @@ class March(eqx.Module):
         kind = jnp.where(effort.converged, jnp.where(finite, 2, 1), 0)
         return jnp.where(finite & bounded & effort.converged, 0, 3 * (step + 1) + kind)
 
-    def _sample(self, initial, state, t) -> dict[str, jax.Array]:
-        problem = self.problem.at(state).at_time(t)
+    def _sample(self, problem, initial, state, t) -> dict[str, jax.Array]:
+        problem = problem.at(state).at_time(t)
         values = {n: v for record in self.records for n, v in record.sample(problem, initial, state, t).items()}
         return {name: jnp.asarray(value, float) for name, value in values.items()}
 
     def start(self, u0, v0, dt, room: int) -> tuple[Progress, Any, dict[str, jax.Array]]:
         """Progress at t = 0, the initial state, and the arrays for samples, with the first sample stored.
 
-        The arrays have an additional last place, which takes all samples for which there is no room.
+        The arrays have an additional last place, which takes all samples for which there is no room. A lane of a family
+        starts from u₀ and v₀ of its problem, unless ``u0`` is NaN.
         """
 
-        def one(u0, v0, dt):
-            state, effort = started(self.scheme, self.problem, u0, v0, dt)
-            here = self.problem.at(state).at_time(0.0)
+        def one(problem, u0, v0, dt):
+            if self.make is not None:
+                u0, v0 = jnp.where(jnp.isnan(u0), u0, problem.u0), jnp.asarray(problem.v0)
+            state, effort = started(self.scheme, problem, u0, v0, dt)
+            here = problem.at(state).at_time(0.0)
             carried = tuple(one.started(one.start(here, state), effort) for one in self.reductions)
             return (
                 state,
                 carried,
                 self._failure(state, effort, jnp.zeros((), int)),
-                self._sample(state, state, 0.0 * dt),
+                self._sample(problem, state, state, 0.0 * dt),
             )
 
         state, carried, failure, first = self._each(one)(u0, v0, dt)
+        first = joined(first)
         stored = {name: jnp.zeros((room + 1, *value.shape)).at[0].set(value) for name, value in first.items()}
         return Progress(jnp.zeros((), int), failure, state, carried), state, stored
 
     def stepped(self, progress: Progress, dt, steps=None) -> Progress:
         """Progress after one more step; with ``steps``, lanes that have taken this many steps stay as they are."""
 
-        def one(step, state, carried, dt):
+        def one(problem, step, state, carried, dt):
             # the round-off of a running sum would grow with the number of steps; the round-off of a product does not
-            state, effort = stepped(self.scheme, self.problem, state, step.astype(dt.dtype) * dt, dt)
+            state, effort = stepped(self.scheme, problem, state, step.astype(dt.dtype) * dt, dt)
             now = (step + 1).astype(dt.dtype) * dt
-            problem = self.problem.at(state).at_time(now)
+            problem = problem.at(state).at_time(now)
             carried = tuple(
                 reduction.update(c, problem, state, now, effort)
                 for reduction, c in zip(self.reductions, carried, strict=True)
             )
             return state, carried, self._failure(state, effort, step + 1)
 
-        if steps is None:
-            of_lane = self._each(partial(one, progress.step))
-        else:  # the time of a lane that has ended stands still, so that observers have nothing to catch up with
-            of_lane = partial(self._each(one), jnp.minimum(progress.step, steps - 1))
-        state, carried, failure = of_lane(progress.state, progress.carried, dt)
+        # the time of a lane that has ended stands still, so that observers have nothing to catch up with
+        step = progress.step if steps is None else jnp.minimum(progress.step, steps - 1)
+        state, carried, failure = self._each(one)(step, progress.state, progress.carried, dt)
         failure = jnp.where(progress.failure == 0, failure, progress.failure)
         if self.lanes:
             # A failed lane is set to NaN, which ends Newton's iteration at once. One leaf of the state is enough: the
             # next steps spread it.
             *leaves, last = jax.tree.leaves(state)
-            state = jax.tree.unflatten(jax.tree.structure(state), [*leaves, _where(failure == 0, last, jnp.nan)])
+            state = jax.tree.unflatten(jax.tree.structure(state), [*leaves, where(failure == 0, last, jnp.nan)])
         now = Progress(progress.step + 1, failure, state, carried)
         if steps is None:
             return now
         goes_on = progress.step < steps
-        return jax.tree.map(partial(_where, goes_on), now, progress)._replace(step=now.step)
+        return jax.tree.map(partial(where, goes_on), now, progress)._replace(step=now.step)
 
     def _advance(self, progress: Progress, step: Callable[[Progress], Progress], until) -> Progress:
         """March to step ``until``, or until every run has failed."""
@@ -191,7 +229,7 @@ class March(eqx.Module):
             return self.stepped(p, dt, steps)
 
         def stored_at(place, p, stored):
-            sample = self._each(self._sample)(initial, p.state, p.step.astype(dt.dtype) * dt)
+            sample = joined(self._each(self._sample)(initial, p.state, p.step.astype(dt.dtype) * dt))
             return {
                 name: lax.dynamic_update_index_in_dim(stored[name], value, place, 0) for name, value in sample.items()
             }
@@ -227,16 +265,11 @@ class March(eqx.Module):
     def result(self, progress: Progress) -> tuple[jax.Array, dict[str, jax.Array]]:
         """``Progress.failure`` and the variables of the reductions after the steps so far."""
 
-        def one(state, carried):
+        def one(problem, state, carried):
             return {
                 name: value
                 for reduction, c in zip(self.reductions, carried, strict=True)
-                for name, value in reduction.result(c, self.problem.at(state), state).items()
+                for name, value in reduction.result(c, problem.at(state), state).items()
             }
 
-        return progress.failure, self._each(one)(progress.state, progress.carried)
-
-
-def _where(condition, value, other):
-    """``value`` in the lanes where the condition holds, elsewhere ``other``."""
-    return jnp.where(condition.reshape(condition.shape + (1,) * (jnp.ndim(value) - 1)), value, other)
+        return progress.failure, joined(self._each(one)(progress.state, progress.carried))

@@ -94,9 +94,10 @@ def _whole(form: _Form, numbers: list, counts, begin: tuple, room: int, each_ste
     """Samples and result of a run in one call, which saves the time to pass its progress between calls."""
     march = form.march(numbers)
 
-    def one(u0, v0, dt, own):
-        progress, initial, stored = march.start(u0, v0, dt, room)
-        return _proceed(march, counts, each_step, stored, progress, initial, dt, own)[1:]
+    def one(u0, v0, dt, arguments, own):
+        of_tile = march.with_arguments(arguments)
+        progress, initial, stored = of_tile.start(u0, v0, dt, room)
+        return _proceed(of_tile, counts, each_step, stored, progress, initial, dt, own)[1:]
 
     return _each_tile(march, one, (*begin, own))
 
@@ -104,14 +105,22 @@ def _whole(form: _Form, numbers: list, counts, begin: tuple, room: int, each_ste
 @partial(jit, static_argnums=(0, 3))
 def _start(form: _Form, numbers: list, begin: tuple, room: int):
     march = form.march(numbers)
-    return _each_tile(march, lambda u0, v0, dt: march.start(u0, v0, dt, room), begin)
+
+    def one(u0, v0, dt, arguments):
+        return march.with_arguments(arguments).start(u0, v0, dt, room)
+
+    return _each_tile(march, one, begin)
 
 
 @partial(jit, static_argnums=(0, 3), donate_argnums=4)
 def _stretch(form: _Form, numbers: list, counts, each_step: bool, stored, lanes: tuple):
     """Progress, samples and result of a run after one more stretch."""
     march = form.march(numbers)
-    return _each_tile(march, partial(_proceed, march, counts, each_step), (stored, *lanes))
+
+    def one(stored, progress, initial, dt, arguments, own):
+        return _proceed(march.with_arguments(arguments), counts, each_step, stored, progress, initial, dt, own)
+
+    return _each_tile(march, one, (stored, *lanes))
 
 
 def _stretches(steps: int, every: int, samples: int, room: int, pause: int) -> Iterator[tuple[int, int]]:
@@ -162,6 +171,7 @@ class Program:
         own: CountPerRun | None = None,
         pause: int | None = None,
         on_pause: Callable[[int], bool] = lambda step: True,
+        arguments: Any = None,
     ) -> Result:
         """March to the end, or until every run has failed.
 
@@ -180,6 +190,8 @@ class Program:
             about a second.
         on_pause
             Function called with the number of steps at each pause; the run ends there if the function returns False.
+        arguments
+            Arguments of the function that makes the problems of a family, each (tiles, lanes, ...).
 
         Returns
         -------
@@ -187,9 +199,10 @@ class Program:
             NumPy arrays; samples after a failure or after the end of a lane are meaningless.
         """
         with reading(self.form.reads):
-            return self._run(u0, v0, dt, steps, every, samples, own, pause, on_pause)
+            return self._run((u0, v0, dt, arguments), steps, every, samples, own, pause, on_pause)
 
-    def _run(self, u0, v0, dt, steps, every, samples, own, pause, on_pause) -> Result:
+    def _run(self, begin, steps, every, samples, own, pause, on_pause) -> Result:
+        u0 = begin[0]
         room = self._room(u0, AT_ONCE)
         # a march without an inner loop is faster if steps are short, as with one unknown
         each_step = every == 1 and self._is_scalar
@@ -198,11 +211,11 @@ class Program:
             pause = max(1, int(PAUSE / (lanes * (u0.size / lanes) ** 1.5)))
         if samples < room and steps <= pause:
             counts = np.array([steps, every, 0])
-            stored, result = _whole(self.form, self.numbers, counts, (u0, v0, dt), room, each_step, own)
+            stored, result = _whole(self.form, self.numbers, counts, begin, room, each_step, own)
             place = (slice(None),) * self._lanes + (slice(samples + 1),)
             return as_result(result, {name: np.array(np.asarray(values)[place]) for name, values in stored.items()})
         room = self._room(u0, IN_STRETCHES)
-        return self._in_stretches((u0, v0, dt), steps, every, samples, own, room, each_step, pause, on_pause)
+        return self._in_stretches(begin, steps, every, samples, own, room, each_step, pause, on_pause)
 
     def _room(self, u0: Displacements, most: int) -> int:
         """Number of samples for which a program has room: a power of two, which is one if the march has no records."""
@@ -215,7 +228,7 @@ class Program:
         whole = {name: np.empty(shape) for name, shape in shapes.items()}
         for first, until in _stretches(steps, every, samples, room, pause):
             counts = np.array([until, every, first])
-            lanes = progress, initial, begin[-1], own
+            lanes = progress, initial, *begin[2:], own
             progress, stored, result = _stretch(self.form, self.numbers, counts, each_step, stored, lanes)
             new = min(room, samples + 1 - first)
             for name, values in stored.items():

@@ -31,12 +31,14 @@ from study.marching.arguments import (
 from study.marching.control import checked_control
 from study.marching.ensemble import FEW, march_in_tiles, march_one_by_one
 from study.marching.failure import ON_FAILURE
-from study.marching.family import checked_family, checked_lanes, march_family, times_of_lanes
+from study.marching.family import checked_family, checked_lanes, times_of_lanes
 from study.marching.march import March
 from study.marching.program import Program
 from study.marching.result import COMPLETED, NO_SOLUTION, NOT_FINITE, Labels, Result
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
 from study.mechanics.definition import Problem
+from study.mechanics.function_checks import NOT_TRACEABLE
+from study.mechanics.function_checks import failure as of_trace
 from study.mechanics.loads import times_of_problem
 from study.observer.base import Observer, Record
 from study.problem.named import problems
@@ -93,7 +95,8 @@ def _check_memory(march: March, u0: Displacements, v0: Displacements, dt: PerRun
     """Refuse records that exceed the memory; their shapes follow from the first sample, which is not computed."""
     if (samples + 1) * u0.size <= ANY_MEMORY:
         return
-    one = (u0[0], v0[0], dt[0]) if dt.ndim and not march.lanes else (u0, v0, dt)
+    one_by_one = u0.ndim > np.ndim(march.problem.u0) and not march.lanes
+    one = (u0[0], v0[0], dt.ravel()[0]) if one_by_one else (u0, v0, dt)
     _, _, stored = eqx.filter_eval_shape(march.start, *one, 1)
     lanes = u0.size // one[0].size
     check_memory({name: lanes * math.prod(a.shape[1:]) * a.dtype.itemsize for name, a in stored.items()}, samples + 1)
@@ -259,45 +262,47 @@ def run(
         return adaptive.dataset(control, on_failure)
     step_size, count, every = checked_step_size(dt), checked_steps(steps), positive_integer("every", every)
     lanes = number_of_lanes(equation, start, velocity, {"dt": step_size, "steps": count}, values)
-    few = lanes <= FEW and np.ndim(equation.u0) > 0 and jax.default_backend() == "cpu"
-    side_by_side = bool(lanes) and not few and not values
+    few = lanes <= FEW and np.ndim(equation.u0) > 0 and not values and jax.default_backend() == "cpu"
+    side_by_side = bool(lanes) and not few
+    make = None if over is None else problem
     limit = checked_bound(bound, equations, start, velocity, float(np.max(step_size * count)))
     watches = on_failure is not _SILENT and stability.has_limit(method, equation)
     observed = (*chosen, stability.AtStart()) if watches else chosen
-    plain = March.of(equation, method, observed, side_by_side, limit)
+    march_of = partial(March.of, scheme=method, observers=observed, lanes=side_by_side, bound=limit, make=make)
+    plain = march_of(equation)
     room = _samples(plain.records, count, every, samples)
     begin = start, velocity, step_size
     if lanes:
         shape = (lanes, *np.shape(equation.u0))
-        begin = np.broadcast_to(start, shape), np.broadcast_to(velocity, shape), np.broadcast_to(step_size, lanes)
-    _check_memory(plain, *begin, room)
+        begin = np.broadcast_to(start, shape), np.broadcast_to(velocity, shape), step_size
+    _check_memory(plain.with_arguments(values), *begin, room)
 
-    def marched(prepared: Callable[[Problem], Problem], place: Any = slice(None)) -> Result:
-        """March the lanes at ``place``, or the single run, on the problem that ``prepared`` returns."""
-
-        def march_of(one: Problem) -> March:
-            return March.of(prepared(one), method, observed, side_by_side, limit)
-
-        if values:
-            of_lanes = {name: value[place] for name, value in values.items()}
-            counts = np.broadcast_to(count, lanes)[place]
-            return march_family(problem, of_lanes, march_of, begin[-1][place], counts, every, room)  # type: ignore[arg-type]
-        program = Program(march_of(equation))
+    def marched(march: March, place: Any = slice(None)) -> Result:
+        """March the lanes at ``place``, or the single run."""
+        program = Program(march)
         if not lanes:
             return _march_alone(program, *begin, int(count), every, room)
         march_lanes = march_one_by_one if few else march_in_tiles
-        u0, v0, dt = (one[place] for one in begin)
-        return march_lanes(program, (u0, v0, dt), count[place] if count.ndim else count, every, room)
+        sizes, counts = (one[place] if one.ndim else one for one in (step_size, count))
+        of_lanes = begin[0][place], begin[1][place], sizes, {name: value[place] for name, value in values.items()}
+        return march_lanes(program, of_lanes, counts, every, room)
 
     try:
-        result = marched(lambda one: one)
+        result = marched(plain)
+    except NOT_TRACEABLE as error:
+        if not values:
+            raise
+        raise ValueError(
+            "the function that makes the problem of each lane, in which a sparse matrix that depends on its arguments "
+            f"is a jax.experimental.sparse.BCOO, {of_trace(error, 'fails')}"
+        ) from error
     except TypeError as error:  # a scheme or an observer raised it: the traceback through the march does not help
         raise error.with_traceback(None) from error.__cause__
     unsolved = result.status == NO_SOLUTION
     if not (method.explicit or equation.linear):  # a Newton correction may end where the force is not finite
         unsolved |= result.status == NOT_FINITE
     if unsolved.any():
-        again = marched(Problem.with_safeguard, unsolved)
+        again = marched(march_of(equation.with_safeguard()), unsolved)
         result = jax.tree.map(lambda all_, new: _replaced(all_, unsolved, new), result, again) if lanes else again
     motion = stability.taken_from(result.values) if watches else None
     if on_failure is not _SILENT:

@@ -100,7 +100,7 @@ def _goes_on(carry, most):
     return unfinished & (iterations < most)
 
 
-def _any(flags):
+def any_lane(flags):
     """Whether any flag (lanes,) is set, by joining halves of the array: XLA's reduction takes one flag at a time."""
     lanes = len(flags)
     while lanes > 8 and lanes % 2 == 0:
@@ -143,7 +143,7 @@ def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS)
 
             return jax.vmap(newest)(goes_on(carry), each(carry, given), carry)
 
-        ended = lax.while_loop(lambda carry: _any(goes_on(carry)), those_that_go_on, carry)
+        ended = lax.while_loop(lambda carry: any_lane(goes_on(carry)), those_that_go_on, carry)
         return ended, jax.tree.map(lambda _: True, ended)
 
     return to_the_end(carry, given)
