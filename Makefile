@@ -8,7 +8,7 @@
 # make torture        kills the pipeline at random moments
 # make cluster        runs the pipeline on a Slurm of this machine
 # make archive        packs the finished study
-# make conformance    packs the conformance kit
+# make conformance    builds the wheel of the conformance kit
 # make citation       validates CITATION.cff
 # make lock           updates the pinned versions in requirements.txt
 
@@ -25,7 +25,8 @@ WITHOUT_ACCOUNTING = $(shell sacct > /dev/null 2>&1 || echo --slurm-status-comma
 PINNED := --require-hashes --no-deps
 
 KILLS ?= 100
-CONFORMANCE ?= results/conformance.zip
+# folder of the wheel of the conformance kit
+CONFORMANCE ?= results
 
 .PHONY: study site test coverage benchmark check lock torture cluster archive conformance citation clean
 
@@ -82,11 +83,10 @@ cluster: .venv/ready
 archive: study
 	$(BIN)/python -m pipeline.archive . results/archive.zip
 
-# the conformance kit for other codes, which needs NumPy only
-conformance:
-	@mkdir -p $(dir $(CONFORMANCE))
-	@find conformance -type f -not -path '*/__pycache__/*' | sort | $(PYTHON) -c "import sys, zipfile; \
-	  [zipped.write(name.strip()) for zipped in [zipfile.ZipFile('$(CONFORMANCE)', 'w', 8)] for name in sys.stdin]"
+# the conformance kit for other codes, built from a copy, because building leaves files next to the sources
+conformance: .venv/ready
+	@rm -rf build/conformance && mkdir -p build && cp -r conformance build/
+	$(BIN)/pip wheel --quiet --no-deps --no-build-isolation --wheel-dir $(CONFORMANCE) ./build/conformance
 
 # validate CITATION.cff; a test compares it with codemeta.json and .zenodo.json
 citation: .venv/ready

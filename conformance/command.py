@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from conformance.judge import CASES, judge
-from conformance.report import page, summary, table
+from conformance.report import badge, page, summary, table
 from conformance.runners import of_command, of_folder, of_function
 from conformance.writers import write
 
@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tool", default="a code", help="name of the code")
     parser.add_argument("--tool-version", default="", metavar="VERSION", help="version of the code")
     parser.add_argument("--note", default="", metavar="TEXT", help="a sentence on how the code is run")
-    parser.add_argument("--output", type=Path, metavar="PATH", help="PATH.json and PATH.html are written")
+    parser.add_argument("--output", type=Path, metavar="PATH", help="write PATH.json, PATH.html and the badge PATH.svg")
     parser.add_argument(
         "--inputs", type=Path, metavar="FOLDER", help="write input files of OpenSees, Abaqus, code_aster"
     )
@@ -79,6 +79,7 @@ def conform(arguments: argparse.Namespace) -> None:
         for suffix, text in (
             (".json", json.dumps(found, indent=1, ensure_ascii=False)),
             (".html", page(found, titles)),
+            (".svg", badge(found)),
         ):
             arguments.output.with_name(arguments.output.name + suffix).write_text(text + "\n", encoding="utf-8")
     if found["counts"]["fail"]:

@@ -1,4 +1,4 @@
-"""Verdicts as a table in text, as a dictionary for a JSON file, and as an HTML page."""
+"""Verdicts as a table in text, as a dictionary for a JSON file, as an HTML page and as a badge."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -42,6 +42,17 @@ def table(verdicts: Sequence[Verdict]) -> str:
     ]
     counts = Counter(one.verdict for one in verdicts)
     return "\n".join([*lines, ", ".join(f"{verdict} {counts[verdict]}" for verdict in VERDICTS)])
+
+
+def badge(found: Mapping[str, Any]) -> str:
+    """SVG badge with the number of passed cases of all cases, from the ``summary`` of a tool; red if a case fails."""
+    text = f"{found['counts']['pass']} of {len(found['cases'])}"
+    colour = "#c33" if found["counts"]["fail"] else "#282"
+    return f"""<svg xmlns="http://www.w3.org/2000/svg" width="170" height="20" role="img">
+<title>conformance: {text}</title>
+<rect width="90" height="20" fill="#555"/><rect x="90" width="80" height="20" fill="{colour}"/>
+<g fill="#fff" text-anchor="middle" font-family="Verdana,sans-serif" font-size="11">
+<text x="45" y="14">conformance</text><text x="130" y="14">{text}</text></g></svg>"""
 
 
 def page(found: Mapping[str, Any], titles: Mapping[str, str]) -> str:

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from conformance.command import add_arguments, conform
 from study import io
 from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
@@ -86,10 +85,6 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--error", type=float, required=True, help="an error that was assessed, as a fraction")
     command.add_argument("--quantity", help="quantity that must keep the error; default: the first, displacement")
     command.add_argument("--folder", type=Path, default=io.RESULTS, help="folder of the results; default: results")
-
-    command = commands.add_parser("conform", help="judge the integrator of a code by the cases of the conformance kit")
-    command.set_defaults(function=conform)
-    add_arguments(command)
 
     command = commands.add_parser("list", help="list the names of problems, schemes and observers")
     command.set_defaults(function=_list)
@@ -213,7 +208,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     ------
     SystemExit
         With code 2 after a mistake; one sentence on the standard error output explains it. With code 130 after an
-        interrupt, and with code 1 if a case of the conformance kit fails.
+        interrupt.
     """
     parser = _parser()
     words = sys.argv[1:] if arguments is None else list(arguments)

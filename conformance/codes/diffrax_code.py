@@ -1,4 +1,4 @@
-"""diffrax, a library of solvers in JAX: ``python -m conformance conformance.tools.diffrax_code:step``.
+"""diffrax, a library of solvers in JAX: ``python -m conformance conformance.codes.diffrax_code:step``.
 
 The state is (u, v). Symplectic Euler is a solver of diffrax. Every other supported scheme is an explicit or diagonally
 implicit Runge-Kutta solver of diffrax with the tableau of the scheme: average acceleration is the trapezoidal rule, and
@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 import optimistix
 
-from conformance.tools.time_integration_study import problem_of
+from conformance.codes.time_integration_study import problem_of
 from study.mechanics.balance import acceleration
 
 #: Relative and absolute tolerance of the last correction of Newton's iteration; the remaining error is much smaller.

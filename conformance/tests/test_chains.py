@@ -111,7 +111,7 @@ def test_commands_of_code_aster_state_the_case(name, scheme):
 
 def test_the_table_of_code_aster_is_the_motion_that_it_reads(tmp_path, monkeypatch):
     case, names = BY_NAME["F-FRAME-AVG"], Commands()
-    motion = runners.of_function("conformance.tools.newmark:step")(case, 1)
+    motion = runners.of_function("conformance.examples.newmark:step")(case, 1)
     times = float(case["run"]["dt"]) * np.arange(case["run"]["steps"] + 1)
     columns = {"DEPL": "u", "VITE": "v", "ACCE": "a"}
 

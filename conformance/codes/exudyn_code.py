@@ -1,4 +1,4 @@
-"""Exudyn, a multibody code: ``python -m conformance conformance.tools.exudyn_code:step``.
+"""Exudyn, a multibody code: ``python -m conformance conformance.codes.exudyn_code:step``.
 
 Its generalized-α method takes ρ∞ alone, and its Newmark method takes β and γ. Forces other than K u are user functions,
 whose tangent Exudyn computes by differences.

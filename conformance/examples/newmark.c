@@ -1,5 +1,5 @@
 /* Newmark's method in C, as an example of a command that the kit runs:
-   cc -O2 -o newmark conformance/tools/newmark.c -lm && python -m conformance --command "./newmark {case} {out}"
+   cc -O2 -o newmark conformance/examples/newmark.c -lm && python -m conformance --command "./newmark {case} {out}"
    It reads a case, writes rows t,u1,v1,a1, and ends with 77 for what it does not do. One unknown. */
 #include <math.h>
 #include <stdio.h>

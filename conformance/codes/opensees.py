@@ -1,4 +1,4 @@
-"""OpenSees, a finite element code: ``python -m conformance conformance.tools.opensees:step``.
+"""OpenSees, a finite element code: ``python -m conformance conformance.codes.opensees:step``.
 
 A stiffness or damping matrix is modelled by springs or dashpots between nodes on a line. OpenSees does not compute the
 acceleration at the start; ``step`` sets it, but ``from_zero`` does not. ``others`` and ``more`` run other integrators

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from conformance import runners
+from conformance.__main__ import main
 from conformance.command import cases
 from conformance.judge import CASES, judge
-from study.__main__ import main
 
 ALL = list(cases())
 
@@ -27,10 +27,16 @@ def _verdicts(runner, chosen):
         (["nowhere:step"], "'nowhere:step' must name a module and a function in it, such as my_code:step"),
         (["--collect", "nowhere"], "there is no folder 'nowhere'."),
         (["--collect", str(CASES)], "has no table of a case, such as A-LIN-AVG.csv."),
-        (["conformance.tools.newmark:FAMILIES"], "FAMILIES is not a function"),
-        (["conformance.tools.newmark:step", "--only", "A", "newmrk"], "no case has the tag 'newmrk'; tags are A, B,"),
-        (["conformance.tools.newmark:step", "--skip", "Z"], "no case has the tag 'Z'"),
-        (["conformance.tools.newmark:step", "--only", "A", "B"], "no case has all tags of --only and none of --skip."),
+        (["conformance.examples.newmark:FAMILIES"], "FAMILIES is not a function"),
+        (
+            ["conformance.examples.newmark:step", "--only", "A", "newmrk"],
+            "no case has the tag 'newmrk'; tags are A, B,",
+        ),
+        (["conformance.examples.newmark:step", "--skip", "Z"], "no case has the tag 'Z'"),
+        (
+            ["conformance.examples.newmark:step", "--only", "A", "B"],
+            "no case has all tags of --only and none of --skip.",
+        ),
         (["--command", "awk '{ print }' {case}"], "must contain {case} and {out}"),
         (["--command", "prog {case} '{out}"], "cannot be split into words (No closing quotation)."),
         (["--command", "./nowhere {case} {out}"], "the command './nowhere' cannot be started"),
@@ -38,7 +44,7 @@ def _verdicts(runner, chosen):
 )
 def test_a_wrong_call_gets_one_sentence(words, sentence, capsys):
     with pytest.raises(SystemExit) as ended:
-        main(["conform", *words])
+        main(words)
     assert ended.value.code == 2 and sentence in capsys.readouterr().err
 
 
@@ -81,7 +87,7 @@ def test_a_function_that_returns_no_motion_fails_with_a_sentence(found, sentence
 
 def test_a_function_may_import_its_neighbours_when_it_runs(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "path", [*sys.path])
-    (tmp_path / "neighbour.py").write_text("from conformance.tools.newmark import step", encoding="utf-8")
+    (tmp_path / "neighbour.py").write_text("from conformance.examples.newmark import step", encoding="utf-8")
     text = "def late(*given):\n    from neighbour import step\n    return step(*given)\n"
     (tmp_path / "late_code.py").write_text(text, encoding="utf-8")
     (one,) = _verdicts(runners.of_function(f"{tmp_path / 'late_code.py'}:late"), [ALL[0]])

@@ -4,7 +4,6 @@ import json
 import shutil
 import subprocess
 import sys
-import zipfile
 from collections import Counter, defaultdict
 from functools import partial
 from hashlib import sha256
@@ -12,23 +11,20 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import jax
 import jsonschema
 import numpy as np
 import pytest
 from mpmath import mp
 
 from conformance import VERSION, generate, runners
+from conformance.__main__ import main
 from conformance.command import cases
 from conformance.contents import ORDERS, PROBLEMS, SCHEMES
+from conformance.examples import newmark
 from conformance.judge import judge
-from conformance.tools import newmark
-from docs.conformance_page import conformance_page, found
-from study.__main__ import main
-from tests.conformance import mutations
+from conformance.tests import mutations
 
-PROJECT = Path(__file__).parents[2]
-TOOLS = PROJECT / "conformance" / "tools"
+KIT = Path(__file__).parents[1]
 ALL = list(cases())
 #: Fast cases for the programs with mistakes; together the cases reach every line of the example programs.
 QUICK = [case for case in ALL if case["expect"][0]["kind"] == "identical" and case["name"][0] in "ADEFG"]
@@ -48,7 +44,7 @@ def counted(outcomes):
 
 
 def test_every_case_follows_the_schema_and_is_small():
-    validator = jsonschema.Draft202012Validator(json.loads((PROJECT / "conformance" / "schema.json").read_text()))
+    validator = jsonschema.Draft202012Validator(json.loads((KIT / "schema.json").read_text()))
     files = sorted(generate.CASES.glob("*.json"))
     assert len(files) >= 250 and sum(file.stat().st_size for file in files) <= 1_000_000
     for file in files:
@@ -102,25 +98,8 @@ def test_the_stored_end_of_a_case_of_order_is_exact():
     assert float(case["expect"][0]["value"]) == pytest.approx(end, abs=1e-11)
 
 
-def test_the_study_passes():
-    """Run all cases of levels A to D and G. Cases of E and F compile a program each; they run for four schemes only.
-
-    On unequal steps the study's α-methods move the carried acceleration to the time that the new step size needs. The
-    kit lists this form as an alternative.
-    """
-    chosen = [case for case in ALL if case["name"][0] in "ABCDG" or case["name"][-3:] in ("AVG", "HHT", "BAT", "RK4")]
-    moved = {case["name"] for case in ALL if case["name"][0] == "G" and case["name"][-3:] in ("GEN", "HHT")}
-    with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
-        outcomes = verdicts(runners.of_function("conformance.tools.time_integration_study:step"), chosen)
-    assert {one.name for one in outcomes if one.verdict != "pass"} == moved
-    assert {one.verdict for one in outcomes if one.name in moved} == {"differs"}
-    stored = json.loads((PROJECT / "conformance" / "verdicts" / "study.json").read_text(encoding="utf-8"))
-    assert stored["counts"] == {"pass": len(ALL) - len(moved), "differs": len(moved), "fail": 0, "skip": 0}
-    assert stored["kit"] == VERSION
-
-
 def test_the_example_in_numpy_passes_what_it_does():
-    outcomes = verdicts(runners.of_function("conformance.tools.newmark:step"))
+    outcomes = verdicts(runners.of_function("conformance.examples.newmark:step"))
     assert counted(outcomes)["pass"] == sum(case["scheme"]["family"] in newmark.FAMILIES for case in ALL)
     assert set(counted(outcomes)) == {"pass", "skip"}
 
@@ -138,7 +117,7 @@ def _caught(found, cause):
 
 
 def test_mistakes_in_the_numpy_program_are_caught_and_named():
-    text = (TOOLS / "newmark.py").read_text(encoding="utf-8")
+    text = (KIT / "examples" / "newmark.py").read_text(encoding="utf-8")
     named = []
     for change in mutations.PYTHON:
         module = ModuleType("mutated")
@@ -155,7 +134,7 @@ def test_mistakes_in_the_numpy_program_are_caught_and_named():
 
 def test_an_acceleration_that_is_moved_to_the_new_step_is_an_alternative():
     module = ModuleType("mutated")
-    exec((TOOLS / "newmark.py").read_text(encoding="utf-8").replace(*mutations.MOVED), module.__dict__)
+    exec((KIT / "examples" / "newmark.py").read_text(encoding="utf-8").replace(*mutations.MOVED), module.__dict__)
     sys.modules["mutated"] = module
     unequal = [case for case in ALL if "unequal_steps" in case["tags"]]
     outcomes = verdicts(runners.of_function("mutated:step"), unequal)
@@ -167,7 +146,7 @@ def test_an_acceleration_that_is_moved_to_the_new_step_is_an_alternative():
 
 
 def test_unequal_steps_have_the_changes_that_their_cases_hold_no_values_of():
-    text = (TOOLS / "newmark.py").read_text(encoding="utf-8")
+    text = (KIT / "examples" / "newmark.py").read_text(encoding="utf-8")
     unequal = [case for case in ALL if case["name"] in ("G-HARM-AVG", "G-CUB-GEN")]
     for old, new, verdict, cause in (
         ("problem.load(t + part * tau)", "problem.load(t + tau / 2)", "fail", "load is that of the middle"),
@@ -194,7 +173,7 @@ def _compiled(source, folder):
 
 @needs_c
 def test_the_example_in_c_passes_what_it_does_and_its_mistakes_are_caught(tmp_path):
-    text = (TOOLS / "newmark.c").read_text(encoding="utf-8")
+    text = (KIT / "examples" / "newmark.c").read_text(encoding="utf-8")
     first = counted(verdicts(_compiled(text, tmp_path)))
     assert first["pass"] >= 60 and set(first) == {"pass", "skip"}
     few = [case for case in QUICK if case["scheme"]["family"] == "newmark"]
@@ -207,7 +186,7 @@ def test_the_example_in_c_passes_what_it_does_and_its_mistakes_are_caught(tmp_pa
 @pytest.mark.skipif(shutil.which("node") is None, reason="no Node")
 def test_the_reader_in_javascript_judges_a_case(tmp_path):
     def read(file):
-        return subprocess.run(["node", TOOLS / "reader.js", file], capture_output=True, text=True)
+        return subprocess.run(["node", KIT / "examples" / "reader.js", file], capture_output=True, text=True)
 
     good = read(generate.CASES / "D-HARM-AVG.json")
     assert good.returncode == 0 and good.stdout == "D-HARM-AVG: pass\n"
@@ -220,46 +199,9 @@ def test_the_reader_in_javascript_judges_a_case(tmp_path):
         assert skipped.returncode == 77 and skipped.stdout == f"{name}: skip\n"
 
 
-def test_the_zip_works_without_the_study(tmp_path):
-    """The kit runs in a Python that has NumPy, but neither this project nor JAX nor mpmath."""
-    subprocess.run(
-        ["make", "conformance", f"CONFORMANCE={tmp_path / 'kit.zip'}"], cwd=PROJECT, check=True, capture_output=True
-    )
-    zipfile.ZipFile(tmp_path / "kit.zip").extractall(tmp_path)
-    words = ["conformance.tools.newmark:step", "--only", "A", "--tool", "NumPy", "--output", "out"]
-    code = f"""import runpy, sys
-sys.modules.update(jax=None, study=None, mpmath=None)
-sys.argv[1:] = {words}
-runpy.run_module("conformance", run_name="__main__")"""
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    stored = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
-    assert stored["kit"] == VERSION and stored["tool"] == "NumPy" and stored["counts"]["pass"] > 5
-    assert "A-LIN-AVG" in (tmp_path / "out.html").read_text(encoding="utf-8")
-
-
-def test_stored_verdicts_are_those_of_these_cases_and_on_the_page():
-    page = conformance_page()
-    codes = found()
-    assert {"OpenSees", "Exudyn", "SciPy, bilinear transform", "This study", "diffrax"} <= {
-        code["tool"] for code in codes
-    }
-    for code in codes:
-        # verdicts of an older kit lack the cases that were added later
-        names = {case["name"] for case in ALL if _number(case["version"]) <= _number(code["kit"])}
-        assert {case["name"] for case in code["cases"]} == names and code["version"]
-        assert code["counts"] == {verdict: counted_in(code, verdict) for verdict in code["counts"]}
-        assert f"| {code['tool']} {code['version']}" in page
-    assert "| fail | α_m is missing in the balance |" in page
-
-
-def counted_in(code, verdict):
-    return sum(case["verdict"] == verdict for case in code["cases"])
-
-
 def test_opensees_has_newmarks_method_and_starts_houbolts_by_average_acceleration():
     try:
-        runner = runners.of_function("conformance.tools.opensees:step")
+        runner = runners.of_function("conformance.codes.opensees:step")
     except ValueError as reason:
         pytest.skip(str(reason))
     chosen = [case for case in QUICK if case["name"].endswith(("AVG", "DIS", "HHT", "WIL", "HOU"))]
@@ -270,7 +212,7 @@ def test_opensees_has_newmarks_method_and_starts_houbolts_by_average_acceleratio
 
 def test_the_third_set_of_opensees_moves_from_rest_as_the_schemes_do_and_not_from_a_motion():
     try:
-        runner = runners.of_function("conformance.tools.opensees:more")
+        runner = runners.of_function("conformance.codes.opensees:more")
     except ValueError as reason:
         pytest.skip(str(reason))
     for code in ("CDM", "HHT", "GEN"):
@@ -280,31 +222,22 @@ def test_the_third_set_of_opensees_moves_from_rest_as_the_schemes_do_and_not_fro
             assert judge(case, lambda part, motion=motion: motion).verdict == verdict
 
 
-def test_diffrax_has_average_acceleration_as_the_trapezoidal_rule():
-    """The runner of diffrax passes the case of average acceleration on unequal steps."""
-    pytest.importorskip("diffrax")
-    (case,) = [case for case in ALL if case["name"] == "G-LIN-AVG"]
-    with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
-        (one,) = verdicts(runners.of_function("conformance.tools.diffrax_code:step"), [case])
-    assert one.verdict == "pass" and one.digits > 12
-
-
 def test_tables_of_a_folder_are_judged(tmp_path, capsys):
     case = next(case for case in ALL if case["name"] == "A-LIN-AVG")
-    motion = runners.of_function("conformance.tools.newmark:step")(case, 1)
+    motion = runners.of_function("conformance.examples.newmark:step")(case, 1)
     rows = np.hstack([0.05 * np.arange(3.0)[:, None], *(np.array(motion[name]) for name in "uv")])
     np.savetxt(tmp_path / "A-LIN-AVG.csv", rows, delimiter=",", header="t,u1,v1", comments="", fmt="%.17g")
-    main(["conform", "--collect", str(tmp_path)])
+    main(["--collect", str(tmp_path)])
     assert capsys.readouterr().out == f"pass 1, differs 0, fail 0, skip {len(ALL) - 1}\n"
     np.savetxt(tmp_path / "A-LIN-DIS.csv", rows[:, :2], delimiter=",", header="t,u1", comments="", fmt="%.17g")
     with pytest.raises(SystemExit) as ended:
-        main(["conform", "--collect", str(tmp_path), "--only", "A", "newmark"])
+        main(["--collect", str(tmp_path), "--only", "A", "newmark"])
     assert ended.value.code == 1
     assert "it is average acceleration" in capsys.readouterr().out
 
 
 def test_input_files_of_opensees_are_written_for_what_it_has(tmp_path):
-    main(["conform", "--inputs", str(tmp_path)])
+    main(["--inputs", str(tmp_path)])
     files = {file.stem for file in tmp_path.glob("*.tcl")}
     assert len(files) > 80 and "A-CUB-HHT" in files and "E-YIELD-AVG" not in files and "A-LIN-RK4" not in files
     text = (tmp_path / "A-CUB-HHT.tcl").read_text(encoding="utf-8")

@@ -1,0 +1,1 @@
+"""Functions that run the kit on other codes; each needs its code."""

@@ -1,0 +1,1 @@
+"""Three small codes that the kit runs, in NumPy, C and JavaScript."""

@@ -1,1 +1,0 @@
-"""Codes that the kit judges: two small examples, the study, and other codes if they are installed."""
