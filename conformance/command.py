@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from conformance.causes import Known
 from conformance.judge import CASES, judge
 from conformance.report import badge, page, summary, table
 from conformance.runners import of_command, of_folder, of_function
@@ -71,7 +72,8 @@ def conform(arguments: argparse.Namespace) -> None:
         runner = of_function(arguments.code)
     else:
         runner = of_folder(arguments.collect) if arguments.command is None else of_command(arguments.command)
-    verdicts = [judge(case, partial(runner, case)) for case in chosen]
+    known: Known = set()
+    verdicts = [judge(case, partial(runner, case), known) for case in chosen]
     found = summary(verdicts, arguments.tool, arguments.tool_version, arguments.note)
     print(table(verdicts))
     if arguments.output:

@@ -117,7 +117,7 @@ class Problem:
     def load(self, t: Any) -> np.ndarray:
         """f(t), shape (n,): a harmonic load, plus −M 1 a_g(t).
 
-        The ground acceleration a_g is linear between its samples and zero after the last sample.
+        The ground acceleration a_g is linear between its samples, and zero before the first and after the last one.
         """
         load = 0 * self.u0
         if harmonic := self.text.get("load"):
@@ -126,8 +126,8 @@ class Problem:
         if ground := self.text.get("ground"):
             samples = self.array(ground["acceleration"])
             place = t / self.numbers.mpf(ground["dt"])
-            before = int(place)
-            if before + 1 < len(samples):
+            if 0 <= place < len(samples) - 1:
+                before = int(place)
                 here = samples[before] + (place - before) * (samples[before + 1] - samples[before])
                 load = load - self.mass.sum(axis=1) * here
         return load

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from datetime import date
 from html import escape
 from typing import Any
 
@@ -12,6 +13,8 @@ VERDICTS = ("pass", "differs", "fail", "skip")
 
 #: Order of the rows of a page, by verdict.
 _ROWS = ("fail", "differs", "pass", "skip")
+
+_HEAD = ("case", "scheme and problem", "verdict", "digits", "cause", "agrees")
 
 _STYLE = """body {font: 16px/1.4 sans-serif; margin: 2em auto; max-width: 70em; padding: 0 1em}
 table {border-collapse: collapse} th, td {border-bottom: 1px solid #ccc; padding: .2em .7em; text-align: left}
@@ -25,6 +28,7 @@ def summary(verdicts: Sequence[Verdict], tool: str, version: str, note: str) -> 
         "kit": VERSION,
         "tool": tool,
         "version": version,
+        "date": date.today().isoformat(),
         "note": note,
         "counts": {verdict: counts[verdict] for verdict in VERDICTS},
         "cases": [
@@ -61,16 +65,18 @@ def page(found: Mapping[str, Any], titles: Mapping[str, str]) -> str:
     counts = ", ".join(f"{verdict} {number}" for verdict, number in found["counts"].items())
     rows = [
         f'<tr class="{one["verdict"]}"><td>{escape(one["name"])}</td><td>{escape(titles[one["name"]])}</td>'
-        f"<td>{one['verdict']}</td><td>{one.get('digits', '')}</td><td>{escape(one.get('cause', ''))}</td></tr>"
+        f"<td>{one['verdict']}</td><td>{one.get('digits', '')}</td><td>{escape(one.get('cause', ''))}</td>"
+        f"<td>{one.get('where', '')}</td></tr>"
         for one in sorted(found["cases"], key=lambda one: _ROWS.index(one["verdict"]))
     ]
     return "\n".join(
         [
             f'<!DOCTYPE html>\n<html lang="en"><meta charset="utf-8"><title>Conformance of {tool}</title>',
             f"<style>{_STYLE}</style>\n<h1>Conformance of {tool}</h1>",
-            f"<p>Cases {found['kit']}: {counts}. Digits are those of the worst value, relative to the largest.</p>",
+            f"<p>Cases {found['kit']}, {found['date']}: {counts}. "
+            "Digits are those of the worst value, relative to the largest.</p>",
             f"<p>{escape(found['note'])}</p>",
-            "<table><tr><th>case</th><th>scheme and problem</th><th>verdict</th><th>digits</th><th>cause</th></tr>",
+            f"<table><tr>{''.join(f'<th>{name}</th>' for name in _HEAD)}</tr>",
             *rows,
             "</table></html>",
         ]

@@ -18,6 +18,20 @@ ITERATIONS = 60
 #: Beginning of the word that evaluates every load at one point of the step; the point in units of Δt follows.
 POINT = "load at point "
 
+#: Beginning of the word that takes every load of the steps later; the delay in units of Δt follows.
+DELAY = "load later by "
+
+#: Beginning of the word that multiplies the acceleration at the start; the factor follows.
+START = "start times "
+
+#: Beginning of the word that stops Newton's iteration; the number of iterations from the last displacement follows.
+SOME = "iterations "
+
+
+def _number(words: Collection[str], beginning: str, absent: Any) -> Any:
+    """The number after the beginning of a word; ``absent`` without such a word."""
+    return next((float(word.removeprefix(beginning)) for word in words if word.startswith(beginning)), absent)
+
 
 class March:
     """State of a run: t, u, v and the carried acceleration a. The method with the name of a family makes a step."""
@@ -34,6 +48,9 @@ class March:
             self.signed(problem.load(self.t)) * ("a0 without load" not in words) - problem.damping @ self.v * resisted
         )
         self.a = solve(problem.mass, force - problem.force(self.u)) * ("a0 = 0" not in words)
+        self.a = self.a * _number(words, START, 1)
+        if "start by backward Euler" in words:
+            self.a = self.twice_by_half_steps()
         self.before = self.a
         self.start = scheme.get("start", "")
         self.past = self.fictitious(self.start) if scheme["family"] == "houbolt" else []
@@ -54,6 +71,15 @@ class March:
             self.a = self.a + change * (self.a - self.acceleration(0, self.u, self.v))
         self.dt, self.before = size, self.a
 
+    def twice_by_half_steps(self) -> np.ndarray:
+        """Accelerations of two half steps of backward Euler, extrapolated to the start without a division by two."""
+        u, v, h, speeds = self.u, self.v, self.dt / 2, [self.v]
+        for part in (1 / self.problem.numbers.mpf(2), 1):
+            a = self.balanced((u + h * v, h**2 / 2), (v, h), (0 * v, 1), self.load(part))
+            u, v = u + h * v + h**2 / 2 * a, v + h * a
+            speeds.append(v)
+        return (4 * speeds[1] - 3 * speeds[0] - speeds[2]) / h
+
     def signed(self, load: np.ndarray) -> np.ndarray:
         """The load that the scheme applies: a scheme with a mistake may omit it or reverse its sign."""
         return load * (0 if "no load" in self.words else -1 if "sign of load" in self.words else 1)
@@ -65,8 +91,9 @@ class March:
             return (1 - part) * load(self.t) + part * load(self.t + self.dt)
         places = {"load at start": 0, "load at end": 1, "load at half": 1 / self.problem.numbers.mpf(2)}
         part = next((place for word, place in places.items() if word in words), part)
-        part = next((float(word.removeprefix(POINT)) for word in words if word.startswith(POINT)), part)
-        return self.signed(load(self.t + (part + ("load early" in words)) * self.dt))
+        part = _number(words, POINT, part)
+        later = ("load early" in words) + _number(words, DELAY, 0)
+        return self.signed(load(self.t + (part + later) * self.dt))
 
     def acceleration(self, part: Any, u: np.ndarray, v: np.ndarray, lag: Any = 0, force: Any = None) -> np.ndarray:
         """The acceleration a that solves M a + C (v + lag a) + p(u) = f(t₀ + part Δt).
@@ -90,9 +117,9 @@ class March:
         if "damping at start" in words:
             damping = (self.v, 0)
         constant = inertia[1] * problem.mass + damping[1] * viscous
-        few = "one iteration" in words or "one iteration from a" in words
+        few = 1 if {"one iteration", "one iteration from a"} & set(words) else int(_number(words, SOME, 0))
         x = self.u if "one iteration from a" not in words else self.u + self.dt * self.v + self.dt**2 / 2 * self.a
-        for _ in range(1 if few else ITERATIONS):
+        for _ in range(few or ITERATIONS):
             u = place[0] + place[1] * x
             residual = problem.mass @ (inertia[0] + inertia[1] * x) + viscous @ (damping[0] + damping[1] * x)
             residual = residual + weight * problem.force(u) + rest - load
@@ -140,6 +167,14 @@ class March:
         """Generalized-α; Newmark's method for α_m = α_f = 0."""
         u, part = self.u, 1 - alpha_f
         velocity, inertia = self.newmark_place(beta, gamma)
+        if "start forgotten" in self.words and len(self.rows) == 1:
+            velocity = velocity[0] - self.dt * (1 - gamma / (2 * beta)) * self.a, velocity[1]
+            inertia = inertia[0] + self.v / (beta * self.dt), inertia[1]
+            weighted = (1 - alpha_m) * inertia[0] + alpha_m * self.a, (1 - alpha_m) * inertia[1]
+            load = part * self.signed(self.problem.load(self.t + self.dt))
+            x = self.balanced((0 * u, 1), (part * velocity[0], part * velocity[1]), weighted, load, weight=part)
+            self.move(x, velocity[0] + velocity[1] * x, inertia[0] + inertia[1] * x)
+            return
         inertia = (1 - alpha_m) * inertia[0] + alpha_m * self.a, (1 - alpha_m) * inertia[1]
         damping = part * velocity[0] + alpha_f * self.v, part * velocity[1]
         if "damping at end" in self.words:
@@ -174,6 +209,9 @@ class March:
     def central_difference(self, gamma: Any = None) -> None:
         """Newmark's method with β = 0, and γ = ½ by default."""
         dt, gamma = self.dt, self.problem.numbers.mpf(1) / 2 if gamma is None else gamma
+        if "three displacements" in self.words:
+            self.three_displacements()
+            return
         if "start at half" in self.words and len(self.rows) == 1:
             self.a = self.acceleration(0, self.u, self.v, dt / 2)
             self.v = self.v + dt / 2 * self.a
@@ -184,6 +222,19 @@ class March:
         self.move(u, half + gamma * dt * a, a)
         if "velocity at half" in self.words:
             self.rows[-1] = (u, half, a)
+
+    def three_displacements(self) -> None:
+        """Central difference with the displacements of two steps, and velocities by backward differences."""
+        dt, u, problem = self.dt, self.u, self.problem
+        if not self.past:
+            self.past = [u if "start forgotten" in self.words else u - dt * self.v + dt**2 / 2 * self.a]
+        (before,) = self.past
+        viscous = problem.damping / (2 * dt)
+        right = self.load(0) - problem.force(u) + problem.mass @ (2 * u - before) / dt**2 + viscous @ before
+        new = solve(problem.mass / dt**2 + viscous, right)
+        v = (3 * new - 4 * u + before) / (2 * dt)
+        self.past = [u]
+        self.move(new, v, (v - self.v) / dt)
 
     def wilson(self, theta: Any) -> None:
         """Wilson's θ-method with a linear acceleration."""

@@ -192,6 +192,12 @@ def _cubic_alone(problem: Mapping[str, Any]) -> dict[str, Any]:
     return {**problem, "parameters": {**parameters, "S2": repr(float(parameters["S2"]) / float(parameters["S1"]))}}
 
 
+def _without_cubic(problem: Mapping[str, Any]) -> dict[str, Any]:
+    if problem["form"] != "cubic":
+        return {**problem}
+    return {**problem, "parameters": {**problem["parameters"], "S2": "0"}}
+
+
 #: Mistakes that were found after the cases were made, so that the cases hold no values of these mistakes. Each has a
 #: text, words for the scheme, and a function that changes the problem.
 LATER: tuple[tuple[str, tuple[str, ...], Callable[[Mapping[str, Any]], Mapping[str, Any]]], ...] = (
@@ -202,6 +208,7 @@ LATER: tuple[tuple[str, tuple[str, ...], Callable[[Mapping[str, Any]], Mapping[s
     ("the load is a sine instead of a cosine", (), _loaded(lambda w, phase: (w, phase + math.pi / 2))),
     ("the frequency of the load is taken in cycles", (), _loaded(lambda w, phase: (2 * math.pi * w, phase))),
     ("the cubic term of the force leaves out S1", (), _cubic_alone),
+    ("the cubic term of the force is missing", (), _without_cubic),
 )
 
 #: Variants of schemes with unequal steps. A case with unequal steps holds the values of these variants only.

@@ -1,6 +1,6 @@
 """Newmark's family in NumPy, an example of a code that the kit runs.
 
-``python -m conformance conformance.examples.newmark:step`` judges Newmark's method, central difference,
+``conform conformance.examples.newmark:step`` judges Newmark's method, central difference,
 Wilson's θ-method, HHT-α and generalized-α on every problem of the kit.
 """
 

@@ -1,0 +1,19 @@
+"""Causes of mistakes that a rule makes in the example codes."""
+
+import pytest
+
+from conformance.tests.mutants import FORMULAS, drawn, few, mutants, named
+
+
+@pytest.mark.parametrize("file", FORMULAS)
+def test_a_mutant_differs_from_the_example_in_one_line(file):
+    made = [*mutants(file)]
+    assert len(made) >= 50 and len({one.text for one in made}) >= 0.9 * len(made)
+    assert all(one.before != one.after and one.after in one.text for one in made)
+
+
+def test_most_mutants_are_named(tmp_path):
+    """Of six mutants, two of each example, at least five are named; ``mutants.py`` counts more of them."""
+    chosen = [case for case in few() if case["name"].startswith("A-")]
+    found = [named(causes) for _, causes in drawn(6, 1, chosen, tmp_path)]
+    assert len(found) == 6 and sum(found) >= 5
