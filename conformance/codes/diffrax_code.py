@@ -1,8 +1,8 @@
-"""diffrax, a library of solvers in JAX: ``python -m conformance conformance.codes.diffrax_code:step``.
+"""diffrax, a library of solvers in JAX: ``conform conformance.codes.diffrax_code:step``.
 
 The state is (u, v). Symplectic Euler is a solver of diffrax. Every other supported scheme is an explicit or diagonally
-implicit Runge-Kutta solver of diffrax with the tableau of the scheme: average acceleration is the trapezoidal rule, and
-Bathe's method has three stages. The equations are taken from the study, because JAX must differentiate them.
+implicit Runge-Kutta solver of diffrax with the tableau of the scheme. The equations are taken from the study, because
+JAX must differentiate them.
 """
 
 import json

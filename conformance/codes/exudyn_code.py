@@ -1,4 +1,4 @@
-"""Exudyn, a multibody code: ``python -m conformance conformance.codes.exudyn_code:step``.
+"""Exudyn, a multibody code: ``conform conformance.codes.exudyn_code:step``.
 
 Its generalized-α method takes ρ∞ alone, and its Newmark method takes β and γ. Forces other than K u are user functions,
 whose tangent Exudyn computes by differences.
@@ -77,5 +77,4 @@ def step(problem, scheme, dt, steps):
     ]
     system.Assemble()
     system.SolveDynamic(settings, solverType=solver)
-    rows: list[Any] = [system.GetSensorStoredData(sensor) for sensor in sensors]
-    return [row[:, 1:] for row in rows[: 2 if scheme["family"] == "rk4" else 3]]
+    return [system.GetSensorStoredData(one)[:, 1:] for one in sensors[: 2 if scheme["family"] == "rk4" else 3]]

@@ -1,6 +1,6 @@
 """SciPy's bilinear transform, which is average acceleration for linear problems.
 
-``python -m conformance conformance.codes.scipy_code:step``. SciPy has no other scheme of the kit.
+``conform conformance.codes.scipy_code:step``. SciPy has no other scheme of the kit.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""The schemes of the study: ``python -m conformance conformance.codes.time_integration_study:step``.
+"""The schemes of the study: ``conform conformance.codes.time_integration_study:step``.
 
 Cases with one unknown and a smooth force share the compiled program of a scheme.
 """
