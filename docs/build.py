@@ -16,7 +16,7 @@ from typing import Any
 from sphinx.cmd.build import build_main
 
 import study
-from docs import accessible, decisions, gallery
+from docs import accessible, confirmed, decisions, gallery
 from docs.conformance_page import conformance_page
 from docs.docstrings import parsed
 from docs.plan import OF_SCHEMES, PAGES, PRODUCTS
@@ -68,6 +68,7 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
     made["how_to/conformance.md"] = conformance_page()
     made |= {f"included/{name}.md": text for name, text in decisions.tables(results).items()}
     made["included/gallery.md"] = gallery.grid()
+    made["included/decks.md"] = confirmed.decks()
     made["interface/problems.rst"] = registry_page("Problems", makers)
     made["interface/observers.rst"] = registry_page("Observers", study.observers)
     made["interface/estimators.rst"] = registry_page("Estimators", study.estimators)

@@ -6,7 +6,23 @@ from pathlib import Path
 from docs.text import table
 from study.io import read
 from study.scheme.codes import names_in_codes as all_names
+from study.scheme.codes import steps_in_decks
 from study.words import number
+
+
+def decks() -> str:
+    """A table of the lines that hold the step size in the input files of common codes."""
+    rows = [
+        [
+            one.code,
+            f"`{one.after}`" if one.after else "–",
+            f"`{one.line}`" if one.line else "–",
+            one.note,
+            f"[documentation]({one.source})" if one.source else "–",
+        ]
+        for one in steps_in_decks()
+    ]
+    return table(["code", "below", "line with the step", "remark", "source"], rows, numbers_from=5)
 
 
 def limits() -> list[dict[str, str]]:
@@ -22,7 +38,7 @@ def names_in_codes(scheme: str) -> str:
         if one.scheme == scheme
     ]
     if not found:
-        return "No name of this scheme in OpenSees, Abaqus, LS-DYNA, Code_Aster, SciML or suanPan has been confirmed."
+        return "No name of this scheme in another code has been confirmed."
     return table(["code", "name and parameters", "remark", "source"], found, numbers_from=4)
 
 

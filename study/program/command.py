@@ -27,6 +27,10 @@ PLACES = ("dt", "scheme", "output", "duration")
 LAST_WORDS = 200
 
 
+#: Encoding of input files, with which bytes that are no text stay as they are.
+_BYTES: dict[str, Any] = {"encoding": "utf-8", "errors": "surrogateescape"}
+
+
 @dataclass(frozen=True)
 class Command:
     """Function that runs an executable, which writes a CSV file."""
@@ -39,6 +43,9 @@ class Command:
     more: str = ""
     #: Exit code with which the executable states that no step can run it.
     unfit_code: int | None = None
+    #: Text of an input file with placeholders, and its name; without a file both are empty.
+    deck: str = ""
+    deck_name: str = ""
 
     #: True makes :class:`study.Program` use threads, which suffice because each run starts a process itself.
     starts_a_process = True
@@ -65,6 +72,10 @@ class Command:
                 "output": str(output),
                 "duration": repr(float(self.duration)),
             }
+            if self.deck:
+                filled = Path(folder) / self.deck_name
+                filled.write_text(_filled(self.deck, given), **_BYTES)
+                given["deck"] = str(filled)
             words = [_filled(word, given) for word in shlex.split(self.template)]
             # output goes to a file, because a process that outlives the program would keep a pipe open
             with printed.open("wb") as file:
@@ -121,7 +132,13 @@ def _quantities(output: Path) -> dict[str, np.ndarray]:
 
 
 def command(
-    template: str, schemes: Sequence[str], duration: float, *, time_limit: float | None = None, **options: Any
+    template: str,
+    schemes: Sequence[str],
+    duration: float,
+    *,
+    deck: str | Path | None = None,
+    time_limit: float | None = None,
+    **options: Any,
 ) -> Program:
     """An executable that writes a CSV file, as a program.
 
@@ -135,6 +152,10 @@ def command(
         and quantities along time, or quantities that are single numbers in one row.
     schemes, duration
         As for :class:`study.Program`.
+    deck
+        Path of an input file of the program in which ``{dt}``, ``{scheme}``, ``{duration}`` or ``{output}`` stand. Each
+        run writes a copy of the file with the values of the run, and puts its path in place of ``{deck}`` in the
+        command. :doc:`The page on programs </how_to/program>` lists where the step stands in the input of common codes.
     time_limit
         Seconds after which a run is stopped. The run is recorded as failed, and its scheme is not run at finer steps.
         By default there is no limit.
@@ -149,12 +170,13 @@ def command(
     Raises
     ------
     FileNotFoundError
-        If there is no such executable.
+        If there is no such executable or input file.
     TypeError
         If the command is not a string, or an argument of :class:`study.Program` has a wrong type.
     ValueError
-        If the command cannot be split into words, or lacks ``{dt}``, ``{scheme}`` or ``{output}``, or if the time limit
-        or an argument of :class:`study.Program` is invalid.
+        If the command cannot be split into words, or neither the command nor the input file has ``{dt}``, ``{scheme}``
+        and ``{output}``, or if the command has no place ``{deck}`` for an input file, or if the time limit or an
+        argument of :class:`study.Program` is invalid.
     """
     if not isinstance(template, str):
         raise TypeError(f"the command must be a string, not {template!r}.")
@@ -162,8 +184,14 @@ def command(
         words = shlex.split(template)
     except ValueError as error:
         raise ValueError(f"the command {template!r} cannot be split into words: {error}.") from None
-    if lacking := [place for place in PLACES[:3] if f"{{{place}}}" not in template]:
-        raise ValueError(f"the command lacks {{{lacking[0]}}}, which each run replaces by its value: {template!r}.")
+    text = "" if deck is None else Path(deck).read_text(**_BYTES)
+    if deck is not None and "{deck}" not in template:
+        raise ValueError(f"the command lacks {{deck}}, the place of the input file: {template!r}.")
+    if lacking := [place for place in PLACES[:3] if f"{{{place}}}" not in template + text]:
+        lack = "lacks" if deck is None else f"and '{deck}' lack"
+        raise ValueError(f"the command {lack} {{{lacking[0]}}}, which each run replaces by its value: {template!r}.")
     if shutil.which(words[0]) is None:
         raise FileNotFoundError(f"there is no executable '{words[0]}'.")
-    return Program(Command(Path(words[0]).name, template, duration, time_limit), schemes, duration, **options)
+    digest, name = ("", "") if deck is None else (hashlib.sha256(text.encode(**_BYTES)).hexdigest(), Path(deck).name)
+    run = Command(Path(words[0]).name, template, duration, time_limit, digest, deck=text, deck_name=name)
+    return Program(run, schemes, duration, **options)

@@ -16,7 +16,7 @@ from docs.scheme_table import COLUMNS, table_of
 from docs.scheme_verdict import verdict
 from docs.theory import PERIODS, TRIED, theory_of
 from study.runs.needs import needs, of_problems
-from study.scheme.codes import names_in_codes
+from study.scheme.codes import names_in_codes, steps_in_decks
 from study.user_files import load
 from study.words import number, percent
 from tests import bibliography
@@ -211,8 +211,22 @@ def test_names_in_other_codes_can_be_checked():
         "Code_Aster",
         "SciML",
         "suanPan",
+        "ANSYS Mechanical APDL",
+        "MOOSE",
+        "SAP2000",
     }
     assert "has been confirmed" in confirmed.names_in_codes("gauss4")
+
+
+def test_the_step_in_the_input_of_a_code_has_a_source_or_is_not_confirmed():
+    rows = steps_in_decks()
+    assert {"Abaqus/Standard", "ANSYS Mechanical APDL", "LS-DYNA implicit", "SAP2000", "Code_Aster", "MOOSE"} <= {
+        row.code for row in rows
+    }
+    for row in rows:
+        assert row.source.startswith("https://") != ("not confirmed" in row.note), row
+        assert "{dt}" in row.line or not row.line
+    assert confirmed.decks().count("not confirmed") == sum(not row.source for row in rows)
 
 
 @pytest.mark.parametrize("row", confirmed.limits(), ids=lambda row: row["scheme"])

@@ -56,6 +56,47 @@ def test_a_run_that_goes_wrong_has_a_reason(script, lines, status, reason):
     assert run.status == status and run.reason.startswith(reason)
 
 
+_DECK = """** step of {dt} s
+*{scheme}
+{dt}, {duration}
+*PARAMETER {other}
+"""
+
+
+def test_an_input_file_takes_the_values_of_each_run(tmp_path):
+    """The program keeps a copy of its input file."""
+    (tmp_path / "bridge.inp").write_text(_DECK)
+    script = tmp_path / "mycode"
+    script.write_text(f"#!/bin/sh\ncp $1 {tmp_path}/read.inp\nprintf 't,u\\n0,1\\n2,3\\n4,5\\n' > $2\n")
+    script.chmod(script.stat().st_mode | stat.S_IXUSR)
+    given = {"schemes": ["DYNAMIC, ALPHA=0"], "duration": 4.0, "deck": tmp_path / "bridge.inp"}
+    own = command(f"{script} {{deck}} {{output}}", **given)
+    run = attempt(own.run, "DYNAMIC, ALPHA=0", 2.0, own.duration)
+    assert run.values["u"].tolist() == [1, 3, 5]
+    read = (tmp_path / "read.inp").read_text()
+    assert read == "** step of 2.0 s\n*DYNAMIC, ALPHA=0\n2.0, 4.0\n*PARAMETER {other}\n"
+    before = own.run.source
+    (tmp_path / "bridge.inp").write_text(_DECK + "*DENSITY\n")
+    assert command(f"{script} {{deck}} {{output}}", **given).run.source != before
+
+
+@pytest.mark.parametrize(
+    "words, text, sentence",
+    [
+        ("{output}", _DECK, "the command lacks {deck}, the place of the input file"),
+        ("{deck} {output}", "{scheme}", "the command and 'bridge.inp' lack {dt}, which each run replaces"),
+    ],
+)
+def test_an_input_file_needs_its_places(words, text, sentence, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("bridge.inp").write_text(text)
+    with pytest.raises(ValueError) as raised:
+        command(f"sh {words}", ["a"], 4.0, deck="bridge.inp")
+    assert sentence in str(raised.value)
+    with pytest.raises(FileNotFoundError):
+        command(f"sh {words}", ["a"], 4.0, deck="nowhere.inp")
+
+
 def test_single_numbers_need_no_times(script):
     run = attempt(script(r"printf 'peak, drift\n1.5, 2\n' > $6").run, "a", 2.0, 4.0)
     assert run.completed and run.values == {"peak": 1.5, "drift": 2.0}
