@@ -178,7 +178,7 @@ class Search:
             if not np.linalg.norm(there) < np.linalg.norm(here):
                 break
             x, here = x - float(here @ slope) / size, there
-        likely = abs(x - change.neutral) > APART / 100 and abs(x) <= LARGEST
+        likely = round(x, 4) != change.neutral and abs(x) <= LARGEST
         return x if likely and self.gives(partial(change.motion, x)) else None
 
     def numbered(self, known: Known) -> str:

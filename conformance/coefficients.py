@@ -50,18 +50,17 @@ TERMS: dict[tuple[str, ...], str] = {
     ("damping",): "C v in the balance",
     ("damping of v0",): "α_f C v₀ in the balance",
     ("damping of v1",): "(1 − α_f) C v₁ in the balance",
-    ("point of force",): "1 − α_f of the internal force",
-    ("point of damping",): "1 − α_f of the damping",
-    ("point of inertia",): "1 − α_m of the inertia",
-    ("force",): "the internal force in the balance",
-    ("force of u0",): "α_f u₀ in the internal force",
-    ("force of u1",): "(1 − α_f) u₁ in the internal force",
-    ("load",): "the load in the balance",
+    ("point of force",): "1 − α_f in p(u)",
+    ("point of damping",): "1 − α_f in C v",
+    ("point of inertia",): "1 − α_m in M a",
+    ("force",): "p(u) in the balance",
+    ("force of u0",): "α_f u₀ in p(u)",
+    ("force of u1",): "(1 − α_f) u₁ in p(u)",
+    ("load",): "f(t) in the balance",
     ("theta",): "1/θ in the interpolation of the acceleration",
-    ("start load",): "the load in the acceleration at the start",
+    ("start load",): "f(0) in the acceleration at the start",
     ("start damping",): "C v₀ in the acceleration at the start",
-    ("start force",): "the internal force in the acceleration at the start",
-    ("start",): "the acceleration at the start",
+    ("start force",): "p(u₀) in the acceleration at the start",
 }
 
 #: Largest number of iterations of a step.
@@ -92,7 +91,7 @@ def run(
         return (place, k(f"u{side}n") * beta * tau**2), (speed, k(f"v{side}n") * gamma * tau)
 
     start = k("start load") * problem.load(0.0) - k("start damping") * damping @ v
-    a = k("start") * np.linalg.solve(mass, start - k("start force") * problem.force(u))
+    a = np.linalg.solve(mass, start - k("start force") * problem.force(u))
     rows = [(u, v, a)]
     for size in np.broadcast_to(dt, steps).tolist():
         tau, x = theta * size, a

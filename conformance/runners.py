@@ -8,7 +8,9 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from subprocess import DEVNULL, PIPE
 from typing import Any
@@ -21,8 +23,8 @@ from conformance.problem import Problem
 #: Exit status by which a command states that it has no such scheme or problem.
 SKIPPED = 77
 
-#: Time limit of one run of a command in seconds.
-TIMEOUT = 60
+#: Time limits of one run of a command and of a function in seconds. The first call of a function may compile it.
+TIMEOUT, CALL_TIMEOUT = 60, 300
 
 #: Function of a case and of the whole number that divides the step size of the case. It returns a motion.
 Runner = Callable[[Mapping[str, Any], int], Motion]
@@ -56,8 +58,10 @@ def of_function(place: str) -> Runner:
     def motion(case: Mapping[str, Any], part: int) -> Motion:
         dt, steps = times(case, part)
         try:
-            with np.errstate(all="ignore"):
+            with np.errstate(all="ignore"), _limited():
                 found = step(Problem(case["problem"]), case["scheme"], dt, steps)
+        except _TooLong:
+            raise ValueError(f"the function takes longer than {CALL_TIMEOUT} s") from None
         except NotImplementedError as error:
             raise Unsupported(str(error)) from None
         except (Exception, SystemExit) as error:  # any error of the code is a failure of this case alone
@@ -65,6 +69,29 @@ def of_function(place: str) -> Runner:
         return _checked(case, part, _arrays(found))
 
     return motion
+
+
+class _TooLong(BaseException):
+    """A function has exceeded its time limit. Functions that catch every ``Exception`` do not catch it."""
+
+
+@contextmanager
+def _limited() -> Iterator[None]:
+    """Raise ``_TooLong`` in a Python function that exceeds its time limit; compiled code ends first."""
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "SIGALRM"):
+        yield
+        return
+
+    def stop(*_: Any) -> None:
+        raise _TooLong
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, CALL_TIMEOUT)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def _arrays(found: Any) -> Motion:

@@ -17,7 +17,7 @@ from sphinx.cmd.build import build_main
 
 import study
 from docs import accessible, confirmed, decisions, gallery
-from docs.conformance_page import conformance_page
+from docs.conformance_page import REPORTS, codes_page, conformance_page
 from docs.docstrings import parsed
 from docs.plan import OF_SCHEMES, PAGES, PRODUCTS
 from docs.scheme_page import Library, scheme_page
@@ -59,13 +59,14 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
     for name in INCLUDED:
         shutil.copy(PROJECT / name, folder / "included")
     shutil.copy(PROJECT / "conformance" / "README.md", folder / "included" / "conformance.md")
+    shutil.copytree(REPORTS, folder / "included" / "reports")
     gallery.write_scripts(folder / "gallery")
     (folder / "figures").symlink_to(results / "figures")
     library = library_of(results, own)
     made = {f"schemes/{name}.md": scheme_page(library.subject(name), library) for name in library.schemes}
     made["schemes/index.md"] = index_page(library)
     made |= {"claims.md": claims_page(results), "tables.md": tables_page(results)}
-    made["how_to/conformance.md"] = conformance_page()
+    made |= {"how_to/conformance.md": conformance_page(), "how_to/codes.md": codes_page()}
     made |= {f"included/{name}.md": text for name, text in decisions.tables(results).items()}
     made["included/gallery.md"] = gallery.grid()
     made["included/decks.md"] = confirmed.decks()

@@ -1,4 +1,4 @@
-"""The page of the conformance kit: how to run it, and its results for codes."""
+"""The pages of the conformance kit: how to run it, and its verdicts on codes."""
 
 import json
 from collections import Counter, defaultdict
@@ -10,9 +10,8 @@ from docs.text import described, table
 
 RESULTS = Path(__file__).parent.parent / "conformance" / "verdicts"
 
-#: Causes shown for failed cases of the kinds order and bound. They replace the causes in the files of verdicts, which
-#: contain numbers that differ between cases.
-_OF_KIND = {"ORDER": "the order is not that of the scheme", "BOUND": "the energy grows"}
+#: Texts ready to send to the authors of codes, by the names of the files of verdicts.
+REPORTS = RESULTS.parent / "reports"
 
 #: Verdicts with a column for their number of cases. The remaining verdict is ``skip``.
 _SHOWN = ("pass", "differs", "fail")
@@ -23,7 +22,7 @@ SHOWN = 4
 
 def found() -> list[dict[str, Any]]:
     """Verdicts of all codes; the code with the most passes is first."""
-    results = [json.loads(file.read_text(encoding="utf-8")) for file in RESULTS.glob("*.json")]
+    results = [json.loads(file.read_text(encoding="utf-8")) | {"file": file.stem} for file in RESULTS.glob("*.json")]
     return sorted(results, key=lambda one: (-one["counts"]["pass"], one["tool"]))
 
 
@@ -41,8 +40,14 @@ def _overview(codes: Sequence[Mapping[str, Any]]) -> str:
             passed[case["name"][0]] += case["verdict"] == "pass"
         levels = [f"{passed[level]}/{ran[level]}" if ran[level] else "–" for level in "ABCDEFG"]
         counts = [str(code["counts"][verdict]) for verdict in _SHOWN]
-        rows.append([_named(code), code["kit"], *levels, *counts])
-    return table(["code", "cases", *"ABCDEFG", *_SHOWN], rows)
+        rows.append([_named(code), code["date"], *levels, *counts])
+    return table(["code", "date", *"ABCDEFG", *_SHOWN], rows)
+
+
+def _cause(case: Mapping[str, Any]) -> str:
+    """Cause of a case; without the order or the energy that a case of the kinds order and bound states before it."""
+    states = case["name"].split("-")[1] in ("ORDER", "BOUND")
+    return case["cause"].rpartition(": ")[2] if states else case["cause"]
 
 
 def _causes(code: Mapping[str, Any]) -> str:
@@ -50,8 +55,7 @@ def _causes(code: Mapping[str, Any]) -> str:
     cases = defaultdict(list)
     for case in code["cases"]:
         if case["verdict"] in ("differs", "fail"):
-            cause = _OF_KIND.get(case["name"].split("-")[1], case["cause"])
-            cases[case["verdict"], cause].append(case["name"])
+            cases[case["verdict"], _cause(case)].append(case["name"])
     rows = [
         [verdict, cause, str(len(names)), ", ".join(names[:SHOWN]) + (" ..." if len(names) > SHOWN else "")]
         for (verdict, cause), names in sorted(cases.items(), key=lambda item: (item[0][0], -len(item[1])))
@@ -59,19 +63,28 @@ def _causes(code: Mapping[str, Any]) -> str:
     if not rows:
         return ""
     head = ["verdict", "alternative or likely cause", "cases", "examples"]
-    return "\n\n".join([f"### {_named(code)}", code["note"], table(head, rows, 4)])
+    report = REPORTS / f"{code['file']}.md"
+    text = [f"```{{include}} /included/reports/{report.name}\n:heading-offset: 2\n```"] if report.is_file() else []
+    return "\n\n".join([f"## {_named(code)}", code["note"], table(head, rows, 4), *text])
 
 
 def conformance_page() -> str:
-    """The page in Markdown: the guide of the kit, and the results for codes."""
+    """The page in Markdown that tells how to run the kit."""
+    sentence = "A kit of cases that checks whether the time integrator of a code implements the scheme of its name."
+    return described(sentence, "```{include} /included/conformance.md\n```\n")
+
+
+def codes_page() -> str:
+    """The page in Markdown of the verdicts on codes."""
     codes = found()
     parts = [
-        "```{include} /included/conformance.md\n```",
-        "## Results for codes",
-        "Each cell gives the passed cases over the supported cases of a level. Unsupported cases are skipped. The name "
-        "of a code ends with its version.",
+        "# Codes judged by the conformance kit",
+        "Each cell gives the passed cases over the supported cases of a level of the {doc}`conformance kit "
+        "<conformance>`. Unsupported cases are skipped. The name of a code ends with its version. A cause is a change "
+        "of the scheme that gives the values of the code. All verdicts are repeated by the runners in "
+        "`conformance/codes/`.",
         _overview(codes),
         *filter(None, map(_causes, codes)),
     ]
-    sentence = "A kit of cases that checks whether the time integrator of a code implements the scheme of its name."
+    sentence = "Which time integrators of OpenSees, SfePy, MFEM, PETSc and other codes do what their names say."
     return described(sentence, "\n\n".join(parts) + "\n")

@@ -27,7 +27,7 @@ TABLES, LEDGER = tuple(one for one in discover(["tables"]) if one.kind == "table
 PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf", "replication.pdf", "assessment/hardening.html")
 
 #: Folders and files of the project that pages show or document.
-_FOLDERS = ("study", "docs", "examples", "conformance/verdicts")
+_FOLDERS = ("study", "docs", "examples", "conformance/verdicts", "conformance/reports")
 _FILES = ("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "conformance/README.md")
 
 

@@ -2,6 +2,7 @@
 
 import sys
 import time
+from contextlib import suppress
 from functools import partial
 from types import ModuleType
 
@@ -131,6 +132,24 @@ def test_a_command_that_hangs_ends_with_the_programs_that_it_started(tmp_path, m
     assert (one.verdict, one.cause) == ("fail", "the command takes longer than 1 s")
     time.sleep(3)
     assert not (tmp_path / "late").exists()
+
+
+def test_a_function_that_hangs_fails_and_the_next_case_runs(monkeypatch):
+    monkeypatch.setattr(runners, "CALL_TIMEOUT", 0.2)
+    module = ModuleType("slow")
+
+    def step(problem, scheme, dt, steps):
+        while scheme["family"] == "newmark":
+            with suppress(Exception):
+                time.sleep(0.01)
+        raise NotImplementedError
+
+    module.__dict__["step"] = step
+    monkeypatch.setitem(sys.modules, "slow", module)
+    chosen = [case for case in ALL if case["name"] in ("A-LIN-AVG", "A-LIN-BAT")]
+    hung, skipped = _verdicts(runners.of_function("slow:step"), chosen)
+    assert (hung.verdict, hung.cause) == ("fail", "the function takes longer than 0.2 s")
+    assert skipped.verdict == "skip"
 
 
 def test_an_energy_without_a_velocity_is_skipped(tmp_path):
