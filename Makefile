@@ -1,7 +1,9 @@
 # make                installs everything and makes the study
 # make CLUSTER=slurm  makes the study on a cluster
 # make site           makes the pages of the site
-# make test           installs everything and runs the tests
+# make test           installs everything and runs the tests of the code
+# make test-pipeline  runs the tests that need Snakemake, a small study or a browser
+# make test-all       runs all tests, also those of every scheme
 # make coverage       measures the coverage of the tests
 # make check          checks style, format and types
 # make benchmark      measures speed
@@ -28,16 +30,22 @@ KILLS ?= 100
 # folder of the wheel of the conformance kit
 CONFORMANCE ?= results
 
-.PHONY: study site test coverage benchmark check lock torture cluster archive conformance citation clean
+.PHONY: study site test test-pipeline test-all coverage benchmark check lock torture cluster archive conformance citation clean
 
 # the pages of the site, results/site/index.html, are made on request, with missing parts of the study
 study site: .venv/ready
 	$(BIN)/snakemake $(OPTIONS) $(filter site,$@) --configfile $(CONFIG)
 
 test: .venv/ready
+	$(BIN)/pytest -n auto -m "not pipeline and not exhaustive"
+
+test-pipeline: .venv/ready
+	$(BIN)/pytest -n auto -m "pipeline and not exhaustive"
+
+test-all: .venv/ready
 	$(BIN)/pytest -n auto
 
-# the tests with their coverage; pyproject.toml states the smallest coverage allowed
+# all tests with their coverage; pyproject.toml states the smallest coverage allowed
 coverage: .venv/ready
 	$(BIN)/pytest -n auto --cov=study --cov=reference --cov-report=term
 

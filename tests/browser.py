@@ -7,18 +7,16 @@ from typing import Any
 import pytest
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-needs_browser = pytest.mark.skipif(
-    not (CHROMIUM and DRIVER), reason="needs chromium and chromedriver (Debian: chromium, chromium-driver)"
-)
 #: Widths in pixels of a phone, a tablet and a large screen.
 WIDTHS = (390, 800, 1600)
 
 
 def start(profile: Path) -> Any:
-    """Start a headless browser, whose data are in the folder ``profile``."""
+    """Start a headless browser, whose data are in the folder ``profile``; skip the test if none is installed."""
+    if not (CHROMIUM and DRIVER):
+        pytest.skip("needs chromium and chromedriver (Debian: chromium, chromium-driver)")
     from selenium import webdriver
 
-    assert CHROMIUM and DRIVER  # otherwise needs_browser has skipped the test
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
     for argument in (

@@ -1,6 +1,8 @@
 """Strict settings of JAX for every test, and fixtures that several folders use."""
 
 import gc
+from collections.abc import Iterable
+from pathlib import Path
 
 import equinox as eqx
 import jax
@@ -12,15 +14,35 @@ import study
 from study.problem import trusses
 from tests import browser as browsers
 
+PROJECT = Path(__file__).parent.parent
 # as in the pipeline's jobs: imported objects are never freed, so the garbage collector can skip them
 gc.freeze()
 jax.config.update("jax_numpy_rank_promotion", "raise")
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 
 
+#: Folder of the tests that run Snakemake.
+PIPELINE = PROJECT / "tests" / "pipeline"
+#: Folders in the order in which their tests run: those that find most faults in the least time are first.
+ORDER: tuple[str, ...] = ()
+
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Sort slow tests to the front; at the end they would leave the other workers idle."""
-    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+    """Mark tests that run Snakemake or a browser, and sort all tests.
+
+    Tests of the pipeline are first, because at the end one worker would wait for the other.
+    """
+    for item in items:
+        if item.path.parent == PIPELINE or "browser" in item.fixturenames:
+            item.add_marker("pipeline")
+    rank = {name: place for place, name in enumerate(ORDER)}
+
+    def place(item):
+        room = item.path.relative_to(PROJECT).parts[1:2]
+        return item.get_closest_marker("pipeline") is None, rank.get(*room, len(rank))
+
+    items.sort(key=place)
 
 
 def pytest_runtest_teardown(item, nextitem):
@@ -65,6 +87,23 @@ STATES = {_state_of(name): name for name in sorted(KINDS.values(), key=lambda na
 @pytest.fixture(params=STATES.values())
 def state_kind(request) -> str:
     """The names in ``STATES`` in turn, for tests in which formulas do not matter."""
+    return request.param
+
+
+def _sampled(names: Iterable[str]) -> list:
+    """Parameters with some names, of which ``make test`` runs those in ``STATES``."""
+    return [pytest.param(name, marks=() if name in STATES.values() else pytest.mark.exhaustive) for name in names]
+
+
+@pytest.fixture(params=_sampled(study.schemes))
+def sampled_scheme(request) -> str:
+    """The name of every scheme in turn, for tests in which formulas matter little."""
+    return request.param
+
+
+@pytest.fixture(params=_sampled(KINDS.values()))
+def sampled_kind(request) -> str:
+    """The name of one scheme of every class in turn, for tests in which formulas matter little."""
     return request.param
 
 
@@ -119,7 +158,7 @@ def small_truss(monkeypatch):
 
 @pytest.fixture(scope="session")
 def browser(tmp_path_factory):
-    """A browser that reaches no network, for tests that are marked with ``needs_browser``."""
+    """A browser that reaches no network."""
     driver = browsers.start(tmp_path_factory.mktemp("browser"))
     yield driver
     driver.quit()

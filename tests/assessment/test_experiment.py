@@ -30,6 +30,7 @@ def _edited(path: Path, old: str, new: str) -> None:
     path.write_text(text.replace(old, new))
 
 
+@pytest.mark.pipeline
 def test_the_pipeline_assesses_a_problem_and_a_scheme_in_files(tmp_path):
     folder = copied(tmp_path)
     wanted = {"problem": "examples/driven.py:driven", "duration": 20.0, "schemes": ["rk4", "heun"], "errors": [0.05]}

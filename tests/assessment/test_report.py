@@ -12,7 +12,7 @@ import study
 from study.__main__ import main
 from study.mechanics.definition import Problem
 from study.user_files import Unloadable, load
-from tests.browser import WIDTHS, check_page, needs_browser, set_width
+from tests.browser import WIDTHS, check_page, set_width
 
 MODEL = """
 import jax.numpy as jnp
@@ -75,7 +75,6 @@ def test_the_command_writes_a_dataset_and_a_page_of_its_own(assessed):
     assert "integrator Newmark 0.5 0.25" in text and "frequencies up to ω = " in text
 
 
-@needs_browser
 def test_the_page_fits_screens_and_paper(assessed, browser):
     page = assessed[0].with_suffix(".html")
     for width in WIDTHS:

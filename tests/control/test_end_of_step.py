@@ -40,14 +40,14 @@ def test_the_declared_use_of_the_force_at_the_end(name):
     [
         ("generalized_alpha", None),
         ("generalized_alpha", "three_point"),
-        ("generalized_alpha", "half_step_residual"),
-        ("generalized_alpha", "step_doubling"),
-        ("hht_alpha", None),
-        ("implicit_midpoint", None),
-        ("gauss4", None),
-        ("hulbert_chung", None),
-        ("extrapolation12", None),
         ("average_acceleration", None),
+        pytest.param("generalized_alpha", "half_step_residual", marks=pytest.mark.exhaustive),
+        pytest.param("generalized_alpha", "step_doubling", marks=pytest.mark.exhaustive),
+        pytest.param("hht_alpha", None, marks=pytest.mark.exhaustive),
+        pytest.param("implicit_midpoint", None, marks=pytest.mark.exhaustive),
+        pytest.param("gauss4", None, marks=pytest.mark.exhaustive),
+        pytest.param("hulbert_chung", None, marks=pytest.mark.exhaustive),
+        pytest.param("extrapolation12", None, marks=pytest.mark.exhaustive),
     ],
 )
 def test_a_controlled_step_does_not_end_inside_the_floor(name, estimator):

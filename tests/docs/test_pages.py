@@ -27,10 +27,17 @@ def _relative(page: Path) -> str:
     return page.relative_to(plan.PAGES).as_posix()
 
 
+#: Pages whose examples take ten seconds and more.
+LONG = {"how_to/choose.md", "how_to/control.md", "index.md"}
+
+
 @pytest.mark.parametrize(
     "page",
-    [page for page in PAGES if page not in GALLERY and blocks(page.read_text(), "python")],
-    ids=_relative,
+    [
+        pytest.param(page, id=_relative(page), marks=pytest.mark.exhaustive if _relative(page) in LONG else ())
+        for page in PAGES
+        if page not in GALLERY and blocks(page.read_text(), "python")
+    ],
 )
 def test_the_examples_of_a_page_run_in_order(page, tmp_path, monkeypatch):
     seen = run_examples(page.read_text(), page.name, tmp_path, monkeypatch)
@@ -47,6 +54,7 @@ def test_lines_of_code_fit_a_page(page):
     assert [line for block in code for line in block.splitlines() if len(line) > 88] == []
 
 
+@pytest.mark.pipeline
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page.read_text(), "yaml")], ids=_relative)
 def test_the_configuration_of_a_page_is_accepted(page, tmp_path):
     folder = copied(tmp_path)
@@ -58,7 +66,10 @@ def test_the_configuration_of_a_page_is_accepted(page, tmp_path):
 COMMANDS = [words for page in PAGES for words in commands(page.read_text())]
 
 
-@pytest.mark.parametrize("words", COMMANDS, ids=lambda words: words[0])
+@pytest.mark.parametrize(
+    "words",
+    [pytest.param(words, id=words[0], marks=pytest.mark.exhaustive if words[0] == "assess" else ()) for words in COMMANDS],
+)
 def test_the_commands_of_the_pages_run(words, tmp_path):
     run_command(words, tmp_path)
 

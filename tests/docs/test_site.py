@@ -7,7 +7,7 @@ from urllib.parse import unquote, urlsplit
 import pytest
 
 from docs import accessible
-from tests.browser import check_page, needs_browser, set_width, start
+from tests.browser import check_page, set_width
 
 SITE = Path(__file__).parents[2] / "results" / "site"
 needs_site = pytest.mark.skipif(not (SITE / "index.html").exists(), reason="`make site` makes results/site")
@@ -98,17 +98,12 @@ def test_the_theme_still_writes_what_is_completed():
 
 
 @needs_site
-@needs_browser
-def test_the_table_of_schemes_fits_a_screen(tmp_path):
-    browser = start(tmp_path)
-    try:
-        for width in (1280, 1400):
-            set_width(browser, width)
-            browser.get((SITE / "schemes" / "index.html").as_uri())
-            box, table = browser.execute_script(
-                "const box = document.querySelector('.wide'); return [box.clientWidth, box.scrollWidth]"
-            )
-            assert table <= box, width
-            check_page(browser)
-    finally:
-        browser.quit()
+def test_the_table_of_schemes_fits_a_screen(browser):
+    for width in (1280, 1400):
+        set_width(browser, width)
+        browser.get((SITE / "schemes" / "index.html").as_uri())
+        box, table = browser.execute_script(
+            "const box = document.querySelector('.wide'); return [box.clientWidth, box.scrollWidth]"
+        )
+        assert table <= box, width
+        check_page(browser)

@@ -1,7 +1,5 @@
 """The tables of schemes and of claims in a browser; the table of schemes is operated by the keyboard alone."""
 
-import shutil
-
 import pandas as pd
 import pytest
 import xarray as xr
@@ -11,8 +9,8 @@ from docs.plan import LEDGER, PAGES, TABLES
 from docs.scheme_page import Library
 from docs.scheme_table import table_of
 from docs.tables_page import claims_page, tables_page
+from tests.browser import set_width
 
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 #: Script that returns the titles of the schemes that the table shows.
 SHOWN = """
 const rows = [...document.querySelectorAll("tbody tr")]
@@ -21,38 +19,30 @@ return rows.filter((row) => !row.hidden).map((row) => row.cells[1].innerText)
 
 
 @pytest.fixture
-def show(tmp_path):
-    """Function that opens a table in a browser, and returns the browser."""
-    from selenium import webdriver
-
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM or ""
-    for argument in ("headless", "no-sandbox", "disable-gpu", f"user-data-dir={tmp_path / 'profile'}"):
-        options.add_argument(f"--{argument}")
-    driver = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
+def show(browser, tmp_path):
+    """Function that opens a table in the browser."""
 
     def shown(table):
         script = (PAGES.parent / "static" / "table.js").read_text()
         page = tmp_path / "page.html"
         page.write_text(f'<meta charset="utf-8"><link rel="icon" href="data:,">{table}<script>{script}</script>')
-        driver.get(page.as_uri())
-        return driver
+        set_width(browser, 1000)
+        browser.get(page.as_uri())
 
-    yield shown
-    driver.quit()
+    return shown
 
 
 @pytest.fixture
-def browser(show):
-    """A browser that shows the table of three schemes."""
+def schemes(show):
+    """The table of three schemes, shown in the browser."""
     times = xr.Dataset({"median_time_per_step": (("problem", "scheme", "steps_per_period"), [[[7.0], [30.0]]])})
     times = times.assign_coords(problem=["softening"], scheme=["rk4", "houbolt"], steps_per_period=[64])
     library = Library({"work_precision": times}, study.schemes, {"central_difference": ["verlet"]})  # type: ignore[arg-type]
     table = table_of([library.subject(name) for name in ("houbolt", "rk4", "central_difference")], library)
-    return show(table)
+    show(table)
 
 
-@pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs chromium and chromedriver")
+@pytest.mark.usefixtures("schemes")
 def test_the_keyboard_sorts_and_narrows_the_table(browser):
     from selenium.webdriver.common.keys import Keys
 
@@ -105,13 +95,12 @@ def results(tmp_path):
     return tmp_path
 
 
-@pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs chromium and chromedriver")
-def test_words_and_a_verdict_narrow_the_ledger(show, results):
+def test_words_and_a_verdict_narrow_the_ledger(browser, show, results):
     from selenium.webdriver.common.by import By
 
     page = claims_page(results)
     assert "3 claims: 2 reproduced, 1 not reproduced." in page
-    browser = show(page)
+    show(page)
     verdict, words = (browser.find_element(By.NAME, name) for name in ("verdict", "words"))
 
     def numbers():

@@ -7,15 +7,15 @@ import pytest
 import study
 
 
-def test_schemes_run_in_single_precision(kind):
+def test_schemes_run_in_single_precision(sampled_kind):
     arguments = {"dt": 2.0**-8, "steps": 64, "observe": ["trajectory", "max_energy_error"]}
-    double = study.run("hardening", kind, **arguments)
+    double = study.run("hardening", sampled_kind, **arguments)
     with jax.enable_x64(False):
-        single = study.run("hardening", kind, **arguments)
+        single = study.run("hardening", sampled_kind, **arguments)
     assert single.u.dtype == np.float32 and single.status == 0
     difference = np.abs(single.u - double.u).max().item()
     # the difference is above zero and at most a few hundred round-offs; Houbolt's method divides by Δt², and loses more
-    assert 1e-8 < difference < (2e-3 if kind == "houbolt" else 5e-5)
+    assert 1e-8 < difference < (2e-3 if sampled_kind == "houbolt" else 5e-5)
 
 
 def test_an_ensemble_keeps_its_precision_on_every_core(monkeypatch):

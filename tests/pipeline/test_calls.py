@@ -19,8 +19,6 @@ from tests.pipeline.pipeline import SMALL, SNAKEMAKE, call_snakemake, copied, ha
 TARGETS = ["energy_drift.nc", "houbolt_start.nc"]
 PATHS = [f"results/{target}" for target in TARGETS]
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:

@@ -13,7 +13,6 @@ import yaml
 from snakemake.utils import update_config
 
 import study
-from tests.browser import needs_browser
 from tests.paper.figures.printing import faults_of_all
 from tests.pipeline.additions import ADDED
 from tests.pipeline.mutations import mutated
@@ -21,8 +20,6 @@ from tests.pipeline.pipeline import SMALL, call_snakemake, copied, hashes_of, ma
 from tests.pipeline.report import check_contents, check_explorer
 from tests.pipeline.texts import check_ledger, check_pages
 from tests.test_readme import check_the_results_of_the_readme
-
-pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -193,7 +190,6 @@ def test_the_report_opens_on_a_description_and_lists_what_was_made(project, repo
     check_contents(report, project / "results")
 
 
-@needs_browser
 def test_the_explorer_opens_within_the_report(report, browser):
     check_explorer(report, browser)
 

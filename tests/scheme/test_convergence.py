@@ -83,8 +83,8 @@ def test_a_load_alone_leaves_a_method_its_order(name):
     assert orders == pytest.approx(scheme.order, abs=0.1)
 
 
-def test_order_of_two_coupled_unknowns(kind):
-    scheme = SIXTH if study.schemes[kind].order == 12 else study.schemes[kind]
+def test_order_of_two_coupled_unknowns(sampled_kind):
+    scheme = SIXTH if study.schemes[sampled_kind].order == 12 else study.schemes[sampled_kind]
     problem = _driven_along(_two, damping=np.diag([0.2, 0.4]) + 0.1, mass=np.array([[2.0, 0.5], [0.5, 1.0]]))
     steps = STEPS[scheme.order_with_damping]
     orders = _observed_orders(problem, scheme, _two, 3.0, steps)

@@ -52,16 +52,16 @@ def _moved(force, load, **given):
     return by_load, study.Problem(lambda u, t: force(u) - _push(t), 1.0, 0.3, **given)
 
 
-def test_a_push_in_the_force_acts_as_a_push_in_the_load(scheme_name):
+def test_a_push_in_the_force_acts_as_a_push_in_the_load(sampled_scheme):
     """The α-method of 1996 weights the force and not the load; its load must then have the weights of the force."""
     dt, alpha = 0.1, -0.1
     load = _push
-    if scheme_name == "hht_alpha_1996":
+    if sampled_scheme == "hht_alpha_1996":
         load = lambda t: jnp.where(t > 0, (1 + alpha) * _push(t) - alpha * _push(t - dt), _push(t))  # noqa: E731
-    if scheme_name == "energy_momentum":
+    if sampled_scheme == "energy_momentum":
         pytest.skip("it needs a potential")
     by_load, by_force = _moved(lambda u: u + 0.3 * u**3, load)
-    given = {"scheme": scheme_name, "dt": dt, "steps": 8}
+    given = {"scheme": sampled_scheme, "dt": dt, "steps": 8}
     expected, found = (study.run(problem, **given) for problem in (by_load, by_force))
     np.testing.assert_allclose(found.u, expected.u, rtol=1e-11, atol=1e-12)
     np.testing.assert_allclose(found.v, expected.v, rtol=1e-11, atol=1e-12)

@@ -24,11 +24,11 @@ def test_a_force_linear_in_the_velocity_is_damping(name, tangent):
     np.testing.assert_allclose(one.v, other.v, atol=5e-13)
 
 
-def test_the_order_with_quadratic_drag(kind):
-    scheme = SIXTH if study.schemes[kind].order == 12 else study.schemes[kind]
+def test_the_order_with_quadratic_drag(sampled_kind):
+    scheme = SIXTH if study.schemes[sampled_kind].order == 12 else study.schemes[sampled_kind]
     if scheme.title == study.schemes["energy_momentum"].title:
         pytest.skip("takes the force from a potential")
-    if kind == "dormand_prince6":
+    if sampled_kind == "dormand_prince6":
         pytest.skip("its error reaches round-off before it falls with its order; it does so with damping")
 
     def force(u, v):

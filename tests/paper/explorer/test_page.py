@@ -14,7 +14,7 @@ from paper.explorer.data import ERRORS, coarse
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import PRODUCTS, discover
 from study.io import SOURCE
-from tests.browser import WIDTHS, check_page, needs_browser, set_width, wait
+from tests.browser import WIDTHS, check_page, set_width, wait
 
 discover(["explorer"])
 PROBLEMS = ["hardening", "softening", "double_well"]
@@ -132,7 +132,6 @@ def _cell(address):
     return [float(address["u0"]) / unit, 1 / float(address["steps"])]
 
 
-@needs_browser
 @pytest.mark.parametrize("width", WIDTHS)
 def test_it_opens_on_a_plain_run_at_every_width(browser, page, width):
     _open(browser, page, width=width)
@@ -154,7 +153,6 @@ def test_it_opens_on_a_plain_run_at_every_width(browser, page, width):
     check_page(browser)
 
 
-@needs_browser
 def test_the_largest_safe_step_of_every_scheme_is_listed_best_first(browser, page, datasets):
     (atlas,) = datasets["atlas"]
     _open(browser, page, f"#problem=softening&u0={4 * AMPLITUDES[5]}&error=10")
@@ -183,7 +181,6 @@ def test_the_largest_safe_step_of_every_scheme_is_listed_best_first(browser, pag
     check_page(browser)
 
 
-@needs_browser
 def test_a_run_is_computed_at_the_chosen_amplitude_and_step(browser, page):
     _open(browser, page, "#problem=softening&u0=4.1&steps=19&schemes=own,rk4")
     assert "does not compute runs of this scheme" in _text(browser, ".run[data-side='0']")
@@ -199,7 +196,6 @@ def test_a_run_is_computed_at_the_chosen_amplitude_and_step(browser, page):
     check_page(browser)
 
 
-@needs_browser
 @pytest.mark.parametrize(("width", "kind"), [(1600, "mouse"), (390, "touch")])
 def test_a_click_or_tap_chooses_a_run(browser, page, datasets, width, kind):
     (atlas,) = datasets["atlas"]
@@ -217,7 +213,6 @@ def test_a_click_or_tap_chooses_a_run(browser, page, datasets, width, kind):
     check_page(browser)
 
 
-@needs_browser
 def test_keys_and_buttons_move_by_cells(browser, page):
     from selenium.webdriver import Keys
 
@@ -238,7 +233,6 @@ def test_keys_and_buttons_move_by_cells(browser, page):
     check_page(browser)
 
 
-@needs_browser
 def test_an_address_holds_the_whole_choice(browser, page):
     address = "#problem=double_well&schemes=bathe,own&colour=period&error=0.1&u0=0.4&steps=25"
     _open(browser, page, address)

@@ -6,7 +6,7 @@ import pytest
 from paper.pages.claims import claims
 from paper.pages.tables import tables
 from paper.products import PRODUCTS
-from tests.browser import WIDTHS, check_page, needs_browser, set_width
+from tests.browser import WIDTHS, check_page, set_width
 
 LEDGER = pd.DataFrame(
     [
@@ -37,7 +37,6 @@ def test_every_table_but_the_ledger_is_on_the_page():
     )
 
 
-@needs_browser
 @pytest.mark.parametrize("make", [lambda: claims(LEDGER), lambda: tables(orders=WIDE, needs=LEDGER)])
 def test_the_pages_fit_every_screen(browser, tmp_path, make):
     path = tmp_path / "page.html"
