@@ -68,7 +68,7 @@ COMMANDS = [words for page in PAGES for words in commands(page.read_text())]
 
 @pytest.mark.parametrize(
     "words",
-    [pytest.param(words, id=words[0], marks=pytest.mark.exhaustive if words[0] == "assess" else ()) for words in COMMANDS],
+    [pytest.param(one, id=one[0], marks=pytest.mark.exhaustive if one[0] == "assess" else ()) for one in COMMANDS],
 )
 def test_the_commands_of_the_pages_run(words, tmp_path):
     run_command(words, tmp_path)
