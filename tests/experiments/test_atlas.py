@@ -14,16 +14,16 @@ GRID = {"first": -1.5, "last": 0.0, "count": 7}
 
 @pytest.fixture(scope="module")
 def many():
-    """Exact periods of two springs at 150 amplitudes each, more than two tiles of lanes."""
-    dataset = amplitudes(["softening", "double_well"], {"first": -1.0, "last": 1.0, "count": 150})
+    """Exact periods of a spring at 150 amplitudes, more than two tiles of lanes."""
+    dataset = amplitudes(["softening"], {"first": -1.0, "last": 1.0, "count": 150})
     return dataset.assign_attrs(source=study.io.SOURCE)
 
 
-@pytest.mark.parametrize("scheme, problem", [("average_acceleration", "softening"), ("rk4", "double_well")])
-def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, monkeypatch, scheme, problem):
+@pytest.mark.parametrize("scheme", ["average_acceleration", "rk4"])
+def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, monkeypatch, scheme):
     monkeypatch.chdir(tmp_path)
     study.io.write(many, "results/reference/amplitudes.nc")
-    arguments = {"problems": [problem], "dt_over_period": GRID, "periods": 20}
+    arguments = {"problems": ["softening"], "dt_over_period": GRID, "periods": 20}
     whole = atlas(scheme, **arguments, tile=0, tiles=1)
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     tiles = [atlas(scheme, **arguments, tile=tile, tiles=3) for tile in range(3)]
