@@ -328,7 +328,10 @@ def kept_by_jax(u):
 
 
 def test_programs_follow_what_functions_read(request):
-    """Every kind of run, and what is computed for it, uses the value that holds when it is called."""
+    """Every kind of run, and what is computed for it, uses the value that holds when it is called.
+
+    It alone sees a program of an ensemble, a family, a controlled or a pure run that keeps an old value.
+    """
     request.addfinalizer(lambda: set_global(1.0))
     set_global(1.0)
     damping = study.Rayleigh(a=0.0, b=0.01)

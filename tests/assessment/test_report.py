@@ -59,6 +59,7 @@ def assessed(model, tmp_path_factory):
 
 
 def test_the_command_writes_a_dataset_and_a_page_of_its_own(assessed):
+    """It alone reads the page of ``study assess``."""
     swing, printed = assessed
     assert "For 5\u00a0% of displacement: " in printed and "force_evaluations" in printed
     ds = xr.load_dataset(swing.with_suffix(".nc"))

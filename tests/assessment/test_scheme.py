@@ -173,6 +173,7 @@ def test_the_attributes_of_a_scheme_are_checked(scheme, sentence):
 
 
 def test_the_page_of_a_scheme_has_its_order_and_its_errors(tmp_path, capsys):
+    """It alone runs ``study assess-scheme``."""
     page = tmp_path / "heun.html"
     words = ["--compare-with", "rk4", "--problems", "hardening", "--output", str(page)]
     main(["assess-scheme", f"{EXAMPLE}:heun", *words])

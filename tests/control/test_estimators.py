@@ -95,7 +95,10 @@ def test_the_iterations_are_those_that_an_observer_counts():
 
 
 def test_an_estimate_is_relative_to_the_motion():
-    """Other units of displacement and time leave all steps of a linear structure the same."""
+    """Other units of displacement and time leave all steps of a linear structure the same.
+
+    It alone sees an absolute number in an estimate.
+    """
     stiffness = np.array([[3.0, -1.0], [-1.0, 2.0]])
     for name in estimators:
         if name in ("iterations", "embedded_pair"):

@@ -21,6 +21,7 @@ def many():
 
 @pytest.mark.parametrize("scheme", ["average_acceleration", "rk4"])
 def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, monkeypatch, scheme):
+    """It alone compares a map of several tiles, gathered from files, with a whole one to the bit."""
     monkeypatch.chdir(tmp_path)
     study.io.write(many, "results/reference/amplitudes.nc")
     arguments = {"problems": ["softening"], "dt_over_period": GRID, "periods": 20}

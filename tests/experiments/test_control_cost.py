@@ -24,6 +24,7 @@ def _check_forces(controlled: xr.Dataset, of_step: int) -> None:
 
 
 def test_control_reaches_the_exact_motion_of_a_bouncing_mass(reference, monkeypatch):
+    """It alone compares controlled with equal steps, and counts the forces of an embedded pair."""
     monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     schemes = ["dormand_prince6", "houbolt"]
     ds = control_cost(["bouncing"], schemes, "pi", [1e-2, 1e-4, 1e-6], [8, 16, 32]).squeeze("problem")
@@ -64,6 +65,7 @@ def test_the_fewest_forces_are_those_below_which_nothing_fails():
 
 
 def test_rules_of_codes_on_the_hardening_spring(monkeypatch):
+    """It alone runs the rules of Nastran, Abaqus and OrdinaryDiffEqNewmark as an experiment."""
     period = 0.151532834447260357
     monkeypatch.setattr(io, "open_dataset", lambda name: xr.Dataset({"period": period}))
     ds = control_of_codes(["hardening"], [20], 10).squeeze()

@@ -17,6 +17,7 @@ def reference():
 
 
 def test_a_kink_costs_the_order(reference, monkeypatch):
+    """It alone makes the dataset, and measures the order of a force with memory and of a load with kinks."""
     monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     ds = kinks(["hardening", "yielding", "shaken"], ["average_acceleration", "gauss4", "energy_momentum"], **OPTIONS)
     smooth, yielding, shaken = ds.observed_order.sel(scheme="gauss4").values
