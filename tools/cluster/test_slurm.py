@@ -24,8 +24,6 @@ OPTIONS = "--workflow-profile profiles/slurm --slurm-status-command squeue --slu
 #: Option for the seconds before a check of the queue. The number is smaller than in the profile, as jobs are short.
 SOON = "--slurm-init-seconds-before-status-checks", "2"
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module", autouse=True)
 def slurm():
