@@ -31,7 +31,10 @@ def usual_rules():
         yield
 
 
-@pytest.mark.parametrize("place", PROBLEMS)
+@pytest.mark.parametrize(
+    "place",
+    [pytest.param(place, marks=() if place == "driven.py:driven" else pytest.mark.exhaustive) for place in PROBLEMS],
+)
 def test_a_problem_is_assessed(place):
     duration, wanted = PROBLEMS[place]
     problem = load(f"{FOLDER / place}", (study.Problem,))
