@@ -128,7 +128,7 @@ def test_the_results_of_the_readme_are_those_of_the_study():
         f"With ω Δt up to {n['rule_below_central_difference']} for central difference and "
         f"{n['rule_below_average_acceleration']} for average acceleration, energy and period stay within "
         f"{n['rule_error']} % in every run of {n['rule_periods']} periods",
-        f"on the springs over {n['assessed_periods']} periods",
+        f"on the springs over {n['decided_periods']} periods",
     ):
         assert sentence in " ".join(README.split())
 

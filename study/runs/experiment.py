@@ -1,7 +1,7 @@
 """Errors and costs of the schemes at many step sizes: the data from which needs and decisions follow."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Annotated
 
 import numpy as np
@@ -14,7 +14,7 @@ from study import io
 from study.assessment.periods import highest_frequency_along
 from study.assessment.search import spacing
 from study.declaration.experiment import Options, experiment, progress
-from study.declaration.options import Checked, Count, ProblemName, Schemes, Tolerances, rising, section
+from study.declaration.options import Checked, Count, ProblemName, Repeats, Schemes, Tolerances, rising, section
 from study.experiments import coordinates
 from study.io import flags
 from study.marching.result import STATUSES_OR_NOT_RUN
@@ -30,8 +30,10 @@ from study.scheme.named import schemes as schemes_by_name
 COARSEST = 4
 #: Integer fractions and multiples of a record's spacing that are tried.
 OF_SPACING = (20, 10, 8, 5, 4, 3, 2, 1, 1 / 2, 1 / 3, 1 / 4, 1 / 5, 1 / 8, 1 / 10, 1 / 20, 1 / 40)
-#: Number and half-width of the variations of initial values and load, for smooth forces and for forces with kinks.
-VARIED, VARIED_WITH_KINKS = (2, 0.01), (20, 0.05)
+#: Largest variation of initial values and load, for smooth forces and for forces with kinks.
+VARIATION, VARIATION_WITH_KINKS = 0.01, 0.05
+#: Number of other starts with a smooth force.
+STARTS = 2
 #: Quantities whose steps are found to two digits. Errors of others are measured at the steps that are tried.
 DECIDED = ("displacement", "energy")
 
@@ -54,12 +56,19 @@ class _Runs(TypedDict):
     problems: dict[ProblemName, _Length]
     schemes: Schemes
     errors: Tolerances
+    starts_with_kinks: Repeats
 
 
 def _jobs(options: Options) -> dict[str, Options]:
     """The options of one job for each problem."""
-    shared = {key: options[key] for key in ("schemes", "errors")}
+    shared = {key: options[key] for key in ("schemes", "errors", "starts_with_kinks")}
     return {name: {"problem": name, **length, **shared} for name, length in options["problems"].items()}
+
+
+def _check(options: Options, configuration: Mapping) -> str | None:
+    if options["decided"] not in options["periods"]:
+        return f"problems.{options['problem']}.decided: {options['decided']:g} is not one of the periods."
+    return None
 
 
 def _reads(options: Options) -> Iterable[str]:
@@ -173,7 +182,7 @@ def between(coarser: float, need: float) -> list[int]:
     return numbers
 
 
-@experiment("runs", model=_Runs, split=_jobs, reads=_reads)
+@experiment("runs", model=_Runs, split=_jobs, reads=_reads, check=_check)
 def runs(
     problem: ProblemName,
     schemes: Schemes,
@@ -181,6 +190,7 @@ def runs(
     periods: Lengths,
     decided: float,
     finest: Count,
+    starts_with_kinks: Repeats,
 ) -> xr.Dataset:
     """Measure errors and costs of schemes at step sizes down to those that keep the allowed errors.
 
@@ -204,7 +214,7 @@ def runs(
     scale = time_scale(problem)
     motion = Motion.of(problems[problem], max(periods) * scale, scale / COARSEST)
     kinked = motion.problem.kinked or motion.problem.history is not None
-    number, width = VARIED_WITH_KINKS if kinked else VARIED
+    number, width = (starts_with_kinks, VARIATION_WITH_KINKS) if kinked else (STARTS, VARIATION)
     starts = [motion.start(1 + width * part) for part in np.linspace(-1, 1, number)]
     uncertainty = {name: motion.uncertainty[name] for name in DECIDED if name in motion.names}
     limits = [(name, error) for name, own in uncertainty.items() for error in errors if error >= CERTAIN * own]

@@ -39,14 +39,15 @@ def test_an_edited_scheme_concerns_what_runs_it(jobs):
 def test_an_edited_problem_concerns_what_runs_it_and_a_new_one_nothing_else(jobs):
     chains = _that_read(jobs, "study/problem/chains.py")
     assert ("reference_structures", "fpu_chain") in chains and ("structures", "fpu_chain") in chains
-    assert _names(chains) <= {"reference_structures", "structures", "structure_history", "published_numbers", "site"}
+    own = {"reference_structures", "structures", "structure_history", "published_numbers", "site"}
+    assert _names(chains) <= own
     springs = _that_read(jobs, "study/problem/springs.py")
     assert {"reference_springs", "energy_error", "accuracy", "kinks"} <= _names(springs)
     assert ("kinks", "hardening") in springs and ("kinks", "yielding") not in springs
 
 
 def test_the_site_depends_on_the_modules_that_its_pages_import(jobs):
-    imported = {f"paper/{name}.py" for name in ("data", "picks", "tables/decision", "tables/orders", "figures/style")}
+    imported = {f"paper/{name}.py" for name in ("data", "tables/decision", "tables/orders", "figures/style")}
     assert imported <= {*jobs["site", ""].inputs} and "paper/figures/atlas.py" not in jobs["site", ""].inputs
 
 

@@ -13,7 +13,7 @@ PERIODS, ERRORS = [2.0, 3.0, 4.0], [0.1, 0.01]
 
 @pytest.fixture(scope="module")
 def pulse():
-    return runs("pulse", ["central_difference", "rk4", "gauss4"], ERRORS, PERIODS, 3.0, 200)
+    return runs("pulse", ["central_difference", "rk4", "gauss4"], ERRORS, PERIODS, 3.0, 200, 2)
 
 
 def _exact(t):
@@ -56,7 +56,7 @@ def test_the_step_of_two_digits_is_the_largest_that_keeps_the_error(pulse):
 
 
 def test_a_scheme_that_refuses_a_problem_has_no_value():
-    ds = runs("yielding", ["energy_momentum", "rk4"], [0.1], [1.0], 1.0, 16)
+    ds = runs("yielding", ["energy_momentum", "rk4"], [0.1], [1.0], 1.0, 16, 2)
     assert not ds.tried.sel(scheme="energy_momentum").any() and ds.tried.sel(scheme="rk4").any()
 
 
