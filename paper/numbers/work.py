@@ -74,7 +74,6 @@ def of_decisions(decisions: xr.Dataset) -> dict:
         "fewest_of_displacement": ", ".join(f"{one} ({count})" for one, count in least.value_counts().items()),
         "decided_errors": listed(f"{100 * error:g}" for error in decisions.allowed_error.values),
         "decided_periods": listed(sorted({f"{one:,.0f}" for one in springs.decided.values})),
-        "decided_starts": listed(sorted({f"{one:,}" for one in decisions.starts.values}, key=len)),
         "error_relative_to": relative_to(),
     }
 

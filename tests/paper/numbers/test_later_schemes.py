@@ -16,22 +16,18 @@ STATEMENTS = {statement: verdict for verdict, *statements in STATED.values() for
 def _numbers(**changed):
     claims = pd.DataFrame({"claim": STATEMENTS.keys(), "verdict": STATEMENTS.values(), "ours": "KR-α: 1; 2.5; 3"})
     claims.loc[claims.claim.isin(changed), "verdict"] = Verdict.UNDECIDED
-    decision = pd.DataFrame(
-        {
-            "Scheme": ["explicit", "implicit"],
-            "10 %": ["Central difference: 76 (76 forces, ωΔt 0.17 < 2)", "Bathe: ≤ 10 (40 forces, ωΔt 3); …"],
-            "1 %": ["–", "Houbolt: 20 (40 forces, ωΔt 3)"],
-            "0.1 %": ["–", "Bathe: 20 (40 forces, ωΔt 3)"],
-        }
+    chosen = [[["central_difference", ""], ["bathe", "houbolt"]]]
+    decisions = xr.Dataset(
+        {"scheme": (("filter", "kind", "allowed_error"), chosen)}, {"filter": ["all"], "kind": ["explicit", "implicit"]}
     )
-    spectral = xr.Dataset(
+    needs = xr.Dataset(
         coords={
-            "scheme_title": ("scheme", ["Central difference", "Bathe", "Houbolt"]),
+            "scheme": ["central_difference", "bathe", "houbolt"],
             "scheme_source": ("scheme", ["Newmark (1959)", "Bathe and Baig (2005)", "Houbolt (1950)"]),
         }
     )
     ratios = xr.DataArray([[401, 5.0]] * 3, {"with_model": list(WITH_MODEL), "omega_step": [0.1, 1.0]})
-    return of_later_schemes(claims, decision, xr.Dataset({"largest_stiffening": ratios}), spectral)
+    return of_later_schemes(claims, decisions, needs, xr.Dataset({"largest_stiffening": ratios}))
 
 
 def test_facts_need_the_verdict_of_all_their_statements():
@@ -43,7 +39,7 @@ def test_facts_need_the_verdict_of_all_their_statements():
 def test_values_and_choices():
     numbers = _numbers()
     assert numbers["overshoot_kr"] == "1" and numbers["overshoot_mkr"] == "2.5" and numbers["period_error_mkr"] == "3"
-    assert numbers["later_explicit"] == "0 of 1" and numbers["later_implicit"] == "2 of 3"
+    assert numbers["later_explicit"] == "0 of 1" and numbers["later_implicit"] == "1 of 2"
     assert numbers["model_excess"] == "4.0"
 
 

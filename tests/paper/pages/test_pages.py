@@ -32,7 +32,7 @@ def test_every_table_but_the_ledger_is_on_the_page():
     page = tables(orders=WIDE, needs=LEDGER)
     assert (
         '<a href="#orders">' in page
-        and '<h2 id="needs">Steps and time for an error</h2>' in page
+        and '<h2 id="needs">Steps and forces for an error</h2>' in page
         and "column 3 &lt;&amp;&gt;" in page
     )
 
