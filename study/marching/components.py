@@ -11,9 +11,10 @@ A loop of few turns is written out, so that its indices are known: the eliminati
 multiplications too. In a loop or a branch whose condition differs from lane to lane, all lanes take each turn, and
 those that have ended keep their values, as with ``jax.vmap``.
 
-Not all of a program is computed by components. What does not depend on the lane is computed once for all lanes. An
-operation without a rule here, or with more than ``MOST_ENTRIES`` entries, is computed for arrays of all lanes, as
-``jax.vmap`` does. One line in the log (``logging``, level ``INFO``) names an operation without a rule.
+What does not depend on the lane, such as a load at the time that all lanes share, is computed once for all lanes. An
+operation on more than ``MOST_ENTRIES`` entries, or at an index that depends on the lane, is computed for arrays of all
+lanes. A program with an operation that has no rule here, such as a call of LAPACK, is mapped by ``jax.vmap``; one line
+in the log (``logging``, level ``INFO``) names the operation.
 
 The operations of a lane, and their order, are those of a single run. XLA may merge a multiplication and an addition in
 one program and not in the other, so that results agree with single runs to round-off.
@@ -33,8 +34,9 @@ from jax.extend import core
 
 from study.mechanics.newton import any_lane
 
-#: Largest number of unknowns of lanes that are marched by components.
-MOST_UNKNOWNS = 16
+#: Largest number of unknowns of lanes that are marched by components. With 16 unknowns a step would be up to a third
+#: faster, but would take three times as long to compile.
+MOST_UNKNOWNS = 8
 
 #: Largest number of entries of an array that is divided into components.
 MOST_ENTRIES = 64
@@ -42,7 +44,7 @@ MOST_ENTRIES = 64
 #: Largest number of turns × operations of a loop that is written out.
 MOST_WRITTEN_OUT = 2000
 
-#: Logger of operations that are not computed by components.
+#: Logger of operations without a rule.
 LOG = logging.getLogger(__name__)
 
 #: Operations that contain a program, each with the name of its parameter that holds the program.
@@ -61,8 +63,8 @@ CALLS = {
 #: Operations that compute each entry of their result from one entry of each operand.
 ELEMENTWISE = frozenset(
     "abs acos acosh add add_any and asin asinh atan atan2 atanh cbrt ceil clamp convert_element_type copy cos cosh "
-    "digamma div eq erf erf_inv erfc exp exp2 expm1 floor ge gt imag integer_pow is_finite le lgamma log log1p "
-    "logistic lt max min mul ne neg nextafter not or pow real reduce_precision rem round rsqrt select_n sign sin sinh "
+    "digamma div eq erf erf_inv erfc exp exp2 expm1 floor ge gt integer_pow is_finite le le_to lgamma log log1p "
+    "logistic lt lt_to max min mul ne neg nextafter not or pow reduce_precision rem round rsqrt select_n sign sin sinh "
     "sqrt square stop_gradient sub tan tanh xor".split()
 )
 
@@ -94,6 +96,10 @@ class Components:
         return cls(_objects(entries, shape))
 
 
+class _NoRule(NotImplementedError):
+    """There is no rule for an operation of this name."""
+
+
 class _Whole:
     """An array of one lane in all lanes, undivided: ``array`` has an axis of lanes in front."""
 
@@ -113,7 +119,11 @@ def each(function: Callable) -> Callable:
         ones = [_of_one_lane(leaf) for leaf in leaves]
         program, result = jax.make_jaxpr(lambda *x: function(*jax.tree.unflatten(tree, x)), return_shape=True)(*ones)
         lanes = _Lanes(next(len(x) for x in jax.tree.leaves(arguments) if jnp.ndim(x)))
-        results = lanes.results(program, [_value(leaf) for leaf in leaves])
+        try:
+            results = lanes.results(program, [_value(leaf) for leaf in leaves])
+        except _NoRule as error:
+            LOG.info("Lanes march as whole arrays, because components have no rule for the operation '%s'.", error)
+            results = [_value(x) for x in jax.tree.leaves(together(function)(*arguments))]
         packed = map(lanes.packed, results, program.out_avals)
         return jax.tree.unflatten(jax.tree.structure(result), list(packed))
 
@@ -121,21 +131,19 @@ def each(function: Callable) -> Callable:
 
 
 def across(shape: tuple[int, ...]) -> Callable[[Callable], Callable]:
-    """The map over lanes that is faster for runs whose displacement has this shape: :func:`each`, or ``jax.vmap``.
+    """The faster map over lanes for runs whose displacement has this shape: :func:`each` or :func:`together`."""
+    few = shape and math.prod(shape) <= MOST_UNKNOWNS
+    return each if few and jax.default_backend() == "cpu" else together
 
-    Either takes and returns what :func:`each` does, without components if it is ``jax.vmap``.
-    """
-    if shape and math.prod(shape) <= MOST_UNKNOWNS and jax.default_backend() == "cpu":
-        return each
 
-    def vectorised(function):
-        def of_lanes(*arguments):
-            axes = jax.tree.map(lambda x: 0 if jnp.ndim(x) else None, arguments)
-            return jax.vmap(function, axes)(*arguments)
+def together(function: Callable) -> Callable:
+    """As :func:`each`, for whole arrays with an axis of lanes in front, by ``jax.vmap``."""
 
-        return of_lanes
+    def of_lanes(*arguments):
+        arguments = joined(arguments)
+        return jax.vmap(function, jax.tree.map(lambda x: 0 if jnp.ndim(x) else None, arguments))(*arguments)
 
-    return vectorised
+    return of_lanes
 
 
 def joined(tree: Any) -> Any:
@@ -212,8 +220,8 @@ class _Lanes:
                 rule, places = _AT_PLACES[name]
                 if not any(isinstance(x, jax.core.Tracer) or _varies(x) for x in values[places]):
                     return [rule(operation, values)]
-            else:
-                _log(name)
+        if not (name in ELEMENTWISE or name in _SUMS or name in _MOVES or name in _AT_PLACES):
+            raise _NoRule(name)
         return self._together(operation, values)
 
     def _together(self, operation: Any, values: list) -> list:
@@ -221,13 +229,7 @@ class _Lanes:
         types = [of.aval for of in operation.invars]
         arrays = [self._whole(x, of) if _varies(x) else x for x, of in zip(values, types, strict=True)]
         axes = [0 if _varies(x) else None for x in values]
-        function = _function(operation)
-        try:
-            results = jax.vmap(function, axes, axis_size=self._lanes)(*arrays)
-        except NotImplementedError:  # as for a function on the host, which takes one lane at a time
-            arrays = [self._whole(x, of) for x, of in zip(values, types, strict=True)]
-            results = lax.map(lambda ones: function(*ones), arrays)
-        return [_value(x) for x in results]
+        return [_value(x) for x in jax.vmap(_function(operation), axes, axis_size=self._lanes)(*arrays)]
 
     def _bound(self, primitive: Any, *operands: Any, **params: Any) -> Any:
         """Component that an operation computes from components."""
@@ -453,16 +455,47 @@ def _function(operation: Any) -> Callable:
 
 def _alone(operation: Any, values: list) -> list:
     """Results of an operation that all lanes share; indices are computed at once, so that they are known."""
-    indices = all(jnp.issubdtype(of.aval.dtype, jnp.integer) or of.aval.dtype == bool for of in operation.outvars)
+    name, types = operation.primitive.name, [of.aval for of in operation.outvars]
+    indices = all(jnp.issubdtype(of.dtype, jnp.integer) or of.dtype == bool for of in types)
     if not indices or any(isinstance(x, jax.core.Tracer) for x in values):
         return _function(operation)(*values)
-    with jax.ensure_compile_time_eval():
-        return [np.asarray(x) for x in _function(operation)(*values)]
+    if name in _OF_INDICES:
+        found = [_OF_INDICES[name](operation.params, *values)]
+    else:
+        with jax.ensure_compile_time_eval():
+            found = _function(operation)(*values)
+    return [np.broadcast_to(np.asarray(x, of.dtype), of.shape) for x, of in zip(found, types, strict=True)]
 
 
-@functools.cache
-def _log(name: str) -> None:
-    LOG.info("The operation '%s' has no rule for components: it is computed for arrays of all lanes.", name)
+def _whole_numbers(params: dict) -> np.ndarray:
+    numbers = np.arange(params["shape"][params["dimension"]])
+    return numbers.reshape([-1 if d == params["dimension"] else 1 for d in range(len(params["shape"]))])
+
+
+#: Operations on indices that NumPy computes, because JAX would compile a program for each of them.
+_OF_INDICES: dict[str, Callable] = {
+    name: lambda params, *operands, of_numpy=of_numpy: of_numpy(*operands)
+    for name, of_numpy in {
+        "add": np.add,
+        "and": np.bitwise_and,
+        "eq": np.equal,
+        "ge": np.greater_equal,
+        "gt": np.greater,
+        "le": np.less_equal,
+        "lt": np.less,
+        "max": np.maximum,
+        "min": np.minimum,
+        "mul": np.multiply,
+        "ne": np.not_equal,
+        "or": np.bitwise_or,
+        "rem": np.fmod,
+        "sub": np.subtract,
+        "select_n": lambda which, *cases: np.choose(np.asarray(which, int), cases),
+    }.items()
+} | {
+    "convert_element_type": lambda params, x: x,
+    "iota": _whole_numbers,
+}
 
 
 def _repeated(entry: Any, shape: tuple[int, ...]) -> np.ndarray:

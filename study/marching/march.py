@@ -11,7 +11,7 @@ import numpy as np
 from jax import lax
 
 from study.algebra.matrices import SMALL
-from study.marching.components import across, joined, where
+from study.marching.components import across, joined, together, where
 from study.mechanics.definition import Problem
 from study.observer.base import Observer, Record, Reduction
 from study.observer.diagnostics import Restarts
@@ -120,12 +120,12 @@ class March(eqx.Module):
     def _across(self) -> Callable[[Callable], Callable]:
         return across(np.shape(self.problem.u0))
 
-    def _each(self, function):
+    def _each(self, function, over_lanes=None):
         """``function(problem, ...)`` without its first argument, mapped over the lanes if there are any."""
         if not self.lanes:
             return partial(function, self.problem)
-        of_lanes = self._across(lambda arguments, *rest: function(self._problem(arguments), *rest))
-        return partial(of_lanes, self.arguments)
+        over_lanes = over_lanes or self._across
+        return partial(over_lanes(lambda arguments, *rest: function(self._problem(arguments), *rest)), self.arguments)
 
     def _failure(self, state, effort, step):
         """``Progress.failure`` after this step."""
@@ -159,8 +159,10 @@ class March(eqx.Module):
                 self._sample(problem, state, state, 0.0 * dt),
             )
 
-        state, carried, failure, first = self._each(one)(u0, v0, dt)
-        first = joined(first)
+        # a start by components would take long to compile, and is computed only once
+        state, carried, failure, first = self._each(one, together)(u0, v0, dt)
+        if self.lanes:
+            state, carried = self._across(lambda *parts: parts)(state, carried)
         stored = {name: jnp.zeros((room + 1, *value.shape)).at[0].set(value) for name, value in first.items()}
         return Progress(jnp.zeros((), int), failure, state, carried), state, stored
 
