@@ -177,3 +177,16 @@ def browser(tmp_path_factory):
     driver = browsers.start(tmp_path_factory.mktemp("browser"))
     yield driver
     driver.quit()
+
+
+@pytest.fixture
+def compiled():
+    """Durations of all compilations by XLA so far."""
+    durations: list[str] = []
+
+    def listen(event, duration, **_):
+        durations.extend([event] if event.endswith("backend_compile_duration") else [])
+
+    jax.monitoring.register_event_duration_secs_listener(listen)
+    yield durations
+    jax.monitoring.unregister_event_duration_listener(listen)

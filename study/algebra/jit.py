@@ -2,11 +2,13 @@
 
 import functools
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
+import equinox as eqx
 import jax
 
-from study.algebra.reads import reading, reads_of
+from study.algebra.reads import reading, reads_of, reads_of_program
 
 #: Options of XLA for CPUs. The first uses the full width of vector registers, which speeds up ensembles. The second
 #: selects the older generator of loops: the newer generator takes one and a half to two times as long to compile a
@@ -32,6 +34,9 @@ def _known_options() -> dict[str, Any]:
 def jit(function: Callable, compiler: Callable = jax.jit, **arguments: Any) -> Callable:
     """``compiler(function, **arguments)`` with the options for marches.
 
+    Where the search of :mod:`study.algebra.reads` cannot see what is read, the function is traced at each call, and
+    compiled only if the trace is new.
+
     JAX accepts options of XLA only for the outermost compiled function, so the result must not be called within another
     compiled function.
 
@@ -45,7 +50,11 @@ def jit(function: Callable, compiler: Callable = jax.jit, **arguments: Any) -> C
 
     @functools.wraps(function)
     def called(*args, **kwargs):
-        with reading(reads_of(function, *args, *kwargs.values())):
+        reads = reads_of(function, *args, *kwargs.values())
+        if not reads.certain:
+            with suppress(Exception), reading(reads):  # a function that JAX cannot trace raises below, too
+                reads = reads_of_program(eqx.filter_make_jaxpr(function)(*args, **kwargs)[0])
+        with reading(reads):
             return compiled()(*args, **kwargs)
 
     return called

@@ -50,6 +50,9 @@ PURE = frozenset(
 #: Operations of Python that read or change values which the names in the code do not show.
 HIDDEN = frozenset(("DELETE_GLOBAL", "IMPORT_NAME", "LOAD_BUILD_CLASS", "STORE_GLOBAL", "YIELD_VALUE"))
 
+#: Largest size of an array of JAX whose values are compared; larger ones, which do not change, are compared by address.
+COMPARED = 1000
+
 _LITERALS = frozenset((type(None), bool, int, float, complex, str, bytes, slice, range, type(Ellipsis)))
 _BUILT_IN = (types.BuiltinFunctionType, types.MethodDescriptorType, types.WrapperDescriptorType, np.ufunc)
 _NUMBERS_AND_TEXTS = (int, float, complex, str, bytes, bytearray)
@@ -270,6 +273,8 @@ class _Search:
             self._class(x)
         elif isinstance(x, types.ModuleType):
             self._module(x)
+        elif isinstance(x, jax.Array) and x.size <= COMPARED and isinstance(x.dtype, np.dtype):
+            self._array(np.asarray(x))
         elif isinstance(x, jax.Array | types.CodeType):
             self._address(x)
         elif isinstance(x, np.dtype):

@@ -129,12 +129,13 @@ def _itself(adaptive: AdaptiveMarch, arguments: Any) -> AdaptiveMarch:
 
 
 class _Family(eqx.Module):
-    """Function that replaces the problem of a march by the problem that ``make`` returns for a lane's arguments."""
+    """Function that gives a march, which has no problem, the one that ``make`` returns for a lane's arguments."""
 
     make: Callable = eqx.field(static=True)
 
     def __call__(self, adaptive: AdaptiveMarch, arguments: dict) -> AdaptiveMarch:
-        return eqx.tree_at(lambda a: a.march.problem, adaptive, self.make(**arguments))
+        problem = self.make(**arguments)
+        return eqx.tree_at(lambda a: a.march.problem, adaptive, problem, is_leaf=lambda x: x is None)
 
 
 def _joined(parts: Sequence[tuple[np.ndarray, dict]], lanes: bool) -> dict[str, np.ndarray]:
@@ -193,6 +194,8 @@ class Adaptive:
             method = UnequalSteps(scheme=scheme)
         self._march = unlabelled(March.of(self._problem, method, observers, bool(lanes), bound))
         self._of = _itself if make is None else _Family(make)
+        if make is not None:  # a problem that is made again has new functions, which would be compiled again
+            self._march = eqx.tree_at(lambda march: march.problem, self._march, None)
         shape = (lanes, *np.shape(self._problem.u0))
         self._starts = () if make else tuple(np.broadcast_to(x, shape) if lanes else x for x in starts)
         self._labels = Labels(self._problem, scheme, observers)

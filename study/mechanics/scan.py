@@ -1,13 +1,15 @@
 """Times at which a function of time has kinks, jumps or short pulses, from samples that are refined where it bends."""
 
 from collections.abc import Callable
+from functools import partial
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.extend.core import ClosedJaxpr, jaxpr_as_fun
 from jaxtyping import Float
 
-from study.algebra.reads import Reads, reading, reads_of
+from study.algebra.reads import Reads, reading, reads_of, reads_of_program
 from study.mechanics.internal_force import numbers, switches
 
 #: Number of intervals between the first samples, and the least number of them if the function has many values. It is a
@@ -83,8 +85,11 @@ def events(function: Callable, duration: float, intervals: int = INTERVALS) -> T
     intervals
         Number of intervals between the first samples.
     """
-    # found again if the function reads the same values as before
-    key = reads_of(lambda: function), duration, intervals
+    reads = reads_of(lambda: function)
+    if not reads.certain:
+        with jax.enable_x64(True):
+            reads = reads_of_program(_traced(function))
+    key = reads, duration, intervals
     if key in _kept:
         return _kept[key]
     if len(_kept) >= KEPT:
@@ -101,9 +106,9 @@ def beside_jumps(function: Callable, times: Times, duration: float) -> Times:
     if not times.size:
         return times
     tiny = NEXT_TO * duration
-    with jax.enable_x64(True), reading(reads_of(function)):
-        around = jnp.asarray(times[:, None] + tiny * np.array([-1.0, 0.0, 1.0])).ravel()
-        values = np.asarray(jax.lax.map(lambda t: jnp.ravel(jnp.asarray(function(t), float)), around))
+    with jax.enable_x64(True):
+        around = (times[:, None] + tiny * np.array([-1.0, 0.0, 1.0])).ravel()
+        values = _evaluated(_traced(function), around)
     before, at, after = np.moveaxis(values.reshape(len(times), 3, -1), 1, 0)
     jumps = np.maximum(abs(after - before), abs(at - before)).max(axis=1) > BULGE * np.abs(values).max()
     return np.unique(np.concatenate([times[~jumps], times[jumps] - tiny, times[jumps] + tiny]))
@@ -114,7 +119,7 @@ _kept: dict[tuple[Reads, float, int], Times] = {}
 
 def _scanned(function: Callable, duration: float, intervals: int) -> Times:
     """The times that :func:`events` returns."""
-    with jax.enable_x64(True), reading(reads_of(function)):
+    with jax.enable_x64(True):
         scan = _Scan(function, duration)
         t, values = scan.first(intervals)
         h = t[1] - t[0]
@@ -141,21 +146,38 @@ def _scanned(function: Callable, duration: float, intervals: int) -> Times:
         return np.union1d(found, scan.farthest(found))
 
 
+def _traced(function: Callable) -> ClosedJaxpr:
+    """The program of a function of time, whose values become one row, with what it reads now."""
+    with reading(Reads.unique()):
+        return jax.make_jaxpr(lambda t: jnp.ravel(jnp.asarray(function(t), float)))(0.0)
+
+
+def _evaluated(program: ClosedJaxpr, t: Times) -> np.ndarray:
+    """Values of a program at the times, operation by operation: JAX has compiled most operations for other programs."""
+    one = partial(jax.core.eval_jaxpr, program.jaxpr, program.consts)
+    try:
+        (values,) = jax.vmap(one)(jnp.asarray(t))
+    except NotImplementedError:  # a function that calls the host may take one time only
+        (values,) = jax.lax.map(one, jnp.asarray(t))
+    return np.asarray(values)
+
+
 class _Scan:
     """A function of time and the signs of its comparisons, as columns of numbers of about the range one."""
 
     def __init__(self, function: Callable, duration: float):
-        self._function, self._duration, zero = function, duration, jnp.zeros(())
-        known = numbers(function, zero)
-        self._numbers = known[(known > 0) & (known < duration)]
-        self._compares = jax.eval_shape(lambda t: switches(function, t), zero).size > 0
-        self._size = max(jax.eval_shape(self._of_time, zero).size, 1)
-        self._weights: jax.Array | None = None
-        self._scale = np.ones(())
+        value = jaxpr_as_fun(_traced(function))
 
-    def _of_time(self, t):
-        value = jnp.ravel(jnp.asarray(self._function(t), float))
-        return jnp.append(value, jnp.sign(switches(self._function, t))) if self._compares else value
+        def of_time(t):
+            signs = jnp.sign(switches(lambda t: value(t)[0], t))
+            return jnp.append(value(t)[0], signs) if signs.size else value(t)[0]
+
+        known = numbers(value, 0.0)
+        self._duration, self._program = duration, jax.make_jaxpr(of_time)(0.0)
+        self._numbers = known[(known > 0) & (known < duration)]
+        self._size = max(self._program.out_avals[0].size, 1)
+        self._weights: np.ndarray | None = None
+        self._scale = np.ones(())
 
     def _raw(self, t: Times) -> Values:
         """Values at the times, zero where they are not finite.
@@ -166,14 +188,8 @@ class _Scan:
         parts = []
         for begin in range(0, len(t), once):
             some = t[begin : begin + once]
-            padded = jnp.asarray(np.pad(some, (0, once - len(some)), mode="edge"))
-            try:
-                part = jax.vmap(self._of_time)(padded)
-            except NotImplementedError:  # a function that calls the host may take one time only
-                part = jax.lax.map(self._of_time, jnp.asarray(some))
-            if self._weights is not None:
-                part = part @ self._weights
-            parts.append(np.asarray(part)[: len(some)])
+            part = _evaluated(self._program, np.pad(some, (0, once - len(some)), mode="edge"))[: len(some)]
+            parts.append(part if self._weights is None else part @ self._weights)
         values = np.concatenate(parts)
         return np.where(np.isfinite(values), values, 0.0)
 
@@ -185,7 +201,7 @@ class _Scan:
             few = np.append(t[:: max(count // 64, 1)], self._numbers[:64])
             spread = np.ptp(self._raw(few), axis=0)
             random = np.random.default_rng(0).uniform(-1.0, 1.0, (self._size, COLUMNS))
-            self._weights = jnp.asarray(random / np.where(spread > 0, spread, spread.max() or 1.0)[:, None])
+            self._weights = random / np.where(spread > 0, spread, spread.max() or 1.0)[:, None]
         values = self._raw(t)
         spread = np.ptp(values, axis=0)
         self._scale = np.where(spread > 0, spread, 1.0)

@@ -366,3 +366,31 @@ def test_a_problem_in_which_nothing_changed_is_not_examined_again():
     assert problem.current() is problem
     scaled = excited(problem, 2.0)
     assert scaled.current() is scaled
+
+
+class Hidden:
+    """Functions that read an attribute by its name."""
+
+    factor = 4.0
+
+    def force(self, u):
+        return getattr(self, "factor") * u  # noqa: B009
+
+    def load(self, t):
+        return getattr(self, "factor") * jnp.ones_like(t)  # noqa: B009
+
+
+@pytest.mark.parametrize("steps", [{"dt": 0.01, "steps": 10}, {"tolerance": 1e-3, "duration": 0.1}])
+def test_reads_that_the_search_cannot_see_are_found_by_tracing_without_compiling_again(steps, compiled):
+    """With the factor k as stiffness and load, u = 1 + cos(√k t) from u(0) = 2."""
+    hidden = Hidden()
+    problem = study.Problem(hidden.force, u0=2.0, load=hidden.load)
+    observe = study.Quantity(lambda u: u, name="end_u", reduce="final")
+    ends = [study.run(problem, "rk4", observe=observe, **steps) for _ in range(2)]
+    before = len(compiled)
+    ends.append(study.run(problem, "rk4", observe=observe, **steps))
+    assert len(compiled) == before
+    hidden.factor = 100.0
+    ends.append(study.run(problem, "rk4", observe=observe, **steps))
+    for end, k in zip(ends, (4.0, 4.0, 4.0, 100.0), strict=True):
+        assert float(end.end_u) == pytest.approx(1 + np.cos(np.sqrt(k) * 0.1), abs=2e-3)

@@ -10,6 +10,7 @@ from jax.experimental.sparse import BCOO
 import study
 
 PEAK = study.Quantity(lambda u: u, name="largest", reduce="peak")
+END = study.Quantity(lambda u: u, name="end_u", reduce="final")
 
 
 def _spring(stiffness, start=1.0):
@@ -176,3 +177,19 @@ def test_the_peak_of_the_absolute_acceleration_is_a_quantity_of_a_family():
 def test_a_family_that_cannot_be_made_says_why(make, over, sentence):
     with pytest.raises((TypeError, ValueError), match=sentence):
         study.run(make, "rk4", over=over, dt=0.01, steps=5)
+
+
+@pytest.mark.parametrize("steps", [{"dt": 0.01, "steps": 10}, {"tolerance": 1e-3, "duration": 0.1}])
+def test_a_repeated_family_is_compiled_once_as_long_as_its_function_reads_the_same(steps, compiled):
+    def make(k):
+        return study.Problem(lambda u: factor * k * u, u0=1.0)
+
+    factor, over, given = 1.0, {"k": np.array([1.0, 4.0])}, {"observe": END} | steps
+    ends = [study.run(make, "rk4", over=over, **given) for _ in range(2)]
+    before = len(compiled)
+    ends.append(study.run(make, "rk4", over=over, **given))
+    assert len(compiled) == before
+    factor = 4.0
+    ends.append(study.run(make, "rk4", over=over, **given))
+    for end, k in zip(ends, (1.0, 1.0, 1.0, 4.0), strict=True):
+        np.testing.assert_allclose(end.end_u, np.cos(np.sqrt(k * over["k"]) * 0.1), atol=1e-4)
