@@ -137,8 +137,10 @@ class Search:
 
     def __init__(self, case: Mapping[str, Any], pairs: Sequence[Compared], dt: Any, steps: int):
         self.case, self.pairs, self.dt, self.steps = case, pairs, dt, steps
-        self.first = min(
-            step for pair in pairs for step, x, y in zip(*pair[2:5], strict=True) if abs(x - y) > pair.tolerance
+        # the first step with a wrong value; a start that is wrong needs a step, too
+        self.first = max(
+            1,
+            min(step for pair in pairs for step, x, y in zip(*pair[2:5], strict=True) if abs(x - y) > pair.tolerance),
         )
         # a change that does not give the values up to the first wrong one need not run further
         self.few = [
@@ -363,6 +365,14 @@ def _numbered(case: Mapping[str, Any], dt: Any) -> Iterator[Change]:
     def with_words(word: str) -> Callable[[float, int], Motion]:
         return lambda x, steps: run(Problem(text), scheme, _first(dt, steps), steps, (f"{word}{x!r}",))
 
+    def with_parameter(name: str, value: float) -> Callable[[float, int], Motion]:
+        return lambda x, steps: run(Problem(text), {**scheme, name: repr(value + x)}, _first(dt, steps), steps)
+
+    def with_terms(names: tuple[str, ...]) -> Callable[[float, int], Motion]:
+        return lambda x, steps: coefficients.run(
+            Problem(text), scheme, _first(dt, steps), steps, {name: x for name in names}
+        )
+
     def with_factor(**names: float) -> Callable[[float, int], Motion]:
         return lambda x, steps: run(
             Changed(text, {name: x * size for name, size in names.items()}), scheme, _first(dt, steps), steps
@@ -375,15 +385,7 @@ def _numbered(case: Mapping[str, Any], dt: Any) -> Iterator[Change]:
         yield Change("the time of the load starts at {} Δt", with_factor(time=size), 0.0, (1.0, -1.0, 0.5, -0.5))
     for name in scheme:
         if name not in ("family", "start"):
-            value = float(scheme[name])
-            yield Change(
-                f"{name} is off by about {{}}",
-                lambda x, steps, name=name, value=value: run(
-                    Problem(text), {**scheme, name: repr(value + x)}, _first(dt, steps), steps
-                ),
-                0.0,
-                (),
-            )
+            yield Change(f"{name} is off by about {{}}", with_parameter(name, float(scheme[name])), 0.0, ())
     yield Change(
         "the step size is {} times that of the case",
         lambda x, steps: run(Problem(text), scheme, x * np.asarray(_first(dt, steps)), steps),
@@ -395,12 +397,7 @@ def _numbered(case: Mapping[str, Any], dt: Any) -> Iterator[Change]:
         yield Change("the acceleration at the start is {} times that of the equation of motion", with_words(START))
     if scheme["family"] in coefficients.FAMILIES:
         for names, term in coefficients.TERMS.items():
-            yield Change(
-                f"the term {term} has the factor {{}}",
-                lambda x, steps, names=names: coefficients.run(
-                    Problem(text), scheme, _first(dt, steps), steps, dict.fromkeys(names, x)
-                ),
-            )
+            yield Change(f"the term {term} has the factor {{}}", with_terms(names))
 
 
 #: Parts of a problem that may have a factor.

@@ -72,8 +72,8 @@ def conform(arguments: argparse.Namespace) -> None:
         runner = of_function(arguments.code)
     else:
         runner = of_folder(arguments.collect) if arguments.command is None else of_command(arguments.command)
-    known: Known = set()
-    verdicts = [judge(case, partial(runner, case), known) for case in chosen]
+    causes: Known = set()
+    verdicts = [judge(case, partial(runner, case), causes) for case in chosen]
     found = summary(verdicts, arguments.tool, arguments.tool_version, arguments.note)
     print(table(verdicts))
     if arguments.output:

@@ -107,9 +107,10 @@ def _failed(case: Mapping[str, Any], motion: Motion, known: Known, found: str, d
     dt, _ = times(case)
     right = run(Problem(case["problem"]), case["scheme"], dt, FIRST)
     pairs = [
-        Compared(name, i, [*range(FIRST + 1)], values[:, i], motion[name][: FIRST + 1, i], SAME * scale, scale)
+        Compared(name, i, [*range(FIRST + 1)], values[:, i], moved[: FIRST + 1, i], SAME * scale, scale)
         for name, values in right.items()
-        if name != "a" and motion[name] is not None
+        for moved in [motion[name]]
+        if name != "a" and moved is not None
         for i in range(values.shape[1])
         for scale in [float(np.max(np.abs(values[:, i])))]
     ]

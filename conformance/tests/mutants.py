@@ -130,9 +130,9 @@ def causes(mutant: Mutant, chosen: Sequence[dict[str, Any]], folder: Path) -> Co
 def drawn(number: int, seed: int, chosen: Sequence[dict[str, Any]], folder: Path) -> Iterator[tuple[Mutant, Counter]]:
     """Mutants that fail, in equal parts of the examples as far as these have so many, and their causes."""
     draw = random.Random(seed)
-    files = [file for file, needs in (("newmark.py", "python"), ("newmark.c", "cc"), ("reader.js", "node"))]
-    lists = {file: draw.sample(found := [*mutants(file)], len(found)) for file in files if _has(file)}
-    left = number
+    lists, left = {file: [*mutants(file)] for file in FORMULAS if _has(file)}, number
+    for waiting in lists.values():
+        draw.shuffle(waiting)
     while left and any(lists.values()):
         for waiting in lists.values():
             found = Counter[str]()

@@ -107,7 +107,9 @@ def action(tmp_path_factory):
     def run(number, place, **given):
         step, values = stated["runs"]["steps"][number], inputs | given
         written = {name: place / name for name in ("GITHUB_OUTPUT", "GITHUB_STEP_SUMMARY")}
-        taken = {name: values[re.fullmatch(r"\${{ inputs\.(\w+) }}", x)[1]] for name, x in step.get("env", {}).items()}
+        taken = {
+            name: values[x.removeprefix("${{ inputs.").removesuffix(" }}")] for name, x in step.get("env", {}).items()
+        }
         command = ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", step["run"]]
         variables = _variables(python, **rest, **written, **taken)
         return subprocess.run(command, cwd=place, env=variables, capture_output=True, text=True)

@@ -1,0 +1,105 @@
+"""Causes of mistakes that are made by hand: of the output, of the time, of the iteration and of a weight."""
+
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from conformance.command import cases
+from conformance.examples import newmark
+from conformance.judge import judge, times
+from conformance.problem import Problem
+
+BY_NAME = {case["name"]: case for case in cases()}
+TEXT = Path(newmark.__file__).read_text(encoding="utf-8")
+
+
+def _judged(name, step=newmark.step, change=lambda u, v, a, dt: (u, v, a), load=None):
+    """Verdict on a program in NumPy with a change of its output or of its load."""
+    case = BY_NAME[name]
+    problem, (dt, steps) = Problem(case["problem"]), times(case)
+    if load is not None:
+        right = problem.load
+        problem.load = lambda t: right(load(t, dt))  # type: ignore[method-assign]
+    motion = dict(zip("uva", change(*step(problem, case["scheme"], dt, steps), dt), strict=True))
+    return judge(case, lambda part: motion)
+
+
+@pytest.mark.parametrize(
+    ("change", "cause", "where"),
+    [
+        (
+            lambda u, v, a, dt: (u, np.vstack([v[:1], v[:-1]]), a),
+            "the velocity is one step late",
+            "u agrees, v differs",
+        ),
+        (
+            lambda u, v, a, dt: (u, np.vstack([v[:1], np.diff(u, axis=0) / dt]), a),
+            "the velocity is that of half a step before, (u₁ − u₀)/Δt",
+            "u agrees, v differs from step 1 on, a agrees",
+        ),
+        (lambda u, v, a, dt: (np.vstack([u[:1], u[:-1]]), v, a), "the displacement is one step late", "v agrees"),
+        (
+            lambda u, v, a, dt: [np.vstack([x[:1], x[:-1]]) for x in (u, v, a)],
+            "values are right but one step late",
+            "u differs from step 1 on, v differs from step 1 on, a differs from step 1 on",
+        ),
+        (
+            lambda u, v, a, dt: (u, v, 0 * a),
+            "displacement and velocity agree; the acceleration is not the one that the scheme carries",
+            "u agrees, v agrees, a differs from step 0 on",
+        ),
+    ],
+)
+def test_a_mistake_of_the_output_is_named(change, cause, where):
+    one = _judged("A-CUB-AVG", change=change)
+    assert one.cause == cause and where in one.where
+
+
+@pytest.mark.parametrize(
+    ("load", "cause"),
+    [
+        (lambda t, dt: t + dt, "the time of the load starts at 1 Δt"),
+        (lambda t, dt: t + 0.7 * dt, "the time of the load starts at 0.7 Δt"),
+        (lambda t, dt: t + dt / 2 if t else t, "each load is that of 0.5 Δt later"),
+    ],
+)
+def test_a_time_that_starts_elsewhere_is_named(load, cause):
+    assert _judged("A-LIN-HHT", load=load).cause == cause
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "cause"),
+    [
+        ("A-CUB-AVG", "range(50)", "range(2)", "Newton's iteration stops after 2 iterations"),
+        (
+            "A-LIN-DIS",
+            "part * v_new + alpha_f * v",
+            "0.3 * v_new + 0.7 * v",
+            "the term 1 − α_f in C v has the factor 0.3",
+        ),
+        ("A-LIN-GEN", "(1 - alpha_m) * new + alpha_m * a", "new", "α_m is missing in the balance"),
+        (
+            "A-CUB-DIS",
+            "v_ahead = v + tau * (1 - gamma) * a",
+            "v_ahead = v",
+            "(1 − γ) a₀ in the velocity, for the balance",
+        ),
+        ("A-CUB-HHT", "dt**2 * ((0.5 - beta) * a", "dt * ((0.5 - beta) * a", "has the factor 1/Δt"),
+        ("A-CUB-DIS", "gamma * tau * new", "beta * tau * new", "has the factor β/γ"),
+    ],
+)
+def test_a_mistake_in_a_formula_is_named(name, old, new, cause):
+    module: Any = ModuleType("mistaken")
+    assert TEXT.count(old) == 1
+    exec(TEXT.replace(old, new), module.__dict__)
+    assert cause in _judged(name, module.step).cause
+
+
+def test_a_cause_that_explains_no_value_is_not_named():
+    """A random velocity is no change of the scheme."""
+    noise = np.random.default_rng(1).normal(size=(3, 1))
+    one = _judged("A-CUB-AVG", change=lambda u, v, a, dt: (u, v + noise, a))
+    assert (one.verdict, one.cause, one.where) == ("fail", "not known", "u agrees, v differs from step 0 on, a agrees")
