@@ -155,7 +155,7 @@ def command(
     deck
         Path of an input file of the program in which ``{dt}``, ``{scheme}``, ``{duration}`` or ``{output}`` stand. Each
         run writes a copy of the file with the values of the run, and puts its path in place of ``{deck}`` in the
-        command. :doc:`The page on programs </how_to/program>` lists where the step stands in the input of common codes.
+        command. The page on programs of the site lists where the step stands in the input of common codes.
     time_limit
         Seconds after which a run is stopped. The run is recorded as failed, and its scheme is not run at finer steps.
         By default there is no limit.

@@ -69,7 +69,7 @@ def test_an_input_file_takes_the_values_of_each_run(tmp_path):
     script = tmp_path / "mycode"
     script.write_text(f"#!/bin/sh\ncp $1 {tmp_path}/read.inp\nprintf 't,u\\n0,1\\n2,3\\n4,5\\n' > $2\n")
     script.chmod(script.stat().st_mode | stat.S_IXUSR)
-    given = {"schemes": ["DYNAMIC, ALPHA=0"], "duration": 4.0, "deck": tmp_path / "bridge.inp"}
+    given = {"schemes": ["DYNAMIC, ALPHA=0", "DYNAMIC, ALPHA=-0.1"], "duration": 4.0, "deck": tmp_path / "bridge.inp"}
     own = command(f"{script} {{deck}} {{output}}", **given)
     run = attempt(own.run, "DYNAMIC, ALPHA=0", 2.0, own.duration)
     assert run.values["u"].tolist() == [1, 3, 5]
