@@ -72,7 +72,8 @@ def mutants(project: Path, count: int, seed: int) -> Iterator[Mutant]:
     files = sorted(path for package in PACKAGES for path in (project / package).rglob("*.py"))
     lengths = [len(path.read_text(encoding="utf-8").splitlines()) for path in files]
     while count:
-        if mutant := of_file(*chance.choices(files, lengths), chance):
+        (file,) = chance.choices(files, lengths)
+        if mutant := of_file(file, chance):
             count -= 1
             yield mutant
 
