@@ -1,8 +1,9 @@
 """Motions with two unknowns and a conserved energy: Arenstorf's orbit, and Hénon and Heiles' star in a galaxy."""
 
+import math
+
 import jax.numpy as jnp
 import numpy as np
-from scipy.special import ellipk
 
 from study.mechanics.definition import Problem
 from study.problem.naming import Known, named
@@ -48,8 +49,8 @@ def arenstorf() -> Problem:
 
 #: Unit vector of the straight motion of :func:`henon_heiles`, and the coordinates r at which this motion turns.
 _LINE, _ENDS = -np.array([np.sqrt(3), 1.0]) / 2, (0.5, (1 - np.sqrt(3)) / 2)
-#: Period of the straight motion.
-STRAIGHT_PERIOD = 4 * np.sqrt(1.5) / 3**0.25 * ellipk(0.5)
+#: Period of the straight motion, 4 √1.5 K / 3^¼. The complete elliptic integral K of the parameter 1/2 is Γ(¼)²/(4 √π).
+STRAIGHT_PERIOD = np.sqrt(1.5) / 3**0.25 * math.gamma(0.25) ** 2 / math.sqrt(math.pi)
 
 
 @named(
