@@ -113,13 +113,13 @@ def final_state(
     given, reads = (*starts, jnp.asarray(dt, float)), reads_of(march)
     with reading(reads):
         if not (reads.traced or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves((march, given)))):
-            return _end(march, *given, count)
+            return _end(march, *given, count)  # type: ignore[call-arg]
         message = (
             f"a derivative of the final state of '{equation.title}' is NaN, because the run failed, or because a "
             f"function of the problem has no finite derivative where its value is finite: {DOUBLE_WHERE}."
         )
         # the numbers that JAX differentiates may also be captured by functions
-        converted, numbers = jax.closure_convert(lambda *given: _end(march, *given, count), *given)
+        converted, numbers = jax.closure_convert(lambda *given: _end(march, *given, count), *given)  # type: ignore[call-arg]
         return watched(converted(*watched(given, message), *watched(numbers, message)), message)
 
 

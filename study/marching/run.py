@@ -246,6 +246,7 @@ def run(
             )
         equations = checked_lanes(problem, values)  # type: ignore[arg-type]
     equation = equations[0]
+    make: Callable[..., Problem] | None = None if over is None else problem  # type: ignore[assignment]
     start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
     _check_fit(equation, method, chosen)
     if controlled:
@@ -257,14 +258,12 @@ def run(
         )
         limit = checked_bound(bound, equations, start, velocity, float(control.times[-1]))
         lanes = number_of_lanes(equation, start, velocity, {"tolerance": control.tolerance, "dt": control.dt}, values)
-        make = None if over is None else problem
         adaptive = Adaptive(equation, method, chosen, (start, velocity), make, values, lanes, limit)  # type: ignore[arg-type]
         return adaptive.dataset(control, on_failure)
     step_size, count, every = checked_step_size(dt), checked_steps(steps), positive_integer("every", every)
     lanes = number_of_lanes(equation, start, velocity, {"dt": step_size, "steps": count}, values)
     few = lanes <= FEW and np.ndim(equation.u0) > 0 and not values and jax.default_backend() == "cpu"
     side_by_side = bool(lanes) and not few
-    make = None if over is None else problem
     limit = checked_bound(bound, equations, start, velocity, float(np.max(step_size * count)))
     watches = on_failure is not _SILENT and stability.has_limit(method, equation)
     observed = (*chosen, stability.AtStart()) if watches else chosen

@@ -77,8 +77,10 @@ def _in_form(
         costs[name] = renamed.drop_vars(along, errors="ignore").reset_coords(drop=True) * steps
     ds = xr.Dataset({**costs, "error": error, "largest_error": error * np.nan})
     ds = ds.reset_coords(drop=True).expand_dims(periods=[duration])
+    # a scheme that refuses the problem has no error at any step; a run that failed has none at its step
+    ran = ds.error.notnull().any(("quantity", "periods", "size"))
     return (
-        ds.assign(tried=ds.error.notnull().any(("quantity", "periods")).astype(np.int8))
+        ds.assign(tried=xr.broadcast(ran, ds.error.isel(quantity=0, periods=0, drop=True))[0].astype(np.int8))
         .assign(uncertainty=("quantity", np.zeros(ds.sizes["quantity"])))
         .assign_coords(
             step_size=("size", step_sizes),
@@ -117,7 +119,7 @@ def needs_and_decisions(problems: PlainNames, errors: Tolerances) -> tuple[xr.Da
     )
     decided = decisions(needed)
     for ds, title in ((needed, "Step sizes that schemes need"), (decided, "Cheapest schemes for allowed errors")):
-        for name, attributes in ATTRIBUTES.items():
-            ds[name].attrs = attributes
+        for name in ATTRIBUTES.keys() & ds.variables.keys():
+            ds[name].attrs = ATTRIBUTES[str(name)]
         ds.attrs = {"title": title}
     return needed, decided

@@ -174,8 +174,11 @@ class _Ladder:
 
 
 def between(coarser: float, need: float) -> list[int]:
-    """All whole numbers of two digits between two numbers, of which ``need`` may be infinite."""
-    numbers, one = [], two_digits(coarser * (1 + 1e-9)) if coarser >= 1 else 1
+    """All whole numbers of two digits between two numbers.
+
+    ``need`` may be infinite; ``coarser`` is zero if no smaller number was tried.
+    """
+    numbers, one = [], two_digits(max(coarser, COARSEST) * (1 + 1e-9))
     while coarser < one < need < math.inf:
         numbers.append(one)
         one = two_digits(one + 1)

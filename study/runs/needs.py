@@ -55,6 +55,25 @@ ATTRIBUTES = {
     "exponent_misfit": {"long_name": "largest ratio of a step size to the fitted power law", "units": "1"},
     "verdict": flags("how the search for the step ended", VERDICTS, np.int8),
     **COSTS,
+    "scheme": {"long_name": "time integration scheme"},
+    "scheme_title": {"long_name": "title of the scheme"},
+    "ties": {"long_name": "number of schemes that cost as much", "units": "1"},
+    "problem": {"long_name": "problem"},
+    "problem_title": {"long_name": "title of the problem"},
+    "quantity": {"long_name": "quantity whose error is measured"},
+    "allowed_error": {"long_name": "largest allowed error", "units": "1"},
+    "condition": {
+        "long_name": f"condition on the runs: {'; '.join(f'{name}: {words}' for name, words in CONDITIONS.items())}"
+    },
+    "kind": {"long_name": "kind of scheme"},
+    "filter": {
+        "long_name": f"choice of schemes and runs; codes: {', '.join(CODES)}; others are conditions on the runs"
+    },
+    "highest_frequency": {"long_name": "highest circular frequency of small motions", "units": "s-1"},
+    "time_scale": {"long_name": "time by which steps are counted", "units": "s"},
+    "unknowns": {"long_name": "number of unknowns", "units": "1"},
+    "decided": {"long_name": "duration for which steps are decided, in time scales", "units": "1"},
+    "starts": {"long_name": "number of starts of a step that is needed", "units": "1"},
 }
 
 #: Errors of runs over some numbers of periods, and these numbers in ascending order.

@@ -105,7 +105,7 @@ def test_an_operation_of_components_is_that_of_whole_arrays(function, caplog):
     with caplog.at_level(logging.INFO, components.LOG.name):
         found = jax.jit(lambda u: components.joined(components.each(function)(u, k)))(u)
     right = jax.jit(jax.vmap(function, (0, None)))(u, k)
-    assert jax.tree.structure(found) == jax.tree.structure(right)
+    assert jax.tree.structure(found) == jax.tree.structure(right)  # type: ignore[operator]
     for ours, theirs in zip(jax.tree.leaves(found), jax.tree.leaves(right), strict=True):
         assert ours.dtype == theirs.dtype
         np.testing.assert_allclose(ours, theirs, rtol=1e-13, atol=1e-13)

@@ -75,9 +75,9 @@ def test_an_input_file_takes_the_values_of_each_run(tmp_path):
     assert run.values["u"].tolist() == [1, 3, 5]
     read = (tmp_path / "read.inp").read_text()
     assert read == "** step of 2.0 s\n*DYNAMIC, ALPHA=0\n2.0, 4.0\n*PARAMETER {other}\n"
-    before = own.run.source
+    before = own.run.source  # type: ignore[attr-defined]
     (tmp_path / "bridge.inp").write_text(_DECK + "*DENSITY\n")
-    assert command(f"{script} {{deck}} {{output}}", **given).run.source != before
+    assert command(f"{script} {{deck}} {{output}}", **given).run.source != before  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(
