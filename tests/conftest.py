@@ -25,6 +25,7 @@ jax.config.update("jax_numpy_dtype_promotion", "strict")
 PIPELINE = PROJECT / "tests" / "pipeline"
 #: Folders of tests in the order in which they run, by the lines of code that they mirror per second: 90 to 10.
 ORDER = (
+    "runs",
     "program",
     "experiments",
     "observer",
