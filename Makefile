@@ -37,7 +37,7 @@ study site: .venv/ready
 	$(BIN)/snakemake $(OPTIONS) $(filter site,$@) --configfile $(CONFIG)
 
 test: .venv/ready
-	$(BIN)/pytest -n auto -m "not pipeline and not exhaustive"
+	$(BIN)/pytest -n auto -m "not pipeline and not exhaustive" tests study
 
 test-pipeline: .venv/ready
 	$(BIN)/pytest -n auto -m "pipeline and not exhaustive"
