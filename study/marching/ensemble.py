@@ -84,7 +84,8 @@ def march_one_by_one(program: Program, begin: Begin, steps: CountPerRun, every: 
 def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: int, samples: int) -> Result:
     """March every lane, side by side in tiles.
 
-    The result of a lane depends neither on its neighbours nor on the number of cores, to the last bit. Lanes with
+    The result of a lane depends neither on its neighbours nor on the number of cores, to the last bit. It equals that
+    of a single run to round-off, since XLA compiles other loops (:mod:`study.marching.components`). Lanes with
     different numbers of steps are sorted by this number, so that long lanes share tiles; their results are then
     independent only to round-off. A tile takes as many Newton iterations as its slowest lane, and ends with its last
     lane.

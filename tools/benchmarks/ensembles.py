@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator
 
+import jax.numpy as jnp
 import numpy as np
 import peer
 from case import Case, step_size, timed
@@ -14,6 +15,38 @@ from study.observer.outcome import OutcomeObserver
 
 STEPS, LONG = 1_000, 10_000
 FEW, MANY = 1_024, 16_384
+
+
+def chain(unknowns: int, scale: float = 1.0) -> study.Problem:
+    """A chain of cubic springs with damping, pulled by a pulse of this scale."""
+
+    def force(u):
+        stretch = jnp.diff(u, prepend=jnp.zeros(1))
+        pull = 500 * stretch * (1 + 20 * stretch * stretch)
+        return pull - jnp.concatenate([pull[1:], jnp.zeros(1)])
+
+    return study.Problem(
+        force,
+        np.zeros(unknowns),
+        damping=np.ones(unknowns),
+        load=lambda t: 3 * scale * jnp.sin(7 * t) * jnp.exp(-((t - 3) ** 2)) * jnp.ones(unknowns),
+        tangent="tridiagonal" if unknowns > 4 else "dense",
+    )
+
+
+def chains() -> Iterator[Case]:
+    """Lanes of few unknowns, compared with single runs."""
+    for scheme, sizes in {"central_difference": (2, 4, 8, 16), "average_acceleration": (2, 3, 4, 8)}.items():
+        for unknowns in sizes:
+            problem, u0 = chain(unknowns), np.linspace(0, 0.1, FEW)[:, None] * np.ones(unknowns)
+            arguments = {"scheme": scheme, "dt": 0.004, "observe": "peak", "bound": 1e9}
+            yield Case(
+                f"{FEW} lanes, {unknowns} unknowns, {scheme} : single runs",
+                lambda problem=problem, u0=u0, a=arguments: timed(lambda: study.run(problem, u0=u0, steps=STEPS, **a)),
+                lambda problem=problem, a=arguments: timed(lambda: study.run(problem, steps=FEW * STEPS // 8, **a)) * 8,
+                0.6,
+                FEW * STEPS,
+            )
 
 
 def cases(folder: str) -> Iterator[Case]:
@@ -47,6 +80,7 @@ def cases(folder: str) -> Iterator[Case]:
                 to_c,
                 FEW * LONG,
             )
+    yield from chains()
     for lanes in (8 * MANY, 1_000_000):
         yield Case(
             f"{lanes} lanes : {MANY} lanes, in proportion",
