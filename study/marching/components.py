@@ -172,7 +172,8 @@ class _Lanes:
         known = dict(zip(jaxpr.invars, values, strict=True)) | dict(zip(jaxpr.constvars, constants, strict=True))
 
         def value(of):
-            return np.asarray(of.val, of.aval.dtype) if isinstance(of, core.Literal) else known[of]  # type: ignore[attr-defined]
+            literal = isinstance(of, core.Literal)
+            return np.asarray(of.val, of.aval.dtype) if literal else known[of]  # type: ignore[attr-defined]
 
         for operation in jaxpr.eqns:
             results = self._computed(operation, [value(of) for of in operation.invars])

@@ -246,9 +246,9 @@ def run(
             )
         equations = checked_lanes(problem, values)  # type: ignore[arg-type]
     equation = equations[0]
-    make: Callable[..., Problem] | None = None if over is None else problem  # type: ignore[assignment]
     start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
     _check_fit(equation, method, chosen)
+    make: Any = None if over is None else problem
     if controlled:
         of_load = partial(times_of_problem, equation, sides=True)
         if over is not None:
