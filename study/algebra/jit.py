@@ -13,7 +13,7 @@ from study.algebra.reads import reading, reads_of, reads_of_program
 #: Options of XLA for CPUs. The first uses the full width of vector registers, which speeds up ensembles. The second
 #: selects the older generator of loops: the newer generator takes one and a half to two times as long to compile a
 #: march. The marches of both generators give the same numbers, and their speeds differ by less than a sixth. The third
-#: compiles a program as a whole: parts for several threads take a quarter more processor time, and a march is too small
+#: compiles a program as a whole: parts for several threads take a tenth more processor time, and a march is too small
 #: to gain from them.
 _OPTIONS = {
     "xla_cpu_prefer_vector_width": 512,
