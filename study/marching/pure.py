@@ -110,16 +110,16 @@ def final_state(
             f"'{name}' is recorded along time, and final_state returns one value per run: observe a reduction, such as "
             f"{', '.join(fit[:3])}, or a Quantity with reduce=."
         )
-    given, reads = (*starts, jnp.asarray(dt, float)), reads_of(march)
+    given, reads = (starts[0], starts[1], jnp.asarray(dt, float)), reads_of(march)
     with reading(reads):
         if not (reads.traced or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves((march, given)))):
-            return _end(march, *given, count)  # type: ignore[call-arg]
+            return _end(march, *given, count)
         message = (
             f"a derivative of the final state of '{equation.title}' is NaN, because the run failed, or because a "
             f"function of the problem has no finite derivative where its value is finite: {DOUBLE_WHERE}."
         )
         # the numbers that JAX differentiates may also be captured by functions
-        converted, numbers = jax.closure_convert(lambda *given: _end(march, *given, count), *given)  # type: ignore[call-arg]
+        converted, numbers = jax.closure_convert(lambda u0, v0, dt: _end(march, u0, v0, dt, count), *given)
         return watched(converted(*watched(given, message), *watched(numbers, message)), message)
 
 
