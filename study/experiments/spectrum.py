@@ -19,16 +19,18 @@ from study.problem.inelastic import SPACING, yielding_under_record
 from study.scheme.named import schemes as schemes_by_name
 
 #: Largest ratio of neighbouring step sizes of the grid.
-RATIO = 1.1
+RATIO = 1.2
+#: Numbers of steps in the spacing of a record that are tried, and numbers of spacings in a step.
+DIVIDING = (1, 2, 3, 4, 5, 8, 10, 20, 40)
 
 
 def steps_tried(coarsest: float, finest: float) -> tuple[np.ndarray, np.ndarray]:
     """Descending step sizes, and whether each is commensurate with the record.
 
-    Commensurate step sizes are integer fractions and multiples of the spacing of the record's samples. They are merged
-    with a grid of step sizes in a constant ratio.
+    Commensurate step sizes are fractions and multiples of the spacing of the record's samples by the numbers in
+    ``DIVIDING``. They are merged with a grid of step sizes in a constant ratio.
     """
-    whole = np.arange(1, max(coarsest / SPACING, SPACING / finest) * (1 + 1e-9))
+    whole = np.array(DIVIDING, float)
     commensurate = np.append(SPACING / whole, SPACING * whole[1:])
     commensurate = commensurate[(commensurate >= finest * (1 - 1e-9)) & (commensurate <= coarsest * (1 + 1e-9))]
     grid = np.geomspace(coarsest, finest, int(np.ceil(np.log(coarsest / finest) / np.log(RATIO))) + 1)

@@ -534,6 +534,11 @@ def _same_shape(operation: Any, x: np.ndarray) -> np.ndarray:
     return x.reshape(operation.outvars[0].aval.shape)
 
 
+def _unstacked(operation: Any, x: np.ndarray) -> list[np.ndarray]:
+    rows = np.moveaxis(x, operation.params["axis"], 0)
+    return [rows[k, ...] for k in range(len(rows))]
+
+
 #: Operations that rearrange entries.
 _MOVES: dict[str, Callable] = {
     "broadcast_in_dim": _spread,
@@ -547,7 +552,7 @@ _MOVES: dict[str, Callable] = {
     "squeeze": _same_shape,
     "stack": lambda operation, *parts: np.stack(parts, operation.params["axis"]),
     "transpose": lambda operation, x: x.transpose(operation.params["permutation"]),
-    "unstack": lambda operation, x: [row[...] for row in np.moveaxis(x, operation.params["axis"], 0)],
+    "unstack": _unstacked,
 }
 
 

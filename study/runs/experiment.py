@@ -16,6 +16,7 @@ from study.assessment.search import spacing
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Checked, Count, ProblemName, Repeats, Schemes, Tolerances, rising, section
 from study.experiments import coordinates
+from study.experiments.spectrum import DIVIDING
 from study.io import flags
 from study.marching.result import STATUSES_OR_NOT_RUN
 from study.problem.inelastic import BOUNCE, PERIOD
@@ -29,7 +30,7 @@ from study.scheme.named import schemes as schemes_by_name
 #: Number of steps in a time scale at the coarsest step.
 COARSEST = 4
 #: Integer fractions and multiples of a record's spacing that are tried.
-OF_SPACING = (20, 10, 8, 5, 4, 3, 2, 1, 1 / 2, 1 / 3, 1 / 4, 1 / 5, 1 / 8, 1 / 10, 1 / 20, 1 / 40)
+OF_SPACING = (*reversed(DIVIDING), *(1 / number for number in DIVIDING[1:]))
 #: Largest variation of initial values and load, for smooth forces and for forces with kinks.
 VARIATION, VARIATION_WITH_KINKS = 0.01, 0.05
 #: Number of other starts with a smooth force.

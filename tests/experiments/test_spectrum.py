@@ -50,7 +50,7 @@ def found(reference, monkeypatch):
 def test_the_step_that_is_needed_keeps_the_error_as_all_finer_ones(found):
     assert found.step_needed.sel(scheme="energy_momentum").isnull().all()  # the force dissipates
     ours = found.sel(scheme="average_acceleration")
-    assert ours.step_needed.notnull().all() and (ours.iterations_per_step >= 1).all()
+    assert ours.step_needed.notnull().all() and (ours.factorisations_per_step >= 1).all()
     for tried, some in (("all", ours), ("commensurate", ours.isel(step_size=np.flatnonzero(ours.commensurate)))):
         fine = some.step_size <= some.step_needed.sel(tried=tried)
         assert (some.error.where(fine, 0) <= 0.01).all()

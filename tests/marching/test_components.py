@@ -91,6 +91,7 @@ def _operations(u, k):
     square = jnp.outer(u, 2 * u)
     last = jnp.asarray(u[0] > 0, int)
     return [
+        [jnp.full(2, -x) for x in u],
         (u[k], u[last], u[::-1], u[jnp.array([2, 1])], u.at[1].set(3.0), u.at[jnp.array([0, 2])].set(u[1:])),
         (u.at[7].get(mode="fill"), jnp.roll(u, 1), jnp.pad(u, 2), jax.lax.pad(u, 0.0, [(-1, 2, 1)]), jnp.stack([u, u])),
         (jnp.cumsum(u), jnp.flip(jnp.cumsum(u[::-1])), u.max(), jnp.all(u > 0), jnp.prod(u), u @ u, square @ u),
