@@ -43,7 +43,7 @@ def recommended(results: Path) -> dict[str, str]:
         if quantity in _QUANTITIES:
             one = decisions.sel(problem=problem, quantity=quantity, kind=kind)
             cells = [short_cell(one.sel(allowed_error=error)) for error in one.allowed_error.values]
-            rows.append([sentence(one.problem_title.item()) if kind == "explicit" else "", kind, *cells])
+            rows.append([sentence(one.problem_title.item()), kind, *cells])
             chosen |= {*one.scheme.values}
     lines = [
         [study.schemes[one.scheme].title, one.code, f"`{one.name}`", one.note] for one in _input_lines(chosen, CODES)

@@ -122,4 +122,5 @@ def needs_and_decisions(problems: PlainNames, errors: Tolerances) -> tuple[xr.Da
         for name in ATTRIBUTES.keys() & ds.variables.keys():
             ds[name].attrs = ATTRIBUTES[str(name)]
         ds.attrs = {"title": title}
-    return needed, decided
+    # without the lengths of strings in the files that were read
+    return needed.drop_encoding(), decided.drop_encoding()
