@@ -277,7 +277,8 @@ class Adaptive:
         cause = ""
         if not (self._over or self._scheme.explicit):
             state = jax.tree.map(lambda x: x[first], trial.state) if self._lanes else trial.state
-            cause = cause_of_derivative(self._problem.at(state), float(at), state.u, state.v, float(size))
+            usual = max(float(size), float(at) / max(int(step), 1))  # the size may have shrunk before the failure
+            cause = cause_of_derivative(self._problem.at(state), float(at), state.u, state.v, usual)
         if not cause and how < STEP_TOO_SMALL:
             cause = likely_cause(self._problem, self._scheme, int(how), float(size))
         what = (

@@ -26,7 +26,7 @@ OUTPUT = "results/energy_error.nc"
         ("energy_error", '{"problem": []}', "there is no option 'problem'; did you mean 'problems'?"),
         ("energy_error", '{"problems": []}', "the option 'schemes' is missing."),
         ("energy_error", OPTIONS, "there is no dataset 'results/reference/hardening.nc'"),
-        ("energy_error", OPTIONS.replace("hardening", "hard"), "'reference/hard' may mean 'reference/hardening'"),
+        ("energy_error", OPTIONS.replace("hardening", "hard"), "there is no problem 'hard'; did you mean 'hardening'?"),
         ("energy", OPTIONS, "study.experiments.energy_error makes no dataset 'energy'; did you mean 'energy_error'?"),
     ],
 )
