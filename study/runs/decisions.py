@@ -115,7 +115,11 @@ def needs_and_decisions(problems: PlainNames, errors: Tolerances) -> tuple[xr.Da
     names = needed.scheme.values.tolist()
     needed = needed.assign_coords(
         **coordinates.scheme_coordinates(names),
-        in_codes=("scheme", [int(name in in_codes) for name in names], {"long_name": f"1 if {listed(CODES)} has it"}),
+        in_codes=(
+            "scheme",
+            [int(name in in_codes) for name in names],
+            {"long_name": f"1 if {listed(CODES)} has it", "units": "1"},
+        ),
     )
     decided = decisions(needed)
     for ds, title in ((needed, "Step sizes that schemes need"), (decided, "Cheapest schemes for allowed errors")):
