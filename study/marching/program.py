@@ -145,6 +145,15 @@ def as_result(result: tuple, samples: dict[str, np.ndarray]) -> Result:
     return Result(status, failure // 3 - 1, restarts, values, samples)
 
 
+def _canonical(tree: Any) -> Any:
+    """The tree with arrays of NumPy in the precision of JAX, which may pass them on without converting them."""
+
+    def one(leaf):
+        return np.asarray(leaf, jax.dtypes.canonicalize_dtype(leaf.dtype)) if isinstance(leaf, np.ndarray) else leaf
+
+    return jax.tree.map(one, tree)
+
+
 class Program:
     """A march, split into its numbers and its compiled program.
 
@@ -154,7 +163,7 @@ class Program:
     def __init__(self, march: March):
         march = unlabelled(march)
         leaves, structure = jax.tree.flatten(march)
-        self.numbers = [leaf for leaf in leaves if eqx.is_array(leaf)]
+        self.numbers = _canonical([leaf for leaf in leaves if eqx.is_array(leaf)])
         form = _Form(structure, tuple(None if eqx.is_array(leaf) else leaf for leaf in leaves), reads_of(march))
         self.form = _forms.setdefault(form, form)
         self._has_records, self._lanes = bool(march.records), march.lanes
@@ -199,7 +208,8 @@ class Program:
             NumPy arrays; samples after a failure or after the end of a lane are meaningless.
         """
         with reading(self.form.reads):
-            return self._run((u0, v0, dt, arguments), steps, every, samples, own, pause, on_pause)
+            begin = _canonical((u0, v0, dt, arguments))
+            return self._run(begin, steps, every, samples, own, pause, on_pause)
 
     def _run(self, begin, steps, every, samples, own, pause, on_pause) -> Result:
         u0 = begin[0]
