@@ -58,8 +58,25 @@ def energy_error() -> xr.Dataset:
     )
 
 
+def decisions() -> xr.Dataset:
+    """The decision on one spring, one quantity and one error."""
+    dims, shape = ("problem", "quantity", "allowed_error", "kind", "filter"), (1, 1, 1, 1, 2)
+    numbers = {name: (dims, np.ones(shape)) for name in ("step_size", "force_evaluations", "error")}
+    return xr.Dataset(
+        {"scheme": (dims, np.full(shape, "bathe")), **numbers},
+        {
+            "problem": ["softening"],
+            "quantity": ["displacement"],
+            "allowed_error": [0.01],
+            "kind": ["implicit"],
+            "filter": ["all", "codes"],
+        },
+    )
+
+
 def write_to(results: Path) -> Path:
     """Write the datasets to a folder of results, and return the folder."""
-    for name, dataset in (("assessment/softening", assessment()), ("energy_error", energy_error())):
+    made = {"assessment/softening": assessment(), "energy_error": energy_error(), "decisions": decisions()}
+    for name, dataset in made.items():
         io.write(dataset.assign_attrs(source=io.SOURCE), results / f"{name}.nc")
     return results
