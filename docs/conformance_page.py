@@ -69,7 +69,7 @@ def _causes(code: Mapping[str, Any]) -> str:
 
 
 def conformance_page() -> str:
-    """The page in Markdown that tells how to run the kit."""
+    """The page in Markdown on how to run the kit."""
     sentence = "A kit of cases that checks whether the time integrator of a code implements the scheme of its name."
     return described(sentence, "```{include} /included/conformance.md\n```\n")
 
