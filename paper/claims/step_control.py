@@ -5,8 +5,9 @@ import numpy as np
 from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
 from paper.claims.terms import ALMOST, REASONABLE
 from paper.claims.wording import listed, number
-from paper.numbers.step_control import DRIFTS, FOOLED, KEPT, PULSE, STIFF, growth, ratio_at_equal_steps
+from paper.numbers.step_control import CELL, DRIFTS, FOOLED, KEPT, PULSE, STIFF, growth, ratio_at_equal_steps
 from paper.published import PROBLEMS
+from paper.requirements import OF_THE_TABLES
 
 AVERAGE, GENERALIZED = "average_acceleration", "generalized_alpha"
 
@@ -205,7 +206,8 @@ def damping_prevents_gain(step_control):
     requires={
         "controlled_1996.problems": PROBLEMS,
         "controlled_1996.schemes": [AVERAGE],
-        "energy_error.problems": PROBLEMS,
+        "controlled_1996.steps_per_period": [CELL],
+        **OF_THE_TABLES,
     },
 )
 def control_improves_the_tables(controlled_1996, energy_error):

@@ -5,11 +5,16 @@ import xarray as xr
 
 from paper.products import table
 from paper.published import PROBLEMS
+from paper.requirements import contained
 
 
 @table(
     "Tables 1 and 2 of 1996 with controlled steps",
-    requires={"controlled_1996.problems": PROBLEMS, "energy_error.problems": PROBLEMS},
+    requires={
+        "controlled_1996.problems": PROBLEMS,
+        "energy_error.problems": PROBLEMS,
+        "": contained("controlled_1996.steps_per_period", within="energy_error.steps_per_period"),
+    },
 )
 def tabulate(controlled_1996: xr.Dataset, energy_error: xr.Dataset) -> pd.DataFrame:
     """Two rows per problem and step size, equal and controlled steps; one column per scheme that has the estimator."""
