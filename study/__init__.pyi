@@ -8,6 +8,7 @@ from study.analysis.linear_theory import LinearTheory as LinearTheory
 from study.analysis.outcomes import Outcome as Outcome
 from study.analysis.outcomes import outcomes as outcomes
 from study.analysis.recommendation import recommend as recommend
+from study.analysis.step_bound import step_bound as step_bound
 from study.assessment.assess import assess as assess
 from study.assessment.citation import cite as cite
 from study.assessment.report import report as report

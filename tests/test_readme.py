@@ -128,6 +128,8 @@ def test_the_results_of_the_readme_are_those_of_the_study():
         f"With ω Δt up to {n['rule_below_central_difference']} for central difference and "
         f"{n['rule_below_average_acceleration']} for average acceleration, energy and period stay within "
         f"{n['rule_error']} % in every run of {n['rule_periods']} periods",
+        f"so that {n['bound_error']} % allows ω Δt = {n['bound_convex_central_difference']} and "
+        f"{n['bound_convex_average_acceleration']}.",
         f"on the springs over {n['decided_periods']} periods",
     ):
         assert sentence in " ".join(README.split())

@@ -21,7 +21,7 @@ ACCURATE = AT_REST = 0.01
 #: or of the height of the barrier if that is larger.
 GROWN = 100.0
 
-#: Minima at a distance from zero of more than this multiple of max(|u₀|, 1) are rejected.
+#: Minima at a distance from u₀ of more than this multiple of max(|u₀|, 1) are not found.
 FARTHEST = 1e6
 
 #: Relative errors of the height of the energy; :class:`Excursions` observes the first time beyond each of them.
@@ -37,6 +37,32 @@ def _refusal(problem: Problem) -> str | None:
     if problem.potential is None:
         return f"the outcome of '{problem.title}' needs Problem(potential=...), which it was made without."
     return None
+
+
+def _rest_of(problem: Problem) -> float:
+    """The nearest minimum of the potential downhill of u₀, where the force changes its sign.
+
+    Places at distances from u₀ that grow by 0.3 % are searched, so that the search does not pass a singularity of the
+    potential.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    from scipy import optimize  # here, as this import takes a third of the time of importing the study
+
+    u0 = float(problem.u0)
+    force = jit(jax.vmap(problem.static_force))
+    downhill = -1.0 if force(np.array([u0])).item() > 0 else 1.0
+    places = u0 + downhill * max(abs(u0), 1) * np.geomspace(1 / FARTHEST, FARTHEST, 10_000)
+    ahead = np.asarray(force(places)) * downhill
+    beyond = np.nonzero(~(ahead < 0))[0]
+    if not len(beyond) or np.isnan(ahead[beyond[0]]):
+        raise ValueError(f"the potential of '{problem.title}' has no minimum downhill of u0 = {u0:g}.")
+    inner, outer = places[beyond[0] - 1] if beyond[0] else u0, places[beyond[0]]
+    precision = 1e-16 * abs(outer - u0)
+    return optimize.brentq(lambda u: force(np.array([u])).item(), inner, outer, xtol=precision, maxiter=1000)
 
 
 class _Events(NamedTuple):
@@ -105,24 +131,15 @@ class OutcomeObserver(KeywordsOnly, Reduction):
             If the problem has several unknowns, damping, a load or no potential, or if the potential has no minimum
             downhill of u₀.
         """
-        from scipy import optimize  # here, as this import takes a third of the time of importing the study
-
         if not isinstance(problem, str | Problem):
             raise TypeError(f"OutcomeObserver.of takes a problem or its name, not {problem!r}.")
         problem = problems[problem] if isinstance(problem, str) else problem
         if refusal := _refusal(problem):
             raise ValueError(refusal)
-        potential = jit(problem.stored_energy, compiler=eqx.filter_jit)
-        u0 = float(problem.u0)
-        try:
-            found = optimize.minimize_scalar(potential, bracket=(u0, 0.99 * u0 if u0 else 0.01), tol=1e-12)
-        except RuntimeError:
-            found = optimize.OptimizeResult(fun=-np.inf)
-        if not np.isfinite(found.fun) or abs(found.x) > FARTHEST * max(abs(u0), 1):
-            raise ValueError(f"the potential of '{problem.title}' has no minimum downhill of u0 = {u0:g}.")
-        barrier, start = float(potential(0.0)), float(potential(u0))
-        is_barrier = barrier - found.fun > AT_REST * (start - found.fun)
-        return cls(rest=found.fun, barrier=barrier if is_barrier else None, rest_at=found.x)
+        rest_at = _rest_of(problem)
+        barrier, start, rest = (float(problem.stored_energy(jnp.asarray(u, float))) for u in (0, problem.u0, rest_at))
+        is_barrier = barrier - rest > AT_REST * (start - rest)
+        return cls(rest=rest, barrier=barrier if is_barrier else None, rest_at=rest_at)
 
     def refusal(self, problem):
         return _refusal(problem)

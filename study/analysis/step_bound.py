@@ -1,0 +1,292 @@
+"""``study.step_bound``: the step that keeps the energy, the period and the displacement of a free oscillation."""
+
+import math
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+
+from study.algebra.arrays import ScalarLike
+from study.mechanics.definition import Problem
+from study.observer.outcome import OutcomeObserver
+from study.problem.named import problems
+from study.scheme.base import Scheme
+from study.scheme.conserving import ImplicitMidpoint
+from study.scheme.named import schemes
+from study.scheme.newmark import Newmark
+
+#: Largest ωΔt at which the term of Δt² describes a run; no bound is larger.
+LARGEST = 0.5
+#: Ratio of neighbouring distances from rest between which a turning point is sought, and their largest number.
+GROWTH, DISTANCES = 1.002, 20_000
+#: Values at points of an orbit.
+_Points = Float[np.ndarray, "points"]
+#: Numbers of points of an orbit that are tried in turn, and the relative difference of two periods that is accepted.
+POINTS, CONVERGED = tuple(2**n for n in range(9, 17)), 1e-8
+
+
+class ModifiedEnergy(NamedTuple):
+    r"""Coefficients of the energy that a scheme conserves up to terms of Δt⁴.
+
+    .. math::
+
+        E + \Delta t^2 g, \quad g = a\, \dot u^T p' \dot u + b\, \ddot u^T M \ddot u
+
+    The period is that of the energy :math:`E + \Delta t^2 g(0)` minus :math:`c \Delta t^2` times the derivative of
+    :math:`S = \oint \ddot u^T M \ddot u\, dt` with respect to E.
+    """
+
+    of_velocity: float
+    of_acceleration: float
+    of_period: float
+
+    @property
+    def convex(self) -> float:
+        """Largest error of the energy, over its height above rest and (ωΔt)², of any motion with 0 ≤ p′ ≤ ω² M."""
+        ends = self.of_velocity * 2, self.of_acceleration * 2
+        return max(*ends, 0.0) - min(*ends, 0.0)
+
+
+def modified_energy(scheme: Scheme) -> ModifiedEnergy:
+    """The modified energy of a scheme.
+
+    Raises
+    ------
+    ValueError
+        If no modified energy of the scheme is known here, as for schemes that dissipate.
+
+    References
+    ----------
+    R. D. Skeel, G. Zhang, T. Schlick, A family of symplectic integrators: stability, accuracy, and molecular dynamics
+    applications, SIAM J. Sci. Comput. 18(1), 1997, 203-222.
+    C. Kane, J. E. Marsden, M. Ortiz, M. West, Variational integrators and the Newmark algorithm for conservative and
+    dissipative mechanical systems, Int. J. Numer. Methods Eng. 49(10), 2000, 1295-1325.
+    """
+    match scheme:
+        case Newmark(beta=beta, gamma=0.5):
+            return ModifiedEnergy(1 / 12, beta / 2 - 1 / 24, 1 / 24 - beta / 2)
+        case ImplicitMidpoint():
+            return ModifiedEnergy(-1 / 24, -1 / 24, -1 / 12)
+    raise ValueError(
+        f"no step bound is known for '{scheme.title}': it holds for Newmark's methods with gamma = 0.5, such as "
+        "central_difference and average_acceleration, and for implicit_midpoint. A scheme that dissipates conserves no "
+        "modified energy, and its error grows with the number of periods."
+    )
+
+
+class Orbit(NamedTuple):
+    """One period of a free oscillation of one unknown.
+
+    Attributes
+    ----------
+    u, v, force, tangent
+        Displacement, size of the velocity, force p and tangent p′: first at the start, then at the turning points, at
+        rest, and at points between the turning points, (points,).
+    mass
+        Mass M.
+    period
+        Period T.
+    period_by_energy, acceleration_by_energy
+        Derivatives with respect to the energy of T, and of the integral S of M ü² over a period.
+    """
+
+    u: _Points
+    v: _Points
+    force: _Points
+    tangent: _Points
+    mass: float
+    period: float
+    period_by_energy: float
+    acceleration_by_energy: float
+
+    @property
+    def highest_frequency(self) -> float:
+        """Largest circular frequency of the tangent, by its size."""
+        return math.sqrt(np.abs(self.tangent).max() / self.mass)
+
+    def coefficients(self, modified: ModifiedEnergy, periods: float) -> Float[np.ndarray, "3"]:
+        """Errors of energy, period and displacement over (ωΔt)², see :func:`step_bound`."""
+        g = modified.of_velocity * self.tangent * self.v**2 + modified.of_acceleration * self.force**2 / self.mass
+        fastest, farthest = np.max(self.v), np.max(np.abs(self.u))
+        of_energy = np.max(np.abs(g - g[0])) / (self.mass / 2 * fastest**2)
+        delay = abs(g[0] * self.period_by_energy - modified.of_period * self.acceleration_by_energy)
+        return np.array([of_energy, delay / self.period, periods * delay * fastest / farthest]) / (
+            self.highest_frequency**2
+        )
+
+
+def _turning_point(problem: Problem, energy: float, rest: float, scale: float) -> float:
+    """Nearest displacement beyond rest, in the direction of ``scale``, at which the potential reaches the energy."""
+    from scipy import optimize  # here, as this import takes a third of the time of importing the study
+
+    places = rest + scale * GROWTH ** np.arange(-DISTANCES / 4, 3 * DISTANCES / 4)
+    height = np.asarray(jax.vmap(problem.stored_energy)(places)) - energy
+    beyond = np.nonzero(~(height < 0))[0]
+    if not len(beyond) or not np.isfinite(height[beyond[0]]):
+        raise ValueError(f"'{problem.title}' does not oscillate: no turning point is found on one side of rest.")
+    inner = places[beyond[0] - 1] if beyond[0] else rest
+    return optimize.brentq(
+        lambda u: float(problem.stored_energy(u)) - energy, inner, places[beyond[0]], xtol=1e-15 * abs(scale)
+    )
+
+
+@jax.enable_x64(True)
+def orbit(problem: Problem) -> Orbit:
+    r"""The oscillation of a free oscillator of one unknown, by quadrature.
+
+    With the turning points :math:`m \pm r` and :math:`u = m + r \cos\theta`, the time between points is
+    :math:`r \sin\theta\, d\theta / \dot u`, with :math:`\dot u` from the energy. The midpoint rule in θ converges
+    exponentially; the number of points is doubled until the period does not change.
+
+    Raises
+    ------
+    ValueError
+        If the problem has several unknowns, damping, a load or no potential, if it does not oscillate or rests, or if
+        the motion is so near to a separatrix that the period does not converge.
+    """
+    well = OutcomeObserver.of(problem)
+    rest, mass = float(well.rest_at), float(problem.momentum(1.0))
+    at_start = float(problem.energy(problem.u0, problem.v0))
+    if not at_start > float(well.rest):
+        raise ValueError(f"'{problem.title}' rests at the start: a step bound needs a motion.")
+    force, stored = jax.vmap(problem.static_force), jax.vmap(problem.stored_energy)
+    scale = abs(float(problem.u0) - rest) or 1.0
+    ends = np.array([_turning_point(problem, at_start, rest, side * scale) for side in (-1, 1)])
+    potential_there, force_there = stored(ends), force(ends)
+
+    def integrals(energy: ScalarLike, cosine: np.ndarray, sine: np.ndarray):
+        # one step of Newton's method carries the derivative by the energy to the turning points
+        low, high = ends - (potential_there - energy) / force_there
+        u = (low + high) / 2 + (high - low) / 2 * cosine
+        v, forces = jnp.sqrt(2 / mass * (energy - stored(u))), force(u)
+        weights = np.pi / len(sine) * (high - low) * sine / v
+        return (jnp.sum(weights), jnp.sum(weights * forces**2) / mass), (u, v, forces)
+
+    before = math.nan
+    for points in POINTS:
+        angles = (np.arange(points) + 0.5) * np.pi / points
+        (period, _), by_energy, (u, v, forces) = jax.jvp(
+            partial(integrals, cosine=np.cos(angles), sine=np.sin(angles)), (at_start,), (1.0,), has_aux=True
+        )
+        if abs(period - before) <= CONVERGED * period:
+            places = np.concatenate([[float(problem.u0), ends[0], rest, ends[1]], u])
+            fastest = math.sqrt(2 / mass * (at_start - float(well.rest)))
+            v = np.concatenate([[abs(float(problem.v0)), 0.0, fastest, 0.0], v])
+            forces = np.concatenate([force(places[:4]), forces])
+            tangent = np.asarray(jax.vmap(jax.grad(problem.static_force))(places))
+            return Orbit(places, v, forces, tangent, mass, float(period), *map(float, by_energy))
+        before = float(period)
+    raise ValueError(
+        f"the period of '{problem.title}' does not converge: the motion is too near to a separatrix, where any step "
+        "changes the period by any factor."
+    )
+
+
+def largest_omega_step(coefficients: np.ndarray, error: float, scheme: Scheme) -> np.ndarray:
+    """The step times the highest frequency at which each error is reached, within ½ and the stability limit."""
+    limit = LARGEST if scheme.stability_limit is None else min(LARGEST, scheme.stability_limit)
+    with np.errstate(divide="ignore"):
+        return np.minimum(np.sqrt(error / coefficients), limit)
+
+
+def step_bound(problem: str | Problem, scheme: str | Scheme, error: float = 0.01, periods: float = 100) -> xr.Dataset:
+    r"""The step that keeps the energy, the period and the displacement of a free oscillation within an error.
+
+    A scheme of second order that is (conjugate to) a symplectic one conserves a modified energy
+    :math:`E + \Delta t^2 g + O(\Delta t^4)`, see :class:`ModifiedEnergy`. Therefore
+
+    .. math::
+
+        |E - E_0| &\le \Delta t^2 \max |g - g_0| = C_E (\omega\Delta t)^2 (E_0 - E_\text{rest}) \\
+        \tilde T - T &= \Delta t^2 (g_0 T'(E) - c S'(E)) = C_T (\omega\Delta t)^2 T
+
+    with the highest frequency ω of the tangent along the motion. From rest, the error of the period of average
+    acceleration is −2 times that of central difference, for every potential. The error of the displacement after n
+    periods, over the largest displacement, is the delay n (T̃ − T) times the largest velocity. If
+    :math:`0 \le p' \le \omega^2 M`, C_E is at most ¼ for central difference and 1/6 for average acceleration, with any
+    number of unknowns.
+
+    The bound excludes motions with a load or damping, and schemes that dissipate. Near a separatrix C_T grows without
+    bound. A step that keeps the energy may therefore be far too long for the period there.
+
+    Parameters
+    ----------
+    problem
+        A free oscillator of one unknown with a potential, or the name of one.
+    scheme
+        A Newmark method with γ = ½, the implicit midpoint rule, or the name of one.
+    error
+        Allowed error, a fraction.
+    periods
+        Number n of periods after which the displacement is within the error.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``coefficient`` C, ``step_size`` in s and ``omega_step``, the step √(error/C) times ω, of shape (quantity).
+        No step is larger than ½/ω, beyond which the term of Δt² no longer describes a run, or than the stability
+        limit. ``period``, ``highest_frequency`` ω, and ``convex_coefficient``, the bound on C of the energy for a
+        tangent that is nowhere negative.
+
+    Raises
+    ------
+    KeyError
+        If there is no problem or scheme of that name.
+    ValueError
+        If the problem is not a free oscillator of one unknown with a potential, rests, does not oscillate or is too
+        near to a separatrix; if the scheme has no modified energy; or if ``error`` or ``periods`` is not positive.
+
+    References
+    ----------
+    E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, chapter IX.
+    """
+    for name, value in (("error", error), ("periods", periods)):
+        if not (value > 0 and math.isfinite(value)):
+            raise ValueError(f"{name} must be a positive number, not {value!r}.")
+    problem = problems[problem] if isinstance(problem, str) else problem
+    scheme = schemes[scheme] if isinstance(scheme, str) else scheme
+    modified, motion = modified_energy(scheme), orbit(problem)
+    coefficients, omega = motion.coefficients(modified, periods), motion.highest_frequency
+    omega_step = largest_omega_step(coefficients, error, scheme)
+    return xr.Dataset(
+        {
+            "coefficient": ("quantity", coefficients, {"long_name": "error over (ω Δt)²", "units": "1"}),
+            "step_size": (
+                "quantity",
+                omega_step / omega,
+                {"long_name": "largest step size that keeps the error", "units": "s"},
+            ),
+            "omega_step": (
+                "quantity",
+                omega_step,
+                {"long_name": "step size times the highest frequency of the motion", "units": "1"},
+            ),
+            "period": ((), motion.period, {"long_name": "period", "units": "s"}),
+            "highest_frequency": (
+                (),
+                omega,
+                {"long_name": "largest circular frequency of the tangent along the motion", "units": "s-1"},
+            ),
+            "convex_coefficient": (
+                (),
+                modified.convex,
+                {"long_name": "largest coefficient of the energy where the tangent is nowhere negative", "units": "1"},
+            ),
+        },
+        coords={
+            "quantity": (
+                "quantity",
+                ["energy", "period", "displacement"],
+                {"long_name": "quantity; the energy over its height above rest, the displacement over its largest"},
+            )
+        },
+        attrs={
+            "title": f"Step bound of '{scheme.title}' on '{problem.title}'",
+            "error": error,
+            "periods": periods,
+        },
+    )

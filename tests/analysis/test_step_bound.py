@@ -1,0 +1,116 @@
+"""Step bounds from the modified energy."""
+
+import jax
+import jax.numpy as jnp
+import mpmath
+import numpy as np
+import pytest
+
+import study
+from study.analysis.step_bound import step_bound
+from study.observer.crossings import Oscillations
+
+OSCILLATOR = study.Problem(potential=lambda u: 2 * u**2, u0=0.3, title="linear")
+PENDULUM = study.Problem(potential=lambda u: 1 - jnp.cos(u), u0=2.5, title="pendulum")
+MORSE = study.Problem(potential=lambda u: jnp.expm1(-u) ** 2, u0=-0.5, mass=1.7, title="Morse")
+MOVING = study.Problem(potential=lambda u: jnp.exp(u) - u - 1, u0=0.2, v0=1.0, title="Toda")
+
+
+@pytest.mark.parametrize(
+    "scheme, energy, period",
+    [
+        ("central_difference", 1 / 4, 1 / 24),
+        ("average_acceleration", 0, 1 / 12),
+        ("implicit_midpoint", 0, 1 / 12),
+        ("fox_goodwin", 1 / 6, 0),
+    ],
+)
+def test_linear_theory(scheme, energy, period):
+    """Energy and period of the linear oscillator, as the recurrences give them in closed form."""
+    ds = step_bound(OSCILLATOR, scheme, error=0.01, periods=100)
+    assert ds.highest_frequency == pytest.approx(2) and ds.period == pytest.approx(np.pi)
+    assert ds.coefficient.values == pytest.approx([energy, period, 200 * np.pi * period], rel=1e-6, abs=1e-9)
+    kept = ds.coefficient * ds.omega_step**2
+    assert (kept <= 0.01 * (1 + 1e-12)).all() and (ds.omega_step <= 0.5).all()
+    assert (ds.step_size * 2).values == pytest.approx(ds.omega_step.values)
+
+
+def test_the_period_of_the_pendulum():
+    exact = 4 * mpmath.ellipk(mpmath.sin(1.25) ** 2)
+    assert step_bound(PENDULUM, "central_difference").period == pytest.approx(float(exact), rel=1e-12)
+
+
+@pytest.mark.parametrize("problem", [PENDULUM, MORSE, MOVING], ids=lambda one: one.title)
+@pytest.mark.parametrize("scheme", [study.schemes["central_difference"], study.Newmark(beta=0.2, gamma=0.5)])
+def test_errors_of_runs_are_those_predicted(problem, scheme):
+    """The leading terms are confirmed by runs whose steps are so small that the next terms are a hundredth."""
+    ds = step_bound(problem, scheme, periods=20)
+    dt = 0.1 / ds.highest_frequency.item()
+    rest = study.OutcomeObserver.of(problem)
+    run = study.run(
+        problem,
+        scheme,
+        dt=dt,
+        steps=int(20 * ds.period / dt),
+        observe=["max_energy_error", Oscillations(rest.rest_at)],
+    )
+    initial = float(problem.energy(problem.u0, problem.v0))
+    energy = run.max_energy_error / 100 * abs(initial) / (initial - rest.rest)
+    period = abs(run.mean_period / ds.period - 1)
+    assert [energy.item(), period.item()] == pytest.approx(0.01 * ds.coefficient.values[:2], rel=0.02)
+
+
+@pytest.mark.parametrize("problem", [PENDULUM, MORSE], ids=lambda one: one.title)
+def test_from_rest_average_acceleration_delays_twice_as_much_as_central_difference_advances(problem):
+    central, average = (step_bound(problem, one).coefficient for one in ("central_difference", "average_acceleration"))
+    assert (average / central).values[1:] == pytest.approx([2, 2], rel=1e-9)
+
+
+def test_the_displacement_is_wrong_by_the_delay():
+    """A reference with steps forty times as small; the error oscillates within a period by a hundredth of its end."""
+    ds = step_bound(PENDULUM, "average_acceleration", error=0.1, periods=50)
+    dt = ds.step_size.sel(quantity="displacement").item()
+    steps = int(50 * ds.period / dt)
+    coarse = study.run(PENDULUM, "average_acceleration", dt=dt, steps=steps).u
+    fine = study.run(PENDULUM, "average_acceleration", dt=dt / 40, steps=40 * steps, every=40).u
+    assert (abs(coarse.values - fine.values).max() / 2.5).item() == pytest.approx(0.1, rel=0.1)
+
+
+@pytest.mark.parametrize("scheme, convex", [("central_difference", 1 / 4), ("average_acceleration", 1 / 6)])
+def test_a_convex_chain_of_many_unknowns_keeps_the_bound_of_the_energy(scheme, convex):
+    """A chain of hardening springs whose highest frequency grows with the amplitude."""
+
+    def potential(u):
+        strain = jnp.diff(u, prepend=0.0, append=0.0)
+        return (strain**2 / 2 + strain**4).sum()
+
+    start = jnp.array([1.0, 0.0, -0.5, 0.2, 0.8])
+    chain = study.Problem(potential=potential, u0=start)
+    fine = study.run(chain, "rk4", dt=0.002, steps=5000, every=10)
+    tangents = jax.vmap(jax.hessian(potential))(fine.u.values.reshape(-1, 5))
+    omega = np.sqrt(np.linalg.eigvalsh(tangents).max())
+    run = study.run(chain, scheme, dt=0.15 / omega, steps=2000, observe=["max_energy_error"])
+    error = run.max_energy_error.item() / 100
+    assert 0.2 * convex < error / 0.15**2 < convex
+    assert step_bound(PENDULUM, scheme).convex_coefficient == pytest.approx(convex)
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        ((PENDULUM, "rk4"), "no step bound is known for 'Runge-Kutta"),
+        ((PENDULUM, study.Newmark(beta=0.3025, gamma=0.6)), "with gamma = 0.5"),
+        ((PENDULUM, "central_difference", -0.01), "error must be a positive number, not -0.01"),
+        ((PENDULUM, "central_difference", 0.01, 0), "periods must be a positive number, not 0"),
+        ((study.Problem(potential=lambda u: u**2, u0=0.0, title="own"), "central_difference"), "'own' rests"),
+        (
+            (study.Problem(potential=lambda u: 1 - jnp.cos(u), u0=0.0, v0=2.1, title="own"), "central_difference"),
+            "'own' does not oscillate",
+        ),
+        (("fpu_chain", "central_difference"), "more than one unknown"),
+        (("duffing_chaotic", "central_difference"), "damping or a load"),
+    ],
+)
+def test_what_has_no_bound(arguments, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        step_bound(*arguments)
