@@ -60,18 +60,35 @@ def _orders(order_under_reality: xr.Dataset, scheme: str, circumstances: list[st
 _SMOOTH, _MOTION = ["plain", "damping", "load"], ["displacement", "velocity"]
 
 
-@claim(
-    "schemes",
-    "MKR-α is of second order.",
-    "smallest order of displacement and velocity; order of the principal roots",
-    whose="Kolay and Ricles (2019), abstract",
-    requires={_REALITY: ["mkr_alpha"], "spectral.schemes": ["mkr_alpha"]},
-)
-def order_of_mkr(order_under_reality, spectral):
-    order = _orders(order_under_reality, "mkr_alpha", _SMOOTH, _MOTION)
-    of_roots = spectral.linear_order.sel(scheme="mkr_alpha").min().item()
-    reason = when(order < SECOND_ORDER, "its velocity lags by half a step, which the roots do not show")
-    return Finding(f"{number(order)}; {number(of_roots)}", order > SECOND_ORDER, reason)
+def _order_of_lagging(later_schemes: xr.Dataset, scheme: str) -> Finding:
+    error = later_schemes.lag_error.sel(lagging=scheme).isel(many_steps=[-2, -1])
+    first, lagged = (-np.log2(error).diff("many_steps")).squeeze().values
+    reason = when(first < SECOND_ORDER, "its velocity lags by γΔt, and the start must lag too")
+    return Finding(f"{number(first)}; {number(lagged)}", lagged > SECOND_ORDER, reason)
+
+
+def _claim_of_order(title: str, whose: str):
+    return claim(
+        "schemes",
+        f"{title} is of second order.",
+        "order of the displacement at the end of a run from the initial velocity; from the velocity a time γΔt earlier",
+        whose=whose,
+    )
+
+
+@_claim_of_order("CR", PRACTICE)
+def order_of_cr(later_schemes):
+    return _order_of_lagging(later_schemes, "chen_ricles")
+
+
+@_claim_of_order("KR-α", PRACTICE)
+def order_of_kr(later_schemes):
+    return _order_of_lagging(later_schemes, "kr_alpha")
+
+
+@_claim_of_order("MKR-α", "Kolay and Ricles (2019), abstract")
+def order_of_mkr(later_schemes):
+    return _order_of_lagging(later_schemes, "mkr_alpha")
 
 
 @claim(

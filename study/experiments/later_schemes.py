@@ -1,5 +1,7 @@
 """Tests of what authors claim of their later schemes, mostly beyond linear theory, on problems like theirs."""
 
+from typing import Any
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -22,7 +24,7 @@ from study.scheme.auxiliary_variable import AuxiliaryVariable
 from study.scheme.base import Scheme
 from study.scheme.bathe import beta_bathe, rho_bathe
 from study.scheme.kick_drift_kick import blanes_moan4
-from study.scheme.kolay_ricles import KolayRicles
+from study.scheme.kolay_ricles import KolayRicles, kr_alpha, mkr_alpha
 from study.scheme.mixed_pade import MixedPade
 from study.scheme.model_based import chang, chen_ricles
 from study.scheme.newmark import average_acceleration, central_difference
@@ -64,6 +66,10 @@ PHASES, OSCILLATES = np.pi * np.array([0.5, 1.0, 2.0]), 2.0
 #: Orders M of the mixed Padé methods, their spectral radius ρ∞ at infinite frequency, and numbers of steps of their
 #: runs.
 TERMS, RHO_INF, LONG = (1, 2, 3, 4), 0.5, (8, 16, 32)
+
+#: Schemes whose carried velocity lags, from where their velocity starts, and numbers of steps of their runs.
+LAGGING: dict[str, Any] = {"chen_ricles": chen_ricles, "kr_alpha": kr_alpha, "mkr_alpha": mkr_alpha}
+STARTS, MANY = ("initial velocity", "lagged velocity"), (200, 400, 800)
 
 #: Distance of the wave front from the pushed end at the end of a run; the bar has unit length.
 REACHED = 0.7
@@ -180,6 +186,37 @@ def _errors_of_mixed_pade() -> np.ndarray:
     return errors
 
 
+def _errors_of_lagging() -> np.ndarray:
+    """Errors of schemes whose velocity lags, at the end of a run, (lagging, start, steps).
+
+    The oscillator ü + 0.2u̇ + u + u³ = cos(1.5t − 0.7) starts from u₀ = 2 with u̇₀ = 0, or with −γΔt ü₀, the velocity at
+    the time −γΔt.
+    """
+    problem = Problem(
+        force=lambda u: u + u * u * u, damping=0.2, u0=2.0, load=HarmonicLoad(1.0, frequency=1.5, phase=0.7),
+        title="hardening oscillator",
+    )  # fmt: skip
+
+    def rates(t, y):
+        return [y[1], np.cos(1.5 * t - 0.7) - 0.2 * y[1] - y[0] - y[0] ** 3]
+
+    exact = solve_ivp(rates, (0.0, DURATION), [2.0, 0.0], "DOP853", **TOLERANCES).y[0, -1]
+    dt, acceleration = DURATION / np.array(MANY), rates(0.0, [2.0, 0.0])[1]
+    errors = np.empty((len(LAGGING), 2, len(MANY)))
+    for s, scheme in enumerate(LAGGING.values()):
+        starts = np.outer([0.0, -scheme.velocity_lag * acceleration], dt)
+        ends = sweep(
+            problem,
+            scheme,
+            dt=np.tile(dt, 2),
+            steps=np.tile(MANY, 2),
+            v0=starts.ravel(),
+            observe=[Quantity(lambda u: u, name="end", reduce="final")],
+        )
+        errors[s] = np.abs(ends.end.values - exact).reshape(starts.shape)
+    return errors
+
+
 def _radius_of_mixed_pade(terms: int) -> float:
     """Spectral radius of a mixed Padé method without damping at ωΔt = 10⁶."""
     return LinearTheory(MixedPade(terms=terms, rho_inf=RHO_INF), [1e6 / (2 * np.pi)]).spectral_radius.item()
@@ -251,6 +288,14 @@ def later_schemes(
                 _errors_of_mixed_pade(),
                 {"long_name": "error of a linear oscillator by mixed Padé methods", "units": "1"},
             ),
+            "lag_error": (
+                ("lagging", "lagged_start", "many_steps"),
+                _errors_of_lagging(),
+                {
+                    "long_name": "error of the displacement at the end of a run of a scheme whose velocity lags",
+                    "units": "1",
+                },
+            ),
             "pade_radius": (
                 "terms",
                 [_radius_of_mixed_pade(terms) for terms in TERMS],
@@ -269,6 +314,9 @@ def later_schemes(
             "long_step": ("long_step", list(long_steps), {"long_name": "step", "units": "s"}),
             "terms": ("terms", list(TERMS), {"long_name": "order of the Padé expansions", "units": "1"}),
             "long_steps": ("long_steps", list(LONG), {"long_name": "number of steps", "units": "1"}),
+            "lagging": ("lagging", list(LAGGING), {"long_name": "scheme whose carried velocity lags"}),
+            "lagged_start": ("lagged_start", list(STARTS), {"long_name": "velocity from which a run starts"}),
+            "many_steps": ("many_steps", list(MANY), {"long_name": "number of steps", "units": "1"}),
             "of_fourth_order": ("of_fourth_order", list(OF_FOURTH_ORDER), {"long_name": "scheme of fourth order"}),
             "forces": ("forces", list(forces), {"long_name": "forces evaluated", "units": "1"}),
         },

@@ -36,8 +36,9 @@ class KolayRicles(OneStep):
             \quad \alpha_f = \frac{\rho_\infty}{\rho_\infty + 1}, \quad \gamma = \tfrac12 - \alpha_m + \alpha_f,
             \quad \beta = \tfrac12 (\tfrac12 + \gamma)
 
-    and the roots ±iρ∞ and −ρ∞ at infinite frequency in place of −ρ∞ three times. The carried velocity lags by half a
-    step, so a motion that starts with an acceleration is of first order. The method was published as stable for
+    and the roots ±iρ∞ and −ρ∞ at infinite frequency in place of −ρ∞ three times. The carried velocity lags by γΔt, so
+    a motion that starts with an acceleration is of first order; from :math:`\dot u_0 - \gamma\Delta t\,\ddot u_0` it is
+    of second order. The method was published as stable for
     structures that soften. If the tangent k exceeds K, as in a structure that hardens, eigenvalues may exceed one.
     Without damping they exceed one for ρ∞ = 1 if k > K + 4/Δt² M, and for ρ∞ = 0.8 at every step size; for small step
     sizes the excess is slight. Carries u, u̇ and ü; one force per step, because K is the same in all steps, and three
@@ -77,13 +78,23 @@ class KolayRicles(OneStep):
     def __check_init__(self):
         check_ranges(self, rho_inf=(0.0, 1.0))
 
+    @property
+    def _weights(self) -> tuple[float, float]:
+        """α_m and α_f."""
+        rho = self.rho_inf
+        of_mass = 2 * rho**3 + rho**2 - 1 if self.modified else (2 * rho - 1) * (rho**2 + 1)
+        return of_mass / ((rho + 1) * (rho**2 + 1)), rho / (rho + 1)
+
+    @property
+    def velocity_lag(self) -> float:
+        """The lag γ of the carried velocity in steps."""
+        alpha_m, alpha_f = self._weights
+        return 0.5 - alpha_m + alpha_f
+
     def increment(self, problem, state, t, dt):
         u, v, a = state
-        rho, modified = self.rho_inf, self.modified
-        alpha_f = rho / (rho + 1)
-        alpha_m = (2 * rho**3 + rho**2 - 1) / ((rho + 1) * (rho**2 + 1)) if modified else (2 * rho - 1) / (rho + 1)
-        gamma = 0.5 - alpha_m + alpha_f
-        beta = (0.5 + gamma) / 2 if modified else (0.5 + gamma) ** 2 / 4
+        (alpha_m, alpha_f), gamma = self._weights, self.velocity_lag
+        beta = (0.5 + gamma) / 2 if self.modified else (0.5 + gamma) ** 2 / 4
         mass, n = mass_of(problem), u.size
         matrix = model(problem, u, gamma * dt, beta * dt**2)
 

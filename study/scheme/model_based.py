@@ -58,7 +58,8 @@ class ChenRicles(OneStep):
 
     For a linear structure the eigenvalues are those of the trapezoidal rule, which is of second order, unconditionally
     stable and without numerical damping. The carried velocity lags by half a step, so a motion that starts with an
-    acceleration is of first order. If the tangent k exceeds K, as in a structure that hardens, it is stable without
+    acceleration is of first order; from :math:`\dot u_0 - \tfrac12 \Delta t\,\ddot u_0` it is of second order. If the
+    tangent k exceeds K, as in a structure that hardens, it is stable without
     damping only while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force per step, and two solutions of linear systems. The
     history of a force is committed at u₁, where the forces balance; K remains the stiffness at rest.
 
@@ -72,6 +73,8 @@ class ChenRicles(OneStep):
 
     family: ClassVar[str] = "Explicit with dissipation"
     source: ClassVar[str] = "Chen and Ricles (2008)"
+    #: The lag of the carried velocity in steps.
+    velocity_lag: ClassVar[float] = 0.5
     doi: ClassVar[str] = "10.1061/(ASCE)0733-9399(2008)134:8(676)"
     order = 1
     explicit = True

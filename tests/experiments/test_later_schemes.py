@@ -39,3 +39,9 @@ def test_mixed_pade_methods_have_their_order_and_radius(found):
     orders = np.log2(found.pade_error[:, -2] / found.pade_error[:, -1].values)
     np.testing.assert_allclose(orders, 2 * found.terms - 1, atol=0.2)
     np.testing.assert_allclose(found.pade_radius, found.attrs["rho_inf"], atol=1e-10)
+
+
+def test_a_velocity_that_lags_loses_an_order_unless_it_starts_so(found):
+    orders = np.log2(found.lag_error[..., :-1] / found.lag_error[..., 1:].values)
+    np.testing.assert_allclose(orders.sel(lagged_start="initial velocity"), 1.0, atol=0.1)
+    np.testing.assert_allclose(orders.sel(lagged_start="lagged velocity"), 2.0, atol=0.1)

@@ -70,10 +70,18 @@ def test_a_model_bounds_the_tangent(check, scheme):
     assert check(_later(largest_stiffening={scheme: [1e4, 1e4]})).holds
 
 
-@pytest.mark.parametrize("order, holds", [(2.0, True), (1.0, False)])
-def test_order_of_mkr(order, holds):
-    finding = claims.order_of_mkr(_reality("mkr_alpha", velocity=order), _spectral(mkr_alpha=1.0))
-    assert finding.holds == holds and bool(finding.qualification) != holds
+@pytest.mark.parametrize("check, scheme", [(claims.order_of_cr, "chen_ricles"), (claims.order_of_mkr, "mkr_alpha")])
+@pytest.mark.parametrize(
+    "first, lagged, holds, qualified", [(2, 2, True, False), (1, 2, True, True), (1, 1, False, True)]
+)
+def test_order_of_a_scheme_whose_velocity_lags(check, scheme, first, lagged, holds, qualified):
+    errors = [[[1.0, 0.5**order] for order in (first, lagged)]]
+    data = xr.Dataset(
+        {"lag_error": (("lagging", "lagged_start", "many_steps"), errors)},
+        {"lagging": [scheme], "lagged_start": ["initial velocity", "lagged velocity"], "many_steps": [1, 2]},
+    )
+    finding = check(data)
+    assert finding.holds == holds and bool(finding.qualification) == qualified
 
 
 @pytest.mark.parametrize(
