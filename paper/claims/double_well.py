@@ -46,7 +46,7 @@ def average_acceleration_is_chaotic(sensitivity):
 @claim(
     "4",
     "Average acceleration jumps irregularly between u = 1 and u = −1.",
-    "changes of the well in 1,000 steps from starts within 10⁻⁹; number of different stays between them in one run",
+    "changes of the well in 1,000 steps from neighbouring starts; number of different stays between them in one run",
     words="the numerical results jump irregularly between the system’s two static equilibria",
     portrait="phase_portrait/double_well",
     requires=_OF_STARTS,

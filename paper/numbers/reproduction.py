@@ -8,7 +8,7 @@ from paper.data import of_the_tables
 from paper.products import numbers
 from paper.published import SCHEMES, once, printed_energy_errors, same, twice
 from paper.requirements import OF_THE_DRIFT, OF_THE_TABLES
-from study.words import span
+from study.words import number, span
 
 #: Schemes whose energies grow on the softening spring from its large amplitude.
 _GROWING = ["average_acceleration", "central_difference", "hht_alpha_1996"]
@@ -140,6 +140,7 @@ def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
     return {
         "jumps": span(runs.changes_of_sign, ".0f"),
         "starts": runs.sizes["start"],
+        "starts_within": number((sensitivity.perturbation * np.ptp(sensitivity.start)).item(), 2),
         "steps_to_diverge": span(parted, ".0f") if parted.min() > 0 else None,
         "fails_central_difference": int(portrait.failed_at_step.sel(scheme="central_difference")),
         "fails_rk4": int(portrait.failed_at_step.sel(scheme="rk4")),

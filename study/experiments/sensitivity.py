@@ -14,7 +14,7 @@ from study.problem.named import problems as problems_by_name
 
 #: Differences of the initial displacements of the runs from the initial displacement of the problem, in multiples of
 #: ``perturbation``.
-STARTS = (0, *(way * k for k in range(1, 5) for way in (1, -1)))
+STARTS = (0, *(way * k for k in range(1, 21) for way in (1, -1)))
 
 #: Distance at which two displacements count as separated.
 APART = 0.1
@@ -30,7 +30,7 @@ def sensitivity(problem: Spring, schemes: Schemes, dt: Size, duration: Size, per
 
     The initial displacements of the first two runs differ by ``perturbation``. Their distance |Δu| has the shape
     (scheme, t). In chaotic motion, the step at which a run parts from the first run, and the number of changes of sign,
-    vary from run to run. Both are given for nine runs, (scheme, start). ``dt`` and ``duration`` are in seconds.
+    vary from run to run. Both are given for many runs, (scheme, start). ``dt`` and ``duration`` are in seconds.
     """
     progress(f"sensitivity of {problem}")
     u0 = float(problems_by_name[problem].u0) + perturbation * np.array(STARTS)
