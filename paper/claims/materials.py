@@ -6,7 +6,7 @@ from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
 from paper.claims.terms import MATTERS, RULE, SECOND_ORDER, UNNOTICED
 from paper.claims.wording import listed, number
 from paper.numbers.kinks import GAINED, KINKED, LOST, at_equal_forces
-from paper.numbers.spectrum import LONG, share_at_the_spacing, share_between
+from paper.numbers.spectrum import LONG, beyond_at_the_spacing, beyond_between
 from paper.requirements import fourfold
 
 
@@ -75,8 +75,10 @@ def twenty_steps_for_the_peak(spectrum):
     requires={"spectrum.schemes": ["average_acceleration"], "spectrum.periods": [LONG]},
 )
 def finer_is_better_under_a_record(spectrum):
-    average = spectrum.sel(scheme="average_acceleration")
-    at_the_spacing, finer = (100 * share(average).item() for share in (share_at_the_spacing, share_between))
+    at_the_spacing, finer = (
+        100 * beyond(spectrum, "average_acceleration").mean().item()
+        for beyond in (beyond_at_the_spacing, beyond_between)
+    )
     better = finer <= at_the_spacing
     reason = when(not better, "steps that do not divide the spacing miss samples")
     return Finding(f"{number(at_the_spacing, '.2g')}; {number(finer, '.2g')}", better, reason)

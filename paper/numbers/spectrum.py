@@ -12,22 +12,34 @@ LONG = 1.0
 SHORT = 0.2
 
 
+def _beyond(spectrum: xr.Dataset) -> xr.DataArray:
+    """Whether each run at a period of ``LONG`` or more exceeds the allowed error."""
+    return ~(spectrum.error.sel(period=spectrum.period >= LONG) <= spectrum.allowed_error)
+
+
 def share_beyond(spectrum: xr.Dataset) -> xr.DataArray:
     """Share of the runs at periods of ``LONG`` and more that exceed the allowed error, by scheme and step."""
-    kept = spectrum.error.sel(period=spectrum.period >= LONG) <= spectrum.allowed_error
-    return 1 - kept.mean(["record", "period", "reduction"])
+    return _beyond(spectrum).mean(["record", "period", "reduction"])
 
 
-def share_at_the_spacing(spectrum: xr.Dataset) -> xr.DataArray:
-    """Value of :func:`share_beyond` at a step equal to the spacing of the records, by scheme."""
-    return share_beyond(spectrum).sel(step_size=spectrum.spacing, method="nearest")
+def beyond_at_the_spacing(spectrum: xr.Dataset, scheme: str) -> xr.DataArray:
+    """Whether each run of a scheme with a step equal to the spacing of the records exceeds the allowed error."""
+    return _beyond(spectrum).sel(scheme=scheme).sel(step_size=spectrum.spacing, method="nearest")
 
 
-def share_between(spectrum: xr.Dataset) -> xr.DataArray:
-    """Mean of :func:`share_beyond` over incommensurate steps from half the spacing of the records to the spacing."""
+def beyond_between(spectrum: xr.Dataset, scheme: str) -> xr.DataArray:
+    """Whether each run with an incommensurate step from half the spacing to the spacing exceeds the allowed error."""
     off = spectrum.commensurate == 0
     between = off & (spectrum.step_size > spectrum.spacing / 2) & (spectrum.step_size < spectrum.spacing)
-    return share_beyond(spectrum).sel(step_size=between).mean("step_size")
+    return _beyond(spectrum).sel(scheme=scheme, step_size=between)
+
+
+def _with_interval(beyond: xr.DataArray) -> str:
+    """A share in percent with its exact interval of 95 % confidence, by Clopper and Pearson."""
+    from scipy.stats import binomtest  # here, as no other number of the text needs it
+
+    low, high = binomtest(int(beyond.sum()), beyond.size).proportion_ci(0.95, method="exact")
+    return f"{percent(beyond.mean().item())} (95 % interval {percent(low)} to {percent(high)})"
 
 
 def largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
@@ -44,7 +56,7 @@ def largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
 def of_spectrum(spectrum: xr.Dataset) -> dict:
     """Steps that suffice under all records, among commensurate and among all steps; shares of runs beyond the error."""
     needed = spectrum.step_needed.min(["record", "reduction"], skipna=False)
-    at_spacing, between = share_at_the_spacing(spectrum), share_between(spectrum)
+    at_spacing, between = (of(spectrum, "average_acceleration") for of in (beyond_at_the_spacing, beyond_between))
     found = {
         "spectrum_records": str(spectrum.sizes["record"]),
         "spectrum_stochastic": str(spectrum.sizes["record"] - 1),
@@ -56,7 +68,7 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
         "spectrum_long": f"{LONG:g}",
         "spectrum_short": f"{SHORT:g}",
         "spectrum_ductility": number(float(spectrum.ductility.max()), 2),
-        "dividing_matters": bool((at_spacing < between).sel(scheme="average_acceleration")),
+        "dividing_matters": bool(at_spacing.mean() < between.mean()),
     }
     for short, scheme in (("average", "average_acceleration"), ("rk4", "rk4")):
         of_scheme = needed.sel(scheme=scheme)
@@ -65,6 +77,6 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
             found[f"spectrum_{short}_{name}"] = span(1e3 * long, ".2g")
             found[f"spectrum_{short}_{name}_steps"] = span(long.period / long, ".0f")
             found[f"spectrum_{short}_{name}_short"] = f"{SHORT / of_scheme.sel(tried=tried, period=SHORT).item():.0f}"
-        found[f"spectrum_{short}_at_spacing"] = percent(at_spacing.sel(scheme=scheme).item())
-        found[f"spectrum_{short}_between"] = percent(between.sel(scheme=scheme).item())
+        found[f"spectrum_{short}_at_spacing"] = _with_interval(beyond_at_the_spacing(spectrum, scheme))
+        found[f"spectrum_{short}_between"] = _with_interval(beyond_between(spectrum, scheme))
     return found

@@ -41,8 +41,6 @@ def of_step_bound(bound: xr.Dataset) -> dict:
         "bound_most_energy": f"{100 * bound.error.sel(quantity='energy').max().item():.2g}",
     }
     for name in SCHEMES:
-        one = bound.sel(scheme=name)
-        convex = one.convex_coefficient.item()
+        convex = bound.convex_coefficient.sel(scheme=name).item()
         found[f"bound_convex_{name}"] = f"{math.floor(100 * math.sqrt(bound.allowed_error.item() / convex)) / 100:.2f}"
-        found[f"bound_coefficients_{name}"] = span(one.coefficient.sel(quantity="energy"), ".2g")
     return found
