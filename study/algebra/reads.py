@@ -166,6 +166,13 @@ def _is_constant(module: str | None) -> bool:
 
 
 @functools.cache
+def _may_change(module: str | None) -> bool:
+    """Whether a module of a constant package reads files or has a state, as ``scipy.io`` does."""
+    package, *inner = (module or "").split(".")
+    return package in ("numpy", "scipy") and not CHANGING.isdisjoint(inner)
+
+
+@functools.cache
 def _is_installed(module: str | None) -> bool:
     """Whether a module belongs to Python or to an installed package."""
     root = (module or "").partition(".")[0]
@@ -305,6 +312,7 @@ class _Search:
 
     def _module(self, module: types.ModuleType) -> None:
         self._add(module.__name__)
+        self._certain &= not _may_change(module.__name__)
         if not _is_constant(module.__name__):
             self._certain &= not _is_installed(module.__name__)
             if self._certain:
@@ -320,7 +328,7 @@ class _Search:
         self._all("defaults", (f.__defaults__, f.__kwdefaults__, *f.__dict__.values()))
         module = f.__globals__.get("__name__")
         if _is_constant(module) or _is_constant(f.__module__):
-            self._certain &= f.__name__ not in CHANGING
+            self._certain &= f.__name__ not in CHANGING and not _may_change(f.__module__)
             return
         names = _names(f.__code__)
         self._certain &= names.shown and not _is_installed(module)

@@ -4,6 +4,7 @@ import math
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
 from functools import partial
 from typing import Any
 
@@ -50,16 +51,17 @@ def _on_cores(run: Callable[..., Result], arguments: Sequence[tuple]) -> list[Re
     stopped = threading.Event()
     workers, end = cores() if jax.default_backend() == "cpu" else 1, deadline()
 
-    # a new thread does not inherit the precision and the deadline of this thread
+    # a new thread does not inherit the context, the precision and the deadline of this thread
     @jax.enable_x64(jax.enable_x64.value)
     @until(end)
-    def one(arguments):
-        return run(*arguments, on_pause=lambda step: not stopped.is_set())
+    def one(arguments, context):
+        return context.run(run, *arguments, on_pause=lambda step: not stopped.is_set())
 
+    contexts = [copy_context() for _ in arguments]  # one for each, because a context runs in one thread at a time
     silent = None if len(arguments) > workers else True  # None shows the bar only in a terminal
     with ThreadPoolExecutor(min(workers, len(arguments))) as pool:
         try:
-            return list(tqdm(pool.map(one, arguments), total=len(arguments), disable=silent, leave=False))
+            return list(tqdm(pool.map(one, arguments, contexts), total=len(arguments), disable=silent, leave=False))
         except BaseException:
             stopped.set()
             pool.shutdown(cancel_futures=True)

@@ -12,6 +12,7 @@ import numpy as np
 
 from study.algebra.arrays import Matrix, PositionsLike, Scalar, ScalarLike, Vector, VectorLike, as_float64
 from study.algebra.counting import count
+from study.algebra.hashing import hashable
 from study.algebra.matrices import add, times
 from study.algebra.reads import Reads, reading, reads_of, reads_of_program
 from study.algebra.sparse import is_sparse
@@ -30,6 +31,9 @@ from study.mechanics.terms import Rayleigh, gradient, rayleigh_matrix
 
 #: Arguments of a problem that are numbers, arrays of numbers or matrices.
 NUMBERS = ("u0", "v0", *checks.MATRICES, "positions", "influence")
+
+#: Arguments of a problem that are functions.
+FUNCTIONS = ("force", "potential", "load")
 
 #: Times at which the form of the tangent of a force that takes the time is found.
 PROBED_TIMES = (0.0, 0.3183, 1.4142, 27.183)
@@ -148,6 +152,8 @@ class Problem(eqx.Module):
     def __post_init__(self):
         for name in NUMBERS:
             setattr(self, name, checks.numbers_or_matrix(name, getattr(self, name)))
+        for name in FUNCTIONS:
+            setattr(self, name, hashable(getattr(self, name)))
         if self.v0 is None and self.u0 is not None:
             self.v0 = np.zeros(np.shape(self.u0))
         checks.check_shapes(self)

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from study.algebra.arrays import ScalarLike, Vector
+from study.algebra.hashing import hashable
 from study.algebra.scalars import check_unmasked
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
@@ -145,7 +146,7 @@ class Quantity(Record):
         If the function has other arguments or none, or there is no such reduction or scale, or if the scale is masked.
     """
 
-    function: Callable
+    function: Callable = eqx.field(converter=hashable)
     name: str = eqx.field(default="quantity", static=True)
     long_name: str = eqx.field(default="", static=True)
     units: str = eqx.field(default="1", static=True)

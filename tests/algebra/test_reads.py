@@ -1,5 +1,6 @@
 """What functions read, in every way in which a function can read a value."""
 
+import contextvars
 import dataclasses
 import functools
 import types
@@ -12,6 +13,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from jax import lax
+from numpy import random
+from scipy import io as scipy_io
+from scipy.io import loadmat
 
 import study
 from study.algebra.reads import reads_of
@@ -293,6 +297,22 @@ def test_what_the_search_does_not_see_is_traced(way, tmp_path, monkeypatch):
 def test_an_attribute_with_the_name_of_a_function_that_reads_a_file_is_seen():
     assert reads_of(lambda u: jnp.sin(parameters.load) * u).certain
     assert not reads_of(lambda u: jnp.load("file") * u).certain
+
+
+def test_modules_of_numpy_and_scipy_that_read_files_or_have_a_state_are_seen():
+    assert not reads_of(lambda u: loadmat("file")["k"] * u).certain
+    assert not reads_of(lambda u: scipy_io.loadmat("file")["k"] * u).certain
+    assert not reads_of(lambda u: random.default_rng().normal() * u).certain
+
+
+def test_lanes_read_a_variable_of_the_context():
+    """Lanes run in threads, whose contexts are copies of that of the call."""
+    variable = contextvars.ContextVar("k", default=1.0)
+    problem = study.Problem(lambda u: variable.get() * u, u0=[1.0, 1.0])
+    variable.set(4.0)
+    end = study.Quantity(lambda u: u[0], name="end", reduce="final")
+    found = study.run(problem, "rk4", u0=np.ones((2, 2)), dt=0.01, steps=100, observe=end).end.values
+    np.testing.assert_allclose(found, np.cos(2.0), rtol=1e-7)
 
 
 def test_arrays_that_are_arguments_are_not_read():
