@@ -35,11 +35,13 @@ from study.marching.shapes import Displacements, PerRun
 from study.mechanics.definition import Problem
 from study.mechanics.state import Effort
 from study.observer.base import Observer
+from study.observer.energy import ChangeOfEnergy
 from study.scheme.base import Scheme
 from study.scheme.bathe import bathe
 from study.scheme.contract import started, stepped
 from study.scheme.wrapper.unequal_steps import UnequalSteps
 from study.scheme.wrapper.with_history import WithHistory
+from study.words import percent
 
 #: Maximum number of samples of one run that are stored by one call of the compiled program.
 MOST_ROOM = 2**15
@@ -47,6 +49,9 @@ MOST_ROOM = 2**15
 #: Number of equal parts of a trial run, which measures the sizes of a motion if one of them is zero at the start. Its
 #: scheme dissipates energy, because a size that grows in an unresolved contact would loosen every tolerance.
 OF_TRIAL = 200
+
+#: Change of a constant energy during a run of which a warning is given, as a fraction of the largest kinetic energy.
+LARGE_CHANGE = 0.1
 
 #: Meanings of the status of a run with a controlled step size.
 ENDS = (*STATUSES, "step_too_small", "too_many_steps")
@@ -175,6 +180,8 @@ class Adaptive:
         Number of lanes, 0 for a single run.
     bound
         Displacement beyond which a run ends as unbounded.
+    watches_energy
+        Whether a warning states how much of the energy, which must be constant, is lost.
     """
 
     def __init__(
@@ -187,12 +194,14 @@ class Adaptive:
         over: dict[str, np.ndarray],
         lanes: int,
         bound: float,
+        watches_energy: bool,
     ):
         self._problem, self._scheme, self._lanes, self._over = problem, scheme, lanes, over
         method = scheme
         if scheme.acceleration_offset and not isinstance(scheme, UnequalSteps):
             method = UnequalSteps(scheme=scheme)
-        self._march = unlabelled(March.of(self._problem, method, observers, bool(lanes), bound))
+        observed = (*observers, ChangeOfEnergy()) if watches_energy else observers
+        self._march = unlabelled(March.of(self._problem, method, observed, bool(lanes), bound))
         self._of = _itself if make is None else _Family(make)
         if make is not None:  # a problem that is made again has new functions, which would be compiled again
             self._march = eqx.tree_at(lambda march: march.problem, self._march, None)
@@ -209,6 +218,9 @@ class Adaptive:
         failed, steps, t = status != COMPLETED, np.asarray(trial.taken), np.asarray(trial.t)
         if on_failure != "ignore" and failed.any():
             self._report_failures(trial, on_failure)
+        energies = [values.pop(name) for name in ChangeOfEnergy.variables if name in values]
+        if energies:
+            self._report_energy(*(np.where(failed, 0.0, energy) for energy in energies), control)
         lane = ("lane",) if self._lanes else ()
         data: dict[str, Any] = {
             "status": (lane, status, _STATUS),
@@ -266,6 +278,22 @@ class Adaptive:
             if ended:
                 return trial, _joined(parts, lanes), {n: np.asarray(x) for n, x in values.items()}
             check_time()
+
+    def _report_energy(self, change: np.ndarray, largest: np.ndarray, control: Control) -> None:
+        """Warn if runs have lost or gained a large part of an energy that must be constant; name the worst lane."""
+        part = np.ravel(np.divide(change, largest, out=np.zeros_like(change), where=largest > 0))
+        worst = int(np.abs(part).argmax())
+        if abs(part[worst]) <= LARGE_CHANGE:
+            return
+        tolerance = float(np.broadcast_to(control.tolerance, part.shape)[worst])
+        smaller = f"a tolerance below {tolerance:g}" if control.controller.needs_tolerance else "smaller steps"
+        warnings.warn(
+            f"'{self._scheme.title}' has {'gained' if part[worst] > 0 else 'lost'} energy of "
+            f"'{self._problem.title}'{f' in lane {worst}' if self._lanes else ''}, where nothing supplies or dissipates "
+            f"any: {percent(abs(part[worst]))} of the largest kinetic energy; take {smaller}, or another scheme.",
+            RuntimeWarning,
+            stacklevel=4,
+        )
 
     def _report_failures(self, trial: Trial, on_failure: str) -> None:
         """Warn of failed runs, or raise an error."""

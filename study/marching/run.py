@@ -41,6 +41,7 @@ from study.mechanics.function_checks import NOT_TRACEABLE
 from study.mechanics.function_checks import failure as of_trace
 from study.mechanics.loads import times_of_problem
 from study.observer.base import Observer, Record
+from study.observer.energy import ChangeOfEnergy
 from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
@@ -135,6 +136,10 @@ def run(
     any factor, because a force that is bounded, such as one that yields, also bounds the growth. One ``RuntimeWarning``
     then states ωΔt, the limit and the step that would hold. It considers small motions about the start
     (:mod:`study.marching.stability`). A frequency that grows later, as in a hardening spring, is not considered.
+
+    If the energy must be constant, because the problem has one unknown or a potential and neither damping nor load, a
+    run with a tolerance gives a ``RuntimeWarning`` if the energies at its start and end differ by more than a tenth of
+    the largest kinetic energy. With a loose tolerance, a scheme can lose that much in a stiff contact.
 
     Parameters
     ----------
@@ -258,8 +263,11 @@ def run(
         )
         limit = checked_bound(bound, equations, start, velocity, float(control.times[-1]))
         lanes = number_of_lanes(equation, start, velocity, {"tolerance": control.tolerance, "dt": control.dt}, values)
-        adaptive = Adaptive(equation, method, chosen, (start, velocity), make, values, lanes, limit)  # type: ignore[arg-type]
-        return adaptive.dataset(control, on_failure)
+        silent = on_failure is _SILENT
+        watches_energy = not (silent or control.controller.sizes_are_given or ChangeOfEnergy().refusal(equation))
+        starts = start, velocity
+        adaptive = Adaptive(equation, method, chosen, starts, make, values, lanes, limit, watches_energy)  # type: ignore[arg-type]
+        return adaptive.dataset(control, "ignore" if silent else on_failure)
     step_size, count, every = checked_step_size(dt), checked_steps(steps), positive_integer("every", every)
     lanes = number_of_lanes(equation, start, velocity, {"dt": step_size, "steps": count}, values)
     few = lanes <= FEW and np.ndim(equation.u0) > 0 and not values and jax.default_backend() == "cpu"

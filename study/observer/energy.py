@@ -1,12 +1,20 @@
 """Errors of the energy, and of the balance of energies."""
 
+import jax
 import jax.numpy as jnp
+import numpy as np
 
 from study.algebra.elementwise import compensated_sum
 from study.algebra.matrices import times
 from study.mechanics.balance import load
 from study.mechanics.definition import Problem
 from study.observer.base import Record, Reduction
+
+#: Number of points of the integral of a force over the displacement.
+POINTS = 4096
+
+#: Round-off of an energy, as a fraction of it.
+ROUND_OFF = 1e-9
 
 
 def relative_energy_error(problem: Problem, initial, state):
@@ -78,6 +86,51 @@ class EnergyDrift(Reduction):
         return {"energy_drift": relative_energy_error(problem, carried, state)}
 
 
+class ChangeOfEnergy(Reduction):
+    r"""Change of a constant energy between the ends of a run, and its largest kinetic energy, for a warning.
+
+    Without a potential, the change of the stored energy of one unknown is :math:`\int p\,du` from u₀ to the end, by the
+    midpoint rule. The change is reduced by the error of this rule, which its difference from the rule with half the
+    points shows.
+    """
+
+    variables = {"change_of_energy": {}, "largest_kinetic_energy": {}}
+
+    def refusal(self, problem):
+        known = problem.potential is not None or not np.ndim(problem.u0)
+        return None if problem.conservative and known else f"the energy of '{problem.title}' need not be constant."
+
+    def start(self, problem, state):
+        kinetic = _kinetic(problem, state)
+        return state.u, kinetic, kinetic
+
+    def update(self, carried, problem, state, t, effort):
+        u0, kinetic, largest = carried
+        return u0, kinetic, jnp.maximum(largest, _kinetic(problem, state))
+
+    def result(self, carried, problem, state):
+        u0, kinetic, largest = carried
+        if problem.potential is not None:
+            stored, at_end = problem.stored_energy(u0), problem.stored_energy(state.u)
+            change, error = at_end - stored, ROUND_OFF * (jnp.abs(stored) + jnp.abs(at_end))
+        else:
+            change, half = (_work(problem, u0, state.u, points) for points in (POINTS, POINTS // 2))
+            error = 4 * jnp.abs(change - half)
+        change += _kinetic(problem, state) - kinetic
+        change = jnp.sign(change) * jnp.maximum(jnp.abs(change) - error, 0.0)
+        return dict(zip(self.variables, (change, largest), strict=True))
+
+
+def _kinetic(problem: Problem, state):
+    return jnp.vdot(state.v, problem.momentum(state.v)) / 2
+
+
+def _work(problem: Problem, start, end, points: int):
+    """Integral of the internal force of one unknown between two displacements."""
+    u = start + (end - start) * (jnp.arange(points, dtype=float) + 0.5) / points
+    return jnp.mean(jax.vmap(problem.static_force)(u)) * (end - start)
+
+
 class EnergyBalance(Reduction):
     r"""Largest error of the balance E + D − W = E₀ of energy E, dissipation D and work W of the load.
 
@@ -124,7 +177,7 @@ class EnergyBalance(Reduction):
 
     def _energy(self, problem, state):
         if problem.potential is None:
-            return jnp.vdot(state.v, problem.momentum(state.v)) / 2
+            return _kinetic(problem, state)
         return problem.energy(state.u, state.v)
 
     def start(self, problem, state):

@@ -61,6 +61,7 @@ def test_a_controlled_step_does_not_end_inside_the_floor(name, estimator):
     assert (ds.deepest < 1.01 * DEPTH + 2.0 * tolerance).all() and (ds.deepest > 0.9 * DEPTH).all()
 
 
+@pytest.mark.filterwarnings("ignore:.*has lost energy:RuntimeWarning")
 @pytest.mark.parametrize("name", ["average_acceleration", "central_difference", "rk4"])
 def test_stops_on_both_sides_put_no_energy_in(name):
     """The depth of the stops, 0.003, is far below the error of u that the largest tolerance allows."""

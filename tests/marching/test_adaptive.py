@@ -1,5 +1,7 @@
 """Runs with step size control: their steps, their order, their ensembles, and their failures."""
 
+import re
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -255,3 +257,38 @@ def test_the_default_bound_follows_a_pulse_between_its_samples():
     ds = study.run(load, "average_acceleration", dt=1e-4, steps=40000, observe="peak", on_failure="raise")
     # an impulse of 0.4
     assert ds.peak == pytest.approx(0.4 / np.sqrt(39.5), rel=1e-3)
+
+
+def falling(energy: bool) -> study.Problem:
+    """A mass that falls by 2 m on a floor of stiffness 10⁵, with or without its potential."""
+
+    def force(u):
+        return 9.81 + jnp.where(u < 0, 1e5 * u, 0.0)
+
+    def potential(u):
+        return 9.81 * u + jnp.where(u < 0, 0.5e5 * u**2, 0.0)
+
+    return study.Problem(force, u0=2.0, potential=potential if energy else None)
+
+
+@pytest.mark.parametrize("energy", [True, False])
+def test_a_run_that_loses_much_of_a_constant_energy_gives_a_warning(energy):
+    """The warning states the part of g h = 19.62 that the last state lacks; a lane and a tight tolerance lack less."""
+    problem, options = falling(energy), {"duration": 5.0, "estimator": "step_doubling"}
+    with pytest.warns(RuntimeWarning, match="Runge-Kutta' has lost energy") as given:
+        ds = study.run(problem, "rk4", tolerance=1e-2, **options)
+    u, v = float(ds.u[-1]), float(ds.v[-1])
+    lost = 1 - (v**2 / 2 + 9.81 * u + 0.5e5 * min(u, 0.0) ** 2) / (9.81 * 2)
+    stated = float(re.search(r"([\d.]+)\xa0% of the largest", str(given[0].message))[1])
+    assert stated == pytest.approx(100 * lost, rel=0.05)
+    study.run(problem, "rk4", tolerance=1e-5, **options)
+    with pytest.warns(RuntimeWarning, match="in lane 1,"):
+        study.run(problem, "rk4", tolerance=[1e-5, 1e-2], observe=[], **options)
+
+
+def test_a_run_within_a_contact_or_at_rest_has_lost_no_energy():
+    """The force of the last problem is too stiff for the points at which its work is integrated."""
+    study.run(study.Problem(jnp.sin, u0=0.0), "rk4", tolerance=1e-2, duration=1.0)
+    stiff = study.Problem(lambda u: 9.81 + jnp.where(u < 0, 1e8 * u, 0.0), u0=2.0)
+    ds = study.run(stiff, "generalized_alpha", tolerance=1e-4, duration=0.6386)
+    assert float(ds.u[-1]) < 0
