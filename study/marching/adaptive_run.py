@@ -286,11 +286,12 @@ class Adaptive:
         if abs(part[worst]) <= LARGE_CHANGE:
             return
         tolerance = float(np.broadcast_to(control.tolerance, part.shape)[worst])
+        lane = f" in lane {worst}" if self._lanes else ""
         smaller = f"a tolerance below {tolerance:g}" if control.controller.needs_tolerance else "smaller steps"
         warnings.warn(
             f"'{self._scheme.title}' has {'gained' if part[worst] > 0 else 'lost'} energy of "
-            f"'{self._problem.title}'{f' in lane {worst}' if self._lanes else ''}, where nothing supplies or dissipates "
-            f"any: {percent(abs(part[worst]))} of the largest kinetic energy; take {smaller}, or another scheme.",
+            f"'{self._problem.title}'{lane}, where nothing supplies or dissipates any: "
+            f" {percent(abs(part[worst]))} of the largest kinetic energy; take {smaller}, or another scheme.",
             RuntimeWarning,
             stacklevel=4,
         )
