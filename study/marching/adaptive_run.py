@@ -291,7 +291,7 @@ class Adaptive:
         warnings.warn(
             f"'{self._scheme.title}' has {'gained' if part[worst] > 0 else 'lost'} energy of "
             f"'{self._problem.title}'{lane}, where nothing supplies or dissipates any: "
-            f" {percent(abs(part[worst]))} of the largest kinetic energy; take {smaller}, or another scheme.",
+            f"{percent(abs(part[worst]))} of the largest kinetic energy; take {smaller}, or another scheme.",
             RuntimeWarning,
             stacklevel=4,
         )

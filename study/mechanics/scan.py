@@ -52,8 +52,8 @@ AT_RANDOM = 63
 #: Distance of further samples from a number of the program, as a fraction of the duration.
 NEXT_TO = 1e-9
 
-#: Largest number of scans that are kept.
-KEPT = 64
+#: Largest number of results that are kept.
+KEPT = 128
 
 #: Times in seconds.
 Times = Float[np.ndarray, "times"]
@@ -85,36 +85,44 @@ def events(function: Callable, duration: float, intervals: int = INTERVALS) -> T
     intervals
         Number of intervals between the first samples.
     """
-    reads = reads_of(lambda: function)
-    if not reads.certain:
-        with jax.enable_x64(True):
-            reads = reads_of_program(_traced(function))
-    key = reads, duration, intervals
-    if key in _kept:
-        return _kept[key]
-    if len(_kept) >= KEPT:
-        _kept.pop(next(iter(_kept)), None)
-    return _kept.setdefault(key, _scanned(function, duration, intervals))
+    return _kept_for(function, (duration, intervals), lambda: _scanned(function, duration, intervals))
 
 
 def beside_jumps(function: Callable, times: Times, duration: float) -> Times:
     """The times, with a time on either side in place of each time at which the function jumps.
 
     At a jump a step sees one side only: a load may be zero at both ends of its pulse. A step that ends after the jump
-    sees the load of the pulse.
+    sees the load of the pulse. A function that jumps at t = 0, as ``jnp.where(t > 0, 1.0, 0.0)``, gives a time after it.
     """
-    if not times.size:
-        return times
-    tiny = NEXT_TO * duration
-    with jax.enable_x64(True):
-        around = (times[:, None] + tiny * np.array([-1.0, 0.0, 1.0])).ravel()
-        values = _evaluated(_traced(function), around)
-    before, at, after = np.moveaxis(values.reshape(len(times), 3, -1), 1, 0)
-    jumps = np.maximum(abs(after - before), abs(at - before)).max(axis=1) > BULGE * np.abs(values).max()
-    return np.unique(np.concatenate([times[~jumps], times[jumps] - tiny, times[jumps] + tiny]))
+
+    def found() -> Times:
+        starts, tiny = np.append(0.0, times), NEXT_TO * duration
+        with jax.enable_x64(True):
+            around = np.maximum((starts[:, None] + tiny * np.array([-1.0, 0.0, 1.0])).ravel(), 0.0)
+            values = _evaluated(_traced(function), around)
+        before, at, after = np.moveaxis(values.reshape(len(starts), 3, -1), 1, 0)
+        jumps = np.maximum(abs(after - before), abs(at - before)).max(axis=1) > BULGE * np.abs(values).max()
+        beside = np.concatenate([starts[~jumps], starts[jumps] - tiny, starts[jumps] + tiny])
+        return np.unique(beside[beside > 0])
+
+    return _kept_for(function, (duration, times.tobytes()), found)
 
 
-_kept: dict[tuple[Reads, float, int], Times] = {}
+def _kept_for(function: Callable, arguments: tuple, compute: Callable[[], Times]) -> Times:
+    """What ``compute`` returned for the same arguments and what the function reads now, or returns now."""
+    reads = reads_of(lambda: function)
+    if not reads.certain:
+        with jax.enable_x64(True):
+            reads = reads_of_program(_traced(function))
+    key = reads, arguments
+    if key in _kept:
+        return _kept[key]
+    if len(_kept) >= KEPT:
+        _kept.pop(next(iter(_kept)), None)
+    return _kept.setdefault(key, compute())
+
+
+_kept: dict[tuple[Reads, tuple], Times] = {}
 
 
 def _scanned(function: Callable, duration: float, intervals: int) -> Times:

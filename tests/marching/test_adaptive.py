@@ -292,3 +292,11 @@ def test_a_run_within_a_contact_or_at_rest_has_lost_no_energy():
     stiff = study.Problem(lambda u: 9.81 + jnp.where(u < 0, 1e8 * u, 0.0), u0=2.0)
     ds = study.run(stiff, "generalized_alpha", tolerance=1e-4, duration=0.6386)
     assert float(ds.u[-1]) < 0
+
+
+def test_a_pulse_that_begins_just_after_the_start_is_seen_whole():
+    """The impulse of 0.1 on a mass at rest gives the velocity 0.1, also if the load is zero at t = 0 itself."""
+    problem = study.Problem(lambda u: u, u0=0.0, load=lambda t: jnp.where((t > 0) & (t < 1e-6), 1e5, 0.0))
+    for scheme in ("average_acceleration", "central_difference"):
+        ds = study.run(problem, scheme, tolerance=1e-4, duration=5.0)
+        assert float(np.abs(ds.u).max()) == pytest.approx(0.1, rel=0.01)
