@@ -92,7 +92,7 @@ def beside_jumps(function: Callable, times: Times, duration: float) -> Times:
     """The times, with a time on either side in place of each time at which the function jumps.
 
     At a jump a step sees one side only: a load may be zero at both ends of its pulse. A step that ends after the jump
-    sees the load of the pulse. A function that jumps at t = 0, as ``jnp.where(t > 0, 1.0, 0.0)``, gives a time after it.
+    sees the load of the pulse. If the function jumps just after t = 0, as that of ``t > 0``, there is a time after it.
     """
 
     def found() -> Times:
