@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from conformance.causes import Compared, Known, Motion, Search, explained, where
+from conformance.causes import Known, Search, explained
+from conformance.compared import Compared, Motion, where
 from conformance.problem import Problem
 from conformance.schemes import run
 
@@ -41,6 +42,8 @@ class Verdict(NamedTuple):
         What differs, the likely cause of a failure, or the reason of a skipped case; empty for a pass.
     where
         Which of u, v and a agree, and from which step on the others differ; empty if they are not compared.
+    finding
+        The wrong order, or the energy that grows, in a case of the kind ``order`` or ``bound``; empty otherwise.
     """
 
     name: str
@@ -48,6 +51,12 @@ class Verdict(NamedTuple):
     digits: float | None = None
     cause: str = ""
     where: str = ""
+    finding: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """What is wrong and its cause, as far as there are any."""
+        return ": ".join(filter(None, (self.finding, self.cause)))
 
 
 def judge(case: Mapping[str, Any], motion: Callable[[int], Motion], known: Known | None = None) -> Verdict:
@@ -115,9 +124,9 @@ def _failed(case: Mapping[str, Any], motion: Motion, known: Known, found: str, d
         for scale in [float(np.max(np.abs(values[:, i])))]
     ]
     if all(pair.agrees for pair in pairs):
-        return Verdict(case["name"], "fail", digits, found, where(pairs))
+        return Verdict(case["name"], "fail", digits, "", where(pairs), found)
     _, cause = explained(Search(case, pairs, dt, FIRST), known)
-    return Verdict(case["name"], "fail", digits, f"{found}: {cause}", where(pairs))
+    return Verdict(case["name"], "fail", digits, cause, where(pairs), found)
 
 
 def _finite(values: Any) -> np.ndarray:

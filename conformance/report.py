@@ -40,7 +40,7 @@ def summary(verdicts: Sequence[Verdict], tool: str, version: str, note: str) -> 
 def table(verdicts: Sequence[Verdict]) -> str:
     """Verdicts other than pass and skip, one per line, and the counts of all verdicts."""
     lines = [
-        f"{one.name:16} {one.verdict:8} {'' if one.digits is None else f'{one.digits:4.1f}':5} {one.cause}".rstrip()
+        f"{one.name:16} {one.verdict:8} {'' if one.digits is None else f'{one.digits:4.1f}':5} {one.sentence}".rstrip()
         for one in verdicts
         if one.verdict in ("differs", "fail")
     ]
@@ -65,7 +65,7 @@ def page(found: Mapping[str, Any], titles: Mapping[str, str]) -> str:
     counts = ", ".join(f"{verdict} {number}" for verdict, number in found["counts"].items())
     rows = [
         f'<tr class="{one["verdict"]}"><td>{escape(one["name"])}</td><td>{escape(titles[one["name"]])}</td>'
-        f"<td>{one['verdict']}</td><td>{one.get('digits', '')}</td><td>{escape(one.get('cause', ''))}</td>"
+        f"<td>{one['verdict']}</td><td>{one.get('digits', '')}</td><td>{escape(Verdict(**one).sentence)}</td>"
         f"<td>{one.get('where', '')}</td></tr>"
         for one in sorted(found["cases"], key=lambda one: _ROWS.index(one["verdict"]))
     ]

@@ -209,9 +209,14 @@ class March:
     def central_difference(self, gamma: Any = None) -> None:
         """Newmark's method with β = 0, and γ = ½ by default."""
         dt, gamma = self.dt, self.problem.numbers.mpf(1) / 2 if gamma is None else gamma
-        if "three displacements" in self.words:
-            self.three_displacements()
-            return
+        for word, changed in (
+            ("three displacements", self.three_displacements),
+            ("predicted damping", self.predicted_damping),
+            ("late leapfrog", self.late_leapfrog),
+        ):
+            if word in self.words:
+                changed()
+                return
         if "start at half" in self.words and len(self.rows) == 1:
             self.a = self.acceleration(0, self.u, self.v, dt / 2)
             self.v = self.v + dt / 2 * self.a
@@ -235,6 +240,21 @@ class March:
         v = (3 * new - 4 * u + before) / (2 * dt)
         self.past = [u]
         self.move(new, v, (v - self.v) / dt)
+
+    def predicted_damping(self) -> None:
+        """Central difference whose damping acts on v₀ + Δt a₀, and whose displacement takes the load of t₁."""
+        dt, u, v, a = self.dt, self.u, self.v, self.a
+        u = u + dt * v - dt**2 / 2 * a + dt**2 * self.acceleration(1, u, v)
+        new = self.acceleration(1, u, v + dt * a)
+        self.move(u, v + dt / 2 * (a + new), new)
+
+    def late_leapfrog(self) -> None:
+        """Central difference with the velocities of half steps, whose output has the velocity of the step before."""
+        a = self.acceleration(1, self.u, self.v)
+        v = self.half + self.half_size * a if len(self.rows) > 1 else self.v
+        self.half_size = self.dt / 2
+        self.half = v + self.half_size * a
+        self.move(self.u + self.dt * self.half, v, a)
 
     def wilson(self, theta: Any) -> None:
         """Wilson's θ-method with a linear acceleration."""

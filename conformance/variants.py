@@ -5,6 +5,8 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from conformance.schemes import SOME
+
 #: Families of schemes that carry no acceleration from step to step.
 WITHOUT_ACCELERATION = ("rk4", "midpoint", "symplectic_euler")
 
@@ -198,17 +200,62 @@ def _without_cubic(problem: Mapping[str, Any]) -> dict[str, Any]:
     return {**problem, "parameters": {**problem["parameters"], "S2": "0"}}
 
 
-#: Mistakes that were found after the cases were made, so that the cases hold no values of these mistakes. Each has a
-#: text, words for the scheme, and a function that changes the problem.
-LATER: tuple[tuple[str, tuple[str, ...], Callable[[Mapping[str, Any]], Mapping[str, Any]]], ...] = (
-    ("the internal force is that of the end of the step", ("force at end",), dict),
-    ("the masses that couple unknowns are missing", (), _uncoupled),
-    ("the phase of the load is missing", (), _loaded(lambda w, phase: (w, 0.0))),
-    ("the phase of the load has the opposite sign", (), _loaded(lambda w, phase: (w, -phase))),
-    ("the load is a sine instead of a cosine", (), _loaded(lambda w, phase: (w, phase + math.pi / 2))),
-    ("the frequency of the load is taken in cycles", (), _loaded(lambda w, phase: (2 * math.pi * w, phase))),
-    ("the cubic term of the force leaves out S1", (), _cubic_alone),
-    ("the cubic term of the force is missing", (), _without_cubic),
+class Later(NamedTuple):
+    """A mistake that was found after the cases were made, so that the cases hold no values of it.
+
+    Attributes
+    ----------
+    text, words, families
+        As those of a ``Variant``.
+    problem
+        Function that changes the problem.
+    """
+
+    text: str
+    words: tuple[str, ...] = ()
+    problem: Callable[[Mapping[str, Any]], Mapping[str, Any]] = dict
+    families: tuple[str, ...] = ALL
+
+
+LATER = (
+    Later("the internal force is that of the end of the step", ("force at end",)),
+    Later("the masses that couple unknowns are missing", problem=_uncoupled),
+    Later("the phase of the load is missing", problem=_loaded(lambda w, phase: (w, 0.0))),
+    Later("the phase of the load has the opposite sign", problem=_loaded(lambda w, phase: (w, -phase))),
+    Later("the load is a sine instead of a cosine", problem=_loaded(lambda w, phase: (w, phase + math.pi / 2))),
+    Later("the frequency of the load is taken in cycles", problem=_loaded(lambda w, phase: (2 * math.pi * w, phase))),
+    Later("the cubic term of the force leaves out S1", problem=_cubic_alone),
+    Later("the cubic term of the force is missing", problem=_without_cubic),
+    Later("the velocity is (3 u₁ − 4 u₀ + u₋₁) / (2 Δt)", ("three displacements",), families=("central_difference",)),
+    Later(
+        "the displacement before the start is taken for that of the start",
+        ("three displacements", "start forgotten"),
+        families=("central_difference",),
+    ),
+    Later(
+        "the damping acts on the velocity v₀ + Δt a₀, and the displacement takes the load of the end of the step",
+        ("predicted damping",),
+        families=("central_difference",),
+    ),
+    Later(
+        "the load is taken one step too late, and the velocity, also that of the damping, is one step late",
+        ("late leapfrog",),
+        families=("central_difference",),
+    ),
+    Later(
+        "the acceleration at the start is twice the one that two half steps of backward Euler give",
+        ("start by backward Euler",),
+        families=("newmark", "hht", "generalized_alpha"),
+    ),
+    Later(
+        "the first step leaves out the forces of the start, v₀ in the acceleration and a₀ in the velocity",
+        ("start forgotten", "two forces", "mean of loads"),
+        families=("hht", "generalized_alpha"),
+    ),
+    *(
+        Later(f"Newton's iteration stops after {number} iterations", (f"{SOME}{number}",), families=ITERATED)
+        for number in (2, 3)
+    ),
 )
 
 #: Variants of schemes with unequal steps. A case with unequal steps holds the values of these variants only.

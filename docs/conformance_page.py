@@ -44,18 +44,12 @@ def _overview(codes: Sequence[Mapping[str, Any]]) -> str:
     return table(["code", "date", *"ABCDEFG", *_SHOWN], rows)
 
 
-def _cause(case: Mapping[str, Any]) -> str:
-    """Cause of a case; without the order or the energy that a case of the kinds order and bound states before it."""
-    states = case["name"].split("-")[1] in ("ORDER", "BOUND")
-    return case["cause"].rpartition(": ")[2] if states else case["cause"]
-
-
 def _causes(code: Mapping[str, Any]) -> str:
     """Table of alternatives, then of likely causes, the most frequent first; empty if no case differs or fails."""
     cases = defaultdict(list)
     for case in code["cases"]:
         if case["verdict"] in ("differs", "fail"):
-            cases[case["verdict"], _cause(case)].append(case["name"])
+            cases[case["verdict"], case.get("cause") or case["finding"]].append(case["name"])
     rows = [
         [verdict, cause, str(len(names)), ", ".join(names[:SHOWN]) + (" ..." if len(names) > SHOWN else "")]
         for (verdict, cause), names in sorted(cases.items(), key=lambda item: (item[0][0], -len(item[1])))

@@ -44,7 +44,7 @@ def step(problem, scheme, dt, steps):
         raise NotImplementedError("it has no such scheme, or is run with one linear spring without a damper")
     explicit, mass, stiffness = kind == "central_difference", problem.mass.item(), problem.tangent(problem.u0).item()
     # the free node has half of the lumped mass of the bar, or a third of the consistent mass
-    mesh, model = _model((2 if explicit else 3) * mass, stiffness)
+    _mesh, model = _model((2 if explicit else 3) * mass, stiffness)
     model.initFull(_analysis_method=aka._explicit_lumped_mass if explicit else aka._static)
     name = "explicit_lumped" if explicit else "implicit"
     if not explicit:

@@ -2,7 +2,7 @@
 
 It needs the package ``KratosStructuralMechanicsApplication``. An element ``NodalConcentratedDampedElement3D1N`` is a
 mass with a spring and a dashpot. Its Bossak scheme has γ = ½ − α and β = b (1 − α)², with α = ``damp_factor_m`` and
-b = ``newmark_beta``.
+b = ``newmark_beta``. ``explicit`` runs its central difference.
 """
 
 import math
@@ -11,8 +11,7 @@ import KratosMultiphysics as K
 import KratosMultiphysics.StructuralMechanicsApplication as S
 import numpy as np
 
-_MODEL = K.Model()
-K.Logger.GetDefaultOutput().SetSeverity(K.Logger.Severity.WARNING)
+from conformance.codes.kratos_model import EXPLICIT, MOTION, part_of
 
 
 def _bossak(scheme):
@@ -25,23 +24,19 @@ def _bossak(scheme):
     return alpha, numbers["beta"] / (1 - alpha) ** 2
 
 
-def _part(problem):
-    """Model part with one node, its mass, spring, dashpot and load along x."""
-    part = _MODEL.CreateModelPart("main", 2)
-    part.ProcessInfo[K.DOMAIN_SIZE] = 3
-    for variable in (K.DISPLACEMENT, K.VELOCITY, K.ACCELERATION, K.REACTION, K.VOLUME_ACCELERATION, S.POINT_LOAD):
-        part.AddNodalSolutionStepVariable(variable)
-    node = part.CreateNewNode(1, 0.0, 0.0, 0.0)
-    properties = part.CreateNewProperties(0)
-    element = part.CreateNewElement("NodalConcentratedDampedElement3D1N", 1, [1], properties)
-    part.CreateNewCondition("PointLoadCondition3D1N", 1, [1], properties)
-    for variable, reaction in zip((K.DISPLACEMENT_X, K.DISPLACEMENT_Y, K.DISPLACEMENT_Z), "XYZ", strict=True):
-        node.AddDof(variable, getattr(K, f"REACTION_{reaction}"))
-        node.Fix(variable) if reaction != "X" else None
-    element.SetValue(K.NODAL_MASS, problem.mass[0, 0])
-    element.SetValue(S.NODAL_DISPLACEMENT_STIFFNESS, [problem.tangent(problem.u0)[0, 0], 0.0, 0.0])
-    element.SetValue(S.NODAL_DAMPING_RATIO, [problem.damping[0, 0], 0.0, 0.0])
-    return part, node
+def _marched(problem, part, node, strategy, dt, steps):
+    """Displacement, velocity and acceleration at the start and after every step."""
+    part.ProcessInfo[K.DELTA_TIME] = float(np.ravel(dt)[0])
+    strategy.Initialize()
+    t, rows = 0.0, [[node.GetSolutionStepValue(variable) for variable in MOTION]]
+    for size in np.broadcast_to(dt, steps).tolist():
+        t += size
+        part.CloneTimeStep(t)
+        part.ProcessInfo[K.DELTA_TIME] = size
+        node.SetSolutionStepValue(S.POINT_LOAD_X, float(problem.load(t)[0]))
+        strategy.Solve()
+        rows.append([node.GetSolutionStepValue(variable) for variable in MOTION])
+    return [np.array(rows)[:, [i]] for i in range(3)]
 
 
 def step(problem, scheme, dt, steps):
@@ -49,7 +44,7 @@ def step(problem, scheme, dt, steps):
     found = _bossak(scheme)
     if found is None or problem.text["form"] != "linear" or len(problem.u0) > 1:
         raise NotImplementedError("it has no such scheme, or is run with one linear spring")
-    part, node = _part(problem)
+    part, node = part_of(problem)
     settings = K.Parameters('{"projection_variables_list": []}')
     for name, value in zip(("damp_factor_m", "newmark_beta"), found, strict=True):
         settings.AddDouble(name, value)
@@ -63,18 +58,19 @@ def step(problem, scheme, dt, steps):
         False,
         True,
     )
-    a = (problem.load(0.0) - problem.damping @ problem.v0 - problem.force(problem.u0)) / problem.mass[0, 0]
-    for variable, value in ((K.DISPLACEMENT_X, problem.u0), (K.VELOCITY_X, problem.v0), (K.ACCELERATION_X, a)):
-        node.SetSolutionStepValue(variable, float(value[0]))
-    strategy.Initialize()
-    t, read = 0.0, (K.DISPLACEMENT_X, K.VELOCITY_X, K.ACCELERATION_X)
-    rows = [[node.GetSolutionStepValue(variable) for variable in read]]
-    for size in np.broadcast_to(dt, steps).tolist():
-        t += size
-        part.CloneTimeStep(t)
-        part.ProcessInfo[K.DELTA_TIME] = size
-        node.SetSolutionStepValue(S.POINT_LOAD_X, float(problem.load(t)[0]))
-        strategy.Solve()
-        rows.append([node.GetSolutionStepValue(variable) for variable in read])
-    _MODEL.DeleteModelPart("main")
-    return [np.array(rows)[:, [i]] for i in range(3)]
+    return _marched(problem, part, node, strategy, dt, steps)
+
+
+def explicit(problem, scheme, dt, steps):
+    """The same for central difference, the scheme ``central_differences`` of Kratos's explicit solver."""
+    if scheme["family"] != "central_difference" or problem.text["form"] != "linear" or len(problem.u0) > 1:
+        raise NotImplementedError("it has central difference, and is run with one linear spring")
+    part, node = part_of(problem, *EXPLICIT)
+    part.ProcessInfo[K.COMPUTE_LUMPED_MASS_MATRIX] = True
+    part.ProcessInfo[S.RAYLEIGH_ALPHA] = part.ProcessInfo[S.RAYLEIGH_BETA] = 0.0
+    node.SetSolutionStepValue(S.POINT_LOAD_X, float(problem.load(0.0)[0]))
+    strategy = S.MechanicalExplicitStrategy(
+        part, S.ExplicitCentralDifferencesScheme(1.0, 0.3, 0.0), False, False, False
+    )
+    strategy.SetRebuildLevel(0)
+    return _marched(problem, part, node, strategy, dt, steps)

@@ -166,8 +166,8 @@ def test_a_wrong_order_and_a_growing_energy_name_their_cause():
     chosen = [case for case in ALL if case["name"] in ("D-ORDER-GEN", "C-BOUND-GEN")]
     energy, order = verdicts(runners.of_function("mutated:step"), chosen)
     del sys.modules["mutated"]
-    assert re.fullmatch(r"the energy grows to \S+ times .*: α_m is missing in the balance", energy.cause)
-    assert re.fullmatch(r"the order is \S+, not 2: α_m is missing in the balance", order.cause)
+    assert re.fullmatch(r"the energy grows to \S+ times .*: α_m is missing in the balance", energy.sentence)
+    assert re.fullmatch(r"the order is \S+, not 2", order.finding) and order.cause == "α_m is missing in the balance"
     assert order.where == "u differs from step 1 on, v differs from step 1 on"
 
 
