@@ -32,6 +32,8 @@ TERMS: dict[tuple[str, ...], str] = {
     ("v*a", "v*n", "v1a", "v1n"): "Δt ((1 − γ) a₀ + γ a₁) in the velocity",
     ("v1a", "v1n"): "Δt ((1 − γ) a₀ + γ a₁) in the velocity, after the balance alone",
     ("u*v", "u*a"): "Δt v₀ + Δt² (½ − β) a₀ in the displacement, for the balance alone",
+    ("u*u", "u*v", "u*a"): "u₀ + Δt v₀ + Δt² (½ − β) a₀ in the displacement, for the balance alone",
+    ("v*v", "v*a"): "v₀ + Δt (1 − γ) a₀ in the velocity, for the balance alone",
     ("v*v", "v1v"): "v₀ in the velocity",
     ("v*a", "v1a"): "Δt (1 − γ) a₀ in the velocity",
     ("v*n", "v1n"): "Δt γ a₁ in the velocity",
@@ -53,11 +55,15 @@ TERMS: dict[tuple[str, ...], str] = {
     ("point of force",): "1 − α_f in p(u)",
     ("point of damping",): "1 − α_f in C v",
     ("point of inertia",): "1 − α_m in M a",
+    ("point of load",): "1 − α_f in f(t)",
+    ("point of force", "point of damping", "point of load"): "1 − α_f in the balance",
+    ("force of u1", "damping of v1", "point of load"): "1 − α_f in the balance, for the end of the step alone",
     ("force",): "p(u) in the balance",
     ("force of u0",): "α_f u₀ in p(u)",
     ("force of u1",): "(1 − α_f) u₁ in p(u)",
     ("load",): "f(t) in the balance",
     ("theta",): "1/θ in the interpolation of the acceleration",
+    ("theta of a0",): "a₀/θ in the interpolation of the acceleration",
     ("start load",): "f(0) in the acceleration at the start",
     ("start damping",): "C v₀ in the acceleration at the start",
     ("start force",): "p(u₀) in the acceleration at the start",
@@ -100,7 +106,11 @@ def run(
         m0, c0, p0 = (k("inertia of a0") * (1 - m1), k("damping of v0") * (1 - c1), k("force of u0") * (1 - p1))
         m1, c1, p1 = k("inertia of a1") * m1, k("damping of v1") * c1, k("force of u1") * p1
         m0, m1, c0, c1 = k("inertia") * m0, k("inertia") * m1, k("damping") * c0, k("damping") * c1
-        rest = m0 * mass @ a + damping @ (c0 * v + c1 * speed[0]) - k("load") * problem.load(t + w * tau)
+        rest = (
+            m0 * mass @ a
+            + damping @ (c0 * v + c1 * speed[0])
+            - k("load") * problem.load(t + k("point of load") * w * tau)
+        )
         for _ in range(_ITERATIONS):
             at = p0 * u + p1 * (place[0] + place[1] * x)
             residual = m1 * mass @ x + c1 * speed[1] * damping @ x + k("force") * problem.force(at) + rest
@@ -111,7 +121,7 @@ def run(
                 break
         else:
             raise ArithmeticError("the iteration does not end")
-        new = a + k("theta") * (x - a) / theta
+        new = a + k("theta") * (x - k("theta of a0") * a) / theta
         place, speed = moved("1", u, v, a, size)
         t, u, v, a = t + size, place[0] + place[1] * new, speed[0] + speed[1] * new, new
         problem.commit(u)

@@ -3,12 +3,10 @@
 import argparse
 import json
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from conformance.causes import Known
-from conformance.judge import CASES, judge
+from conformance.judge import CASES, judged
 from conformance.report import badge, page, summary, table
 from conformance.runners import of_command, of_folder, of_function
 from conformance.writers import write
@@ -72,8 +70,7 @@ def conform(arguments: argparse.Namespace) -> None:
         runner = of_function(arguments.code)
     else:
         runner = of_folder(arguments.collect) if arguments.command is None else of_command(arguments.command)
-    causes: Known = set()
-    verdicts = [judge(case, partial(runner, case), causes) for case in chosen]
+    verdicts = judged(chosen, runner)
     found = summary(verdicts, arguments.tool, arguments.tool_version, arguments.note)
     print(table(verdicts))
     if arguments.output:

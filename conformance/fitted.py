@@ -59,6 +59,14 @@ class Changed(Problem):
         return self.factor["load"] * super().load(t + self.factor["time"])
 
 
+#: Symbols of the parameters of schemes, and parameters of Newmark's family that a case does not state.
+_SYMBOLS = {"alpha": "α", "beta": "β", "gamma": "γ", "alpha_m": "α_m", "alpha_f": "α_f", "theta": "θ"}
+_DEFAULTS = {
+    "central_difference": {"beta": "0", "gamma": "0.5"},
+    "wilson": {"beta": str(1 / 6), "gamma": "0.5"},
+    "hht": {"alpha_m": "0"},
+}
+
 #: Parts of a problem that may have a factor.
 _PARTS = {
     "mass": "the mass",
@@ -104,9 +112,9 @@ def numbered(case: Mapping[str, Any], dt: Any) -> Iterator[Change]:
         yield Change("each load is that of {} Δt later", with_words(DELAY), 0.0, _named(0.5, -0.5, -1.0))
         time = "the time of the load starts at {} Δt"
         yield Change(time, with_factors(time=size), 0.0, _named(1.0, -1.0, 0.5, -0.5))
-    for name in scheme:
+    for name in ("gamma",) if scheme["family"] == "central_difference" else scheme:
         if name not in ("family", "start"):
-            yield Change(f"{name} is off by about {{}}", with_parameter(name, float(scheme[name])), 0.0, {})
+            yield Change(f"{name} is off by about {{}}", with_parameter(name, float(scheme.get(name, 0.5))), 0.0, {})
     yield factor("the step size is {} times that of the case", with_size)
     for name, part in _PARTS.items():
         if name != "load" or loaded:
@@ -123,23 +131,31 @@ def _named(*numbers: float) -> dict[str, float]:
 
 
 def _replacements(case: Mapping[str, Any], dt: Any) -> dict[str, float]:
-    """Factors of a term if another number of the case is in its place, or a number is missing, by their formulas."""
-    given = {name: float(x) for name, x in case["scheme"].items() if name not in ("family", "start")}
-    given |= {"γ": 0.5} if case["scheme"]["family"] == "central_difference" else {}
-    symbols = {"beta": "β", "gamma": "γ", "alpha_m": "α_m", "alpha_f": "α_f", "theta": "θ"}
-    numbers = {symbols.get(name, name): x for name, x in given.items()}
-    if "alpha" in numbers:
-        numbers["α_f"] = -numbers.pop("alpha")
-    found = {}
-    if np.ndim(dt) == 0:
-        found = {"Δt": dt, "1/Δt": 1 / dt, "1/Δt²": 1 / dt**2}
-    weights = numbers | {f"(1 − {name})": 1 - x for name, x in numbers.items() if name != "θ"}
+    """Factors of a term if another number is in its place, if a number is missing or if a sign is wrong, by formulas."""
+    family = case["scheme"]["family"]
+    given = {name: float(x) for name, x in (_DEFAULTS.get(family, {}) | case["scheme"]).items() if name in _SYMBOLS}
+    numbers = {_SYMBOLS[name]: x for name, x in given.items()}
+    if "α" in numbers:
+        numbers["α_f"] = -numbers.pop("α")
+    found = {} if np.ndim(dt) else {"Δt": dt, "1/Δt": 1 / dt, "1/Δt²": 1 / dt**2}
+    wholes = {name: ("½", 0.5) if name == "β" else ("1", 1.0) for name in numbers if name != "θ"}
+    weights = numbers | {f"({whole} − {name})": x - numbers[name] for name, (whole, x) in wholes.items()}
     found |= {f"1/{name}": 1 / x for name, x in weights.items() if x}
-    for pair in (("β", "γ"), ("α_m", "α_f"), ("(1 − β)", "(1 − γ)"), ("(1 − α_m)", "(1 − α_f)")):
+    for name, (whole, x) in wholes.items():
+        if rest := weights[f"({whole} − {name})"]:
+            found[f"({whole} + {name})/({whole} − {name})"] = (x + numbers[name]) / rest
+            found[f"{whole}/({whole} − {name})"] = x / rest
+    for pair in (("β", "γ"), ("α_m", "α_f"), ("(½ − β)", "(1 − γ)"), ("(1 − α_m)", "(1 − α_f)")):
         for first, second in (pair, pair[::-1]):
-            if weights.get(first) and weights.get(second):
+            if first in weights and weights.get(second):
                 found[f"{first}/{second}"] = weights[first] / weights[second]
     if len(case["problem"]["u0"]) == 1:
         parts = {"M": float(case["problem"]["mass"][0][0]), "C": float(case["problem"]["damping"][0][0])}
         found |= {f"1/{name}": 1 / x for name, x in parts.items() if x}
     return {name: x for name, x in found.items() if x != 1}
+
+
+def ambiguity(case: Mapping[str, Any]) -> int:
+    """Number of the named factors that have the same value as another one, so that a cause may get a wrong name."""
+    factors = [*(_named(*FACTORS) | _replacements(case, float(case["run"].get("dt", 1.0)))).values()]
+    return len(factors) - len({round(x, 9) for x in factors})

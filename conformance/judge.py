@@ -1,7 +1,8 @@
 """Verdict on a case: whether the motions of a code agree with the expected ones, and the likely cause if not."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from conformance.causes import Known, Search, explained
 from conformance.compared import Compared, Motion, where
+from conformance.fitted import ambiguity
 from conformance.problem import Problem
 from conformance.schemes import run
 
@@ -57,6 +59,17 @@ class Verdict(NamedTuple):
     def sentence(self) -> str:
         """What is wrong and its cause, as far as there are any."""
         return ": ".join(filter(None, (self.finding, self.cause)))
+
+
+def judged(cases: Sequence[Mapping[str, Any]], runner: Callable[[Mapping[str, Any], int], Motion]) -> list[Verdict]:
+    """Verdicts on the cases of one code, in their order.
+
+    Cases in which a cause has one name are judged first. A cause with several names, such as the factors 2 and γ/β of
+    average acceleration, then has the name that it has there.
+    """
+    known: Known = set()
+    found = {case["name"]: judge(case, partial(runner, case), known) for case in sorted(cases, key=ambiguity)}
+    return [found[case["name"]] for case in cases]
 
 
 def judge(case: Mapping[str, Any], motion: Callable[[int], Motion], known: Known | None = None) -> Verdict:

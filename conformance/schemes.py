@@ -249,11 +249,13 @@ class March:
         self.move(u, v + dt / 2 * (a + new), new)
 
     def late_leapfrog(self) -> None:
-        """Central difference with the velocities of half steps, whose output has the velocity of the step before."""
+        """Central difference with velocities of half steps, whose output has the velocity of the step before.
+
+        Each step takes its own size for that of the step before.
+        """
         a = self.acceleration(1, self.u, self.v)
-        v = self.half + self.half_size * a if len(self.rows) > 1 else self.v
-        self.half_size = self.dt / 2
-        self.half = v + self.half_size * a
+        v = self.half + self.dt / 2 * a if len(self.rows) > 1 else self.v
+        self.half = v + self.dt / 2 * a
         self.move(self.u + self.dt * self.half, v, a)
 
     def wilson(self, theta: Any) -> None:

@@ -1,8 +1,7 @@
 """diffrax, a library of solvers in JAX: ``conform conformance.codes.diffrax_code:step``.
 
-The state is (u, v). Symplectic Euler is a solver of diffrax. Every other supported scheme is an explicit or diagonally
-implicit Runge-Kutta solver of diffrax with the tableau of the scheme. The equations are taken from the study, because
-JAX must differentiate them.
+Symplectic Euler is a solver of diffrax. Every other supported scheme is a Runge-Kutta solver of diffrax with the
+tableau of the scheme. The equations are taken from the study, because JAX must differentiate them.
 """
 
 import json
@@ -16,28 +15,19 @@ import optimistix
 from conformance.codes.time_integration_study import problem_of
 from study.mechanics.balance import acceleration
 
-#: Relative and absolute tolerance of the last correction of Newton's iteration; the remaining error is much smaller.
-_TOLERANCE = 1e-10
-
 
 def _solver(rows, weights) -> Any:
     """Runge-Kutta solver with a tableau whose rows end with the diagonal entry."""
-    lower, diagonal = [np.array(row[:-1]) for row in rows[1:]], np.array([row[-1] for row in rows])
-    implicit = bool(diagonal.any())
-    given = diffrax.ButcherTableau(
-        a_lower=tuple(lower),
-        b_sol=np.array(weights),
-        b_error=np.zeros(len(weights)),
-        c=np.array([sum(row) for row in rows[1:]]),
-        a_diagonal=diagonal if implicit else None,
-        # Newton's iteration of a stage starts from the slope of the previous stage
-        a_predictor=tuple(np.eye(len(row))[-1] for row in lower) if implicit else None,
-    )
+    lower, diagonal = tuple(np.array(row[:-1]) for row in rows[1:]), np.array([row[-1] for row in rows])
+    implicit, ends = bool(diagonal.any()), np.array([sum(row) for row in rows[1:]])
+    # Newton's iteration of a stage starts from the slope of the previous stage
+    stages = {"a_diagonal": diagonal, "a_predictor": tuple(np.eye(len(row))[-1] for row in lower)} if implicit else {}
+    given = diffrax.ButcherTableau(c=ends, b_sol=np.array(weights), b_error=0 * diagonal, a_lower=lower, **stages)
 
     class OfTableau(diffrax.AbstractDIRK if implicit else diffrax.AbstractERK):  # type: ignore[misc]
         tableau: ClassVar = given
         interpolation_cls: ClassVar = diffrax.Heun.interpolation_cls
-        root_finder: Any = optimistix.Newton(rtol=_TOLERANCE, atol=_TOLERANCE)
+        root_finder: Any = optimistix.Newton(rtol=1e-10, atol=1e-10)  # of the last correction
         root_find_max_steps: int = 50
 
         def order(self, terms):
@@ -69,25 +59,21 @@ def step(problem, scheme, dt, steps):
     modelled = problem_of(json.dumps(problem.text))
     if modelled.history is not None or not (tableau or (symplectic and not problem.damping.any())):
         raise NotImplementedError("it has no such solver, or no spring with a memory, or no damping in this solver")
-    terms: Any
-    solver: Any
+
+    def slope(t, u, v):
+        return acceleration(modelled, jnp.asarray(t), u, v)
+
+    terms: Any = diffrax.ODETerm(lambda t, y, args: (y[1], slope(t, *y)))
+    solver: Any = diffrax.SemiImplicitEuler() if symplectic else _solver(*tableau)
     if symplectic:
-        of_u = diffrax.ODETerm(lambda t, v, args: v)
-        of_v = diffrax.ODETerm(lambda t, u, args: acceleration(modelled, jnp.asarray(t), u, jnp.zeros_like(u)))
-        terms, solver = (of_u, of_v), diffrax.SemiImplicitEuler()
-    else:
-        terms = diffrax.ODETerm(lambda t, y, args: (y[1], acceleration(modelled, jnp.asarray(t), *y)))
-        solver = _solver(*tableau)
+        terms = (
+            diffrax.ODETerm(lambda t, v, args: v),
+            diffrax.ODETerm(lambda t, u, args: slope(t, u, jnp.zeros_like(u))),
+        )
     times = np.append(0.0, np.cumsum(dt)) if np.ndim(dt) else dt * np.arange(steps + 1)
+    control, saved = diffrax.StepTo(jnp.asarray(times)), diffrax.SaveAt(t0=True, steps=True)
+    start, end = (jnp.asarray(problem.u0), jnp.asarray(problem.v0)), times[-1]
     found = diffrax.diffeqsolve(
-        terms,
-        solver,
-        t0=0.0,
-        t1=times[-1],
-        dt0=None,
-        y0=(jnp.asarray(problem.u0), jnp.asarray(problem.v0)),
-        stepsize_controller=diffrax.StepTo(jnp.asarray(times)),
-        saveat=diffrax.SaveAt(t0=True, steps=True),
-        max_steps=steps,
+        terms, solver, 0.0, end, None, start, stepsize_controller=control, saveat=saved, max_steps=steps
     )
     return [np.asarray(one) for one in found.ys]

@@ -14,15 +14,13 @@ import subprocess
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
 from conformance import runners
-from conformance.causes import Known
 from conformance.command import cases
-from conformance.judge import Verdict, judge
+from conformance.judge import judged
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -121,10 +119,8 @@ def causes(mutant: Mutant, chosen: Sequence[dict[str, Any]], folder: Path) -> Co
         run = runner(mutant, folder)
     except (ValueError, SyntaxError):
         return Counter()
-    known: Known = set()
-    outcomes: list[Verdict] = [judge(case, partial(run, case), known) for case in chosen]
     # `where` is empty if the code raises an error or returns numbers that are not finite
-    return Counter(one.cause for one in outcomes if one.verdict in ("differs", "fail") and one.where)
+    return Counter(one.cause for one in judged(chosen, run) if one.verdict in ("differs", "fail") and one.where)
 
 
 def drawn(number: int, seed: int, chosen: Sequence[dict[str, Any]], folder: Path) -> Iterator[tuple[Mutant, Counter]]:

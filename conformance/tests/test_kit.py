@@ -23,7 +23,7 @@ from conformance.causes import Known
 from conformance.command import cases
 from conformance.contents import ORDERS, PROBLEMS, SCHEMES
 from conformance.examples import newmark
-from conformance.judge import judge
+from conformance.judge import judge, judged
 from conformance.tests import mutations
 
 KIT = Path(__file__).parents[1]
@@ -33,8 +33,7 @@ QUICK = [case for case in ALL if case["name"].startswith(("A-", "D-HARM", "E-YIE
 
 
 def verdicts(runner, chosen=ALL):
-    known: Known = set()
-    return [judge(case, partial(runner, case), known) for case in chosen]
+    return judged(chosen, runner)
 
 
 def _number(version):
