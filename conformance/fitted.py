@@ -131,7 +131,7 @@ def _named(*numbers: float) -> dict[str, float]:
 
 
 def _replacements(case: Mapping[str, Any], dt: Any) -> dict[str, float]:
-    """Factors of a term if another number is in its place, if a number is missing or if a sign is wrong, by formulas."""
+    """Factors of a term with another number in its place, without a number or with a wrong sign, by their formulas."""
     family = case["scheme"]["family"]
     given = {name: float(x) for name, x in (_DEFAULTS.get(family, {}) | case["scheme"]).items() if name in _SYMBOLS}
     numbers = {_SYMBOLS[name]: x for name, x in given.items()}

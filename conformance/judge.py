@@ -102,7 +102,7 @@ def _order(case: Mapping[str, Any], motion: Callable[[int], Motion], known: Know
     (expected,) = case["expect"]
     end, halvings = float(expected["value"]), range(4)
     motions = [motion(2**k) for k in halvings]
-    ends = [_finite(one["u"])[-1, expected["unknown"]] for one in motions]
+    ends = [_finite(one, "u")[-1, expected["unknown"]] for one in motions]
     errors = np.maximum(np.abs(np.array(ends) - end), np.finfo(float).tiny)
     slope, digits = -float(np.polyfit(halvings, np.log2(errors), 1)[0]), _digits(errors[-1], abs(end))
     if abs(slope - int(expected["order"])) <= float(expected["tolerance"]):
@@ -114,7 +114,7 @@ def _bound(case: Mapping[str, Any], motion: Motion, known: Known) -> Verdict:
     (expected,), problem = case["expect"], Problem(case["problem"])
     if motion["v"] is None:
         raise Unsupported("an energy needs the velocity")
-    moved = zip(_finite(motion["u"]), _finite(motion["v"]), strict=True)
+    moved = zip(_finite(motion, "u"), _finite(motion, "v"), strict=True)
     energies = np.array([problem.energy(u, v) for u, v in moved])
     largest = float(max(energies) / energies[0])
     if largest <= float(expected["limit"]):
@@ -142,9 +142,10 @@ def _failed(case: Mapping[str, Any], motion: Motion, known: Known, found: str, d
     return Verdict(case["name"], "fail", digits, cause, where(pairs), found)
 
 
-def _finite(values: Any) -> np.ndarray:
+def _finite(motion: Motion, name: str) -> np.ndarray:
+    values = np.asarray(motion[name])
     if not np.isfinite(values).all():
-        raise ValueError(f"values are not finite from step {int(np.argmin(np.isfinite(values).all(axis=1)))} on")
+        raise ValueError(f"{name} is not finite from step {int(np.argmin(np.isfinite(values).all(axis=1)))} on")
     return values
 
 
@@ -159,7 +160,7 @@ def _identical(case: Mapping[str, Any], motion: Motion, known: Known) -> Verdict
             one["unknown"],
             one["at"],
             np.array([float(text) for text in one["values"]]),
-            _finite(motion[one["quantity"]])[one["at"], one["unknown"]],
+            _finite(motion, one["quantity"])[one["at"], one["unknown"]],
             float(one["tolerance"]),
             float(one["scale"]),
         )

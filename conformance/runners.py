@@ -2,15 +2,16 @@
 
 import importlib
 import json
+import multiprocessing
 import os
 import shlex
 import signal
 import subprocess
 import sys
 import tempfile
-import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from multiprocessing.connection import Connection
 from pathlib import Path
 from subprocess import DEVNULL, PIPE
 from typing import Any
@@ -23,25 +24,109 @@ from conformance.problem import Problem
 #: Exit status by which a command states that it has no such scheme or problem.
 SKIPPED = 77
 
-#: Time limits of one run of a command and of a function in seconds. The first call of a function may compile it.
-TIMEOUT, CALL_TIMEOUT = 60, 300
+#: Time limits of a run of a command, and of a call and the import of a function in seconds. The first call may compile.
+TIMEOUT, CALL_TIMEOUT, IMPORT_TIMEOUT = 60.0, 300.0, 300.0
 
 #: Function of a case and of the whole number that divides the step size of the case. It returns a motion.
 Runner = Callable[[Mapping[str, Any], int], Motion]
 
 
-def of_function(place: str) -> Runner:
-    """Runner of the function that ``MODULE:FUNCTION`` or ``FILE.py:FUNCTION`` names.
+def of_step(step: Callable[..., Any]) -> Runner:
+    """Runner of a Python function in this process.
 
     The function takes the problem, the scheme as a dictionary, the step size and the number of steps. It returns u, v
     and, if available, a, at the start and after every step, each of shape (steps + 1, n). For unequal steps the step
     size is an array of shape (steps,). The function raises ``NotImplementedError`` for an unsupported case.
+    """
+
+    def motion(case: Mapping[str, Any], part: int) -> Motion:
+        dt, steps = times(case, part)
+        try:
+            with np.errstate(all="ignore"):
+                found = step(Problem(case["problem"]), case["scheme"], dt, steps)
+        except NotImplementedError as error:
+            raise Unsupported(str(error)) from None
+        except (Exception, SystemExit) as error:  # any error of the code is a failure of this case alone
+            raise ValueError(f"the code raises {type(error).__name__}: {error}") from error
+        return _checked(case, part, _arrays(found))
+
+    return motion
+
+
+def of_function(place: str) -> Runner:
+    """Runner of the function that ``MODULE:FUNCTION`` or ``FILE.py:FUNCTION`` names, in a process of its own.
+
+    A crash or a hang, also of compiled code, ends that process and fails one case. ``of_step`` states what the function
+    takes and returns.
 
     Raises
     ------
     ValueError
         If the module cannot be imported or has no such function.
     """
+    worker = Worker(place)
+
+    def motion(case: Mapping[str, Any], part: int) -> Motion:
+        return worker.motion(case, part)
+
+    return motion
+
+
+class Worker:
+    """A process that imports a function and calls it; a new process takes the place of one that has ended."""
+
+    def __init__(self, place: str):
+        self.place = place
+        self._start()
+
+    def _start(self) -> None:
+        spawn = multiprocessing.get_context("spawn")
+        self._pipe, other = spawn.Pipe()
+        self._process = spawn.Process(target=_serve, args=(self.place, other), daemon=True)
+        self._process.start()
+        other.close()
+        self._answer(IMPORT_TIMEOUT)
+
+    def _answer(self, limit: float) -> Any:
+        if not self._pipe.poll(limit):
+            self._process.kill()
+            self._process.join()
+            raise ValueError(f"the function takes longer than {limit:g} s")
+        try:
+            answer = self._pipe.recv()
+        except (EOFError, ConnectionError):
+            self._process.join()
+            raise ValueError(f"the code {_ending(self._process.exitcode or 0)}") from None
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def motion(self, case: Mapping[str, Any], part: int) -> Motion:
+        """The motion of a case, as a ``Runner`` returns it."""
+        if not self._process.is_alive():
+            self._start()
+        self._pipe.send((case, part))
+        return self._answer(CALL_TIMEOUT)
+
+
+def _serve(place: str, pipe: Connection) -> None:
+    """Answer with the motion of each case that arrives, or with the exception of its runner."""
+    try:
+        runner = of_step(_imported(place))
+        pipe.send(None)
+    except ValueError as error:
+        pipe.send(error)
+        return
+    with suppress(EOFError):  # the other process has ended
+        while True:
+            case, part = pipe.recv()
+            try:
+                pipe.send(runner(case, part))
+            except (ValueError, Unsupported) as error:
+                pipe.send(error)
+
+
+def _imported(place: str) -> Callable[..., Any]:
     file, _, name = place.rpartition(":")
     folder, module = (str(Path(file).parent), Path(file).stem) if file.endswith(".py") else (".", file)
     # the folder stays on the path, because the function may import neighbouring modules when it runs
@@ -54,44 +139,11 @@ def of_function(place: str) -> Runner:
         raise ValueError(
             f"'{place}' must name a module and a function in it, such as my_code:step ({error})."
         ) from None
-
-    def motion(case: Mapping[str, Any], part: int) -> Motion:
-        dt, steps = times(case, part)
-        try:
-            with np.errstate(all="ignore"), _limited():
-                found = step(Problem(case["problem"]), case["scheme"], dt, steps)
-        except _TooLong:
-            raise ValueError(f"the function takes longer than {CALL_TIMEOUT} s") from None
-        except NotImplementedError as error:
-            raise Unsupported(str(error)) from None
-        except (Exception, SystemExit) as error:  # any error of the code is a failure of this case alone
-            raise ValueError(f"the code raises {type(error).__name__}: {error}") from error
-        return _checked(case, part, _arrays(found))
-
-    return motion
+    return step
 
 
-class _TooLong(BaseException):
-    """A function has exceeded its time limit. Functions that catch every ``Exception`` do not catch it."""
-
-
-@contextmanager
-def _limited() -> Iterator[None]:
-    """Raise ``_TooLong`` in a Python function that exceeds its time limit; compiled code ends first."""
-    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "SIGALRM"):
-        yield
-        return
-
-    def stop(*_: Any) -> None:
-        raise _TooLong
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, CALL_TIMEOUT)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+def _ending(status: int) -> str:
+    return f"ends with status {status}" if status >= 0 else f"is ended by signal {-status}"
 
 
 def _arrays(found: Any) -> Motion:
@@ -136,8 +188,7 @@ def of_command(template: str) -> Runner:
             if status == SKIPPED:
                 raise Unsupported(said)
             if status:
-                ended = f"ends with status {status}" if status > 0 else f"is ended by signal {-status}"
-                raise ValueError(f"the command {ended}{said and ': '}{said[-200:]}")
+                raise ValueError(f"the command {_ending(status)}{said and ': '}{said[-200:]}")
             if not out.is_file():
                 raise ValueError(f"the command writes no file {{out}}{said and ': '}{said[-200:]}")
             return _read(out, case, part)
@@ -159,7 +210,7 @@ def _ended(command: list[str]) -> tuple[int, str]:
     except subprocess.TimeoutExpired:
         os.killpg(started.pid, signal.SIGKILL)
         started.communicate()
-        raise ValueError(f"the command takes longer than {TIMEOUT} s") from None
+        raise ValueError(f"the command takes longer than {TIMEOUT:g} s") from None
     return started.returncode, said.strip()
 
 

@@ -8,6 +8,7 @@ import jax
 import pytest
 
 from conformance import VERSION, runners
+from conformance.codes import time_integration_study
 from conformance.command import cases
 from conformance.judge import judge
 
@@ -28,7 +29,7 @@ def test_the_study_passes():
     chosen = [case for case in ALL if case["name"][0] in "ABCDG" or case["name"][-3:] in ("AVG", "HHT", "BAT", "RK4")]
     moved = {case["name"] for case in ALL if case["name"][0] == "G" and case["name"][-3:] in ("GEN", "HHT")}
     with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
-        outcomes = verdicts(runners.of_function("conformance.codes.time_integration_study:step"), chosen)
+        outcomes = verdicts(runners.of_step(time_integration_study.step), chosen)
     assert {one.name for one in outcomes if one.verdict != "pass"} == moved
     assert {one.verdict for one in outcomes if one.name in moved} == {"differs"}
     stored = json.loads((VERDICTS / "study.json").read_text(encoding="utf-8"))
@@ -39,7 +40,9 @@ def test_the_study_passes():
 def test_diffrax_has_average_acceleration_as_the_trapezoidal_rule():
     """The runner of diffrax passes the case of average acceleration on unequal steps."""
     pytest.importorskip("diffrax")
+    from conformance.codes import diffrax_code
+
     (case,) = [case for case in ALL if case["name"] == "G-LIN-AVG"]
     with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
-        (one,) = verdicts(runners.of_function("conformance.codes.diffrax_code:step"), [case])
+        (one,) = verdicts(runners.of_step(diffrax_code.step), [case])
     assert one.verdict == "pass" and one.digits > 12

@@ -98,10 +98,9 @@ def runner(mutant: Mutant, folder: Path) -> runners.Runner:
         If the changed text is not a program.
     """
     if mutant.file.endswith(".py"):
-        module = ModuleType("mutant")
+        module: Any = ModuleType("mutant")
         exec(mutant.text, module.__dict__)
-        sys.modules["mutant"] = module
-        return runners.of_function("mutant:step")
+        return runners.of_step(module.step)
     file = folder / mutant.file
     if mutant.file.endswith(".js"):
         file.write_text(mutant.text[: mutant.text.index("const test =")] + _WRITES, encoding="utf-8")

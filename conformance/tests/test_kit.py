@@ -4,7 +4,6 @@ import json
 import re
 import shutil
 import subprocess
-import sys
 from collections import Counter, defaultdict
 from functools import partial
 from hashlib import sha256
@@ -100,7 +99,7 @@ def test_the_stored_end_of_a_case_of_order_is_exact():
 
 
 def test_the_example_in_numpy_passes_what_it_does():
-    outcomes = verdicts(runners.of_function("conformance.examples.newmark:step"))
+    outcomes = verdicts(runners.of_step(newmark.step))
     assert counted(outcomes)["pass"] == sum(case["scheme"]["family"] in newmark.FAMILIES for case in ALL)
     assert set(counted(outcomes)) == {"pass", "skip"}
 
@@ -120,21 +119,17 @@ def _caught(runner, chosen, cause):
 
 @pytest.mark.parametrize("change", mutations.PYTHON, ids=lambda change: change[2])
 def test_a_mistake_in_the_numpy_program_is_caught_and_named(change):
-    module = ModuleType("mutated")
+    module: Any = ModuleType("mutated")
     source, cause = _mutated((KIT / "examples" / "newmark.py").read_text(encoding="utf-8"), change)
     exec(source, module.__dict__)
-    sys.modules["mutated"] = module
-    assert _caught(runners.of_function("mutated:step"), QUICK, cause)
-    del sys.modules["mutated"]
+    assert _caught(runners.of_step(module.step), QUICK, cause)
 
 
 def test_an_acceleration_that_is_moved_to_the_new_step_is_an_alternative():
-    module = ModuleType("mutated")
+    module: Any = ModuleType("mutated")
     exec((KIT / "examples" / "newmark.py").read_text(encoding="utf-8").replace(*mutations.MOVED), module.__dict__)
-    sys.modules["mutated"] = module
     unequal = [case for case in ALL if "unequal_steps" in case["tags"]]
-    outcomes = verdicts(runners.of_function("mutated:step"), unequal)
-    del sys.modules["mutated"]
+    outcomes = verdicts(runners.of_step(module.step), unequal)
     for one in outcomes:
         moved = one.name.endswith(("HHT", "GEN"))
         assert one.verdict == ("differs" if moved else "pass") and ("moved to the new step" in one.cause) == moved
@@ -148,23 +143,19 @@ def test_unequal_steps_have_the_changes_that_their_cases_hold_no_values_of():
         ("problem.load(t + part * tau)", "problem.load(t + tau / 2)", "fail", "load is that of the middle"),
         ("problem.force(at)", "part * problem.force(x) + alpha_f * problem.force(u)", "differs", "two internal forces"),
     ):
-        module = ModuleType("mutated")
+        module: Any = ModuleType("mutated")
         exec(text.replace(old, new), module.__dict__)
-        sys.modules["mutated"] = module
-        changed = [one for one in verdicts(runners.of_function("mutated:step"), unequal) if one.verdict != "pass"]
+        changed = [one for one in verdicts(runners.of_step(module.step), unequal) if one.verdict != "pass"]
         assert changed and all(one.verdict == verdict and cause in one.cause for one in changed), changed
-    del sys.modules["mutated"]
 
 
 def test_a_wrong_order_and_a_growing_energy_name_their_cause():
     """Cases of the kinds order and bound state no values; the first steps of the scheme show the cause."""
-    module = ModuleType("mutated")
+    module: Any = ModuleType("mutated")
     text = (KIT / "examples" / "newmark.py").read_text(encoding="utf-8")
     exec(text.replace('numbers.get("alpha_m", 0.0)', "0.0"), module.__dict__)
-    sys.modules["mutated"] = module
     chosen = [case for case in ALL if case["name"] in ("D-ORDER-GEN", "C-BOUND-GEN")]
-    energy, order = verdicts(runners.of_function("mutated:step"), chosen)
-    del sys.modules["mutated"]
+    energy, order = verdicts(runners.of_step(module.step), chosen)
     assert re.fullmatch(r"the energy grows to \S+ times .*: α_m is missing in the balance", energy.sentence)
     assert re.fullmatch(r"the order is \S+, not 2", order.finding) and order.cause == "α_m is missing in the balance"
     assert order.where == "u differs from step 1 on, v differs from step 1 on"
@@ -229,7 +220,7 @@ def test_the_third_set_of_opensees_moves_from_rest_as_the_schemes_do_and_not_fro
 
 def test_tables_of_a_folder_are_judged(tmp_path, capsys):
     case = next(case for case in ALL if case["name"] == "A-LIN-AVG")
-    motion = runners.of_function("conformance.examples.newmark:step")(case, 1)
+    motion = runners.of_step(newmark.step)(case, 1)
     rows = np.hstack([0.05 * np.arange(3.0)[:, None], *(np.array(motion[name]) for name in "uv")])
     np.savetxt(tmp_path / "A-LIN-AVG.csv", rows, delimiter=",", header="t,u1,v1", comments="", fmt="%.17g")
     main(["--collect", str(tmp_path)])
