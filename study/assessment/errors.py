@@ -29,10 +29,6 @@ CLOSER, REFINEMENTS = 65, 2
 #: Number of points in time at which one call evaluates a quantity.
 AT_ONCE = 4096
 
-#: Number of intervals of the reference that a step may cross without a loop. A loop takes longer than the rest of the
-#: observer.
-AHEAD = 4
-
 #: Values of a quantity at some times, with an axis for its components.
 Values = Float[np.ndarray, "t components"]
 
@@ -218,7 +214,7 @@ class ErrorsAlong(Reduction):
         before, after = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
         table = np.stack(quintic(before, after, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
         # padded to a power of two, so that few programs are compiled; no step reaches the padding, which begins at ∞
-        padding = 2 ** math.ceil(math.log2(len(length) + AHEAD + 1)) - len(length)
+        padding = 2 ** math.ceil(math.log2(len(length) + 2)) - len(length)
         begin = np.append(solution.t[:-1], np.full(padding, np.inf))
         numbers = (
             begin,
@@ -233,11 +229,12 @@ class ErrorsAlong(Reduction):
         return {name: values for one in self.quantities for name, values in one.variables.items()}
 
     def start(self, problem, state):
-        return jnp.zeros((), int), jnp.zeros(len(self.quantities))
+        return jnp.zeros((), int), (jnp.zeros(()),) * len(self.quantities)
 
     def update(self, carried, problem, state, t, effort):
         place, largest = carried
-        place += jnp.sum(self.begin[place + 1 + jnp.arange(AHEAD)] <= t)
+        # few steps cross two ends of intervals, so the loop seldom takes a turn
+        place += (self.begin[place + 1] <= t).astype(place.dtype)
         place = lax.while_loop(lambda i: self.begin[i + 1] <= t, lambda i: i + 1, place)
         s = (t - self.begin[place]) / self.length[place]
         polynomial = tuple(self.coefficients[place])
@@ -247,7 +244,8 @@ class ErrorsAlong(Reduction):
             jnp.max(jnp.abs(one.value(problem, t, state.u, state.v) - one.value(problem, t, *exact)) / scale)
             for one, scale in zip(self.quantities, self.scales, strict=True)
         ]
-        return place, jnp.maximum(largest, jnp.stack(off))
+        # one array of all quantities would be computed entry by entry, twice as long for ensembles
+        return place, tuple(map(jnp.maximum, largest, off))
 
     def result(self, carried, problem, state):
         return dict(zip(self.variables, carried[1], strict=True))
