@@ -130,8 +130,8 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     )
 
     def run(u0, v0, dt, own, arguments, on_pause):
-        end = last if own is None else int(own.max())
-        return program.run(u0, v0, dt, end, every, samples, own, on_pause=on_pause, arguments=arguments)
+        # a group ends with its last lane; the number of steps of all groups makes them use one compiled program
+        return program.run(u0, v0, dt, last, every, samples, own, on_pause=on_pause, arguments=arguments)
 
     results = _on_cores(run, list(zip(*groups, strict=True)))
     back = np.argsort(order)

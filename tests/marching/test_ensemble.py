@@ -72,6 +72,19 @@ def test_a_pause_changes_no_bit_of_an_ensemble(monkeypatch):
     xr.testing.assert_identical(study.run("softening", "average_acceleration", **arguments, every=10), at_once)
 
 
+def test_short_and_long_groups_use_one_program(monkeypatch, compiled):
+    """The first group of lanes ends before the first pause, and the last one after it."""
+    monkeypatch.setattr(ensemble, "GROUPS", (1,))
+    steps = np.repeat([10, 300], ensemble.TILE)
+    arguments = {"dt": 0.001, "u0": np.linspace(0.5, 2.0, len(steps)), "observe": ["max_energy_error"]}
+    with monkeypatch.context() as patched:
+        patched.setattr(program, "PAUSE", 100 * ensemble.TILE)
+        in_stretches = study.run("hardening", "rk4", steps=steps, **arguments)
+    before = len(compiled)
+    xr.testing.assert_identical(study.run("hardening", "rk4", steps=steps, **arguments), in_stretches)
+    assert len(compiled) == before + 1  # the program without stretches
+
+
 def test_a_failed_lane_leaves_the_others_alone():
     dt = [0.001, 0.9, 0.002]
     lanes = study.run("hardening", "central_difference", dt=dt, steps=100, observe=["trajectory", "max_energy_error"])
