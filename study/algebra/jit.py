@@ -1,8 +1,8 @@
 """Compilation by XLA, with the options for marches."""
 
 import functools
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import equinox as eqx
@@ -20,6 +20,26 @@ _OPTIONS = {
     "xla_cpu_use_fusion_emitters": False,
     "xla_cpu_parallel_codegen_split_count": 1,
 }
+
+#: Additional option of programs for short runs: LLVM does not optimise them.
+_UNOPTIMISED = {"xla_backend_optimization_level": 0}
+_short = False
+
+
+@contextmanager
+def short_runs() -> Iterator[None]:
+    """Compile without optimisation, for runs of few steps; also a decorator.
+
+    Programs compile in about half the time, and a step takes up to ten times as long, so that a run with less than some
+    ten thousand steps gains. Its results equal those of an optimised program to round-off. The functions called within
+    this context must not run in several threads of which some are outside of it.
+    """
+    global _short
+    before, _short = _short, True
+    try:
+        yield
+    finally:
+        _short = before
 
 
 @functools.cache
@@ -51,8 +71,12 @@ def jit(function: Callable, compiler: Callable = jax.jit, **arguments: Any) -> C
     compiler
         ``jax.jit`` or ``equinox.filter_jit``.
     """
-    # compiled at the first call and not at import, because the trial of the options compiles a function
-    compiled = functools.cache(lambda: compiler(function, compiler_options=_known_options(), **arguments))
+
+    # at the first call and not at import, because the trial of the options compiles a function
+    @functools.cache
+    def compiled(short: bool):
+        options = _known_options() | (_UNOPTIMISED if short else {})
+        return compiler(function, compiler_options=options, **arguments)
 
     @functools.wraps(function)
     def called(*args, **kwargs):
@@ -61,6 +85,6 @@ def jit(function: Callable, compiler: Callable = jax.jit, **arguments: Any) -> C
             with suppress(Exception), reading(reads):  # a function that JAX cannot trace raises below, too
                 reads = reads_of_program(eqx.filter_make_jaxpr(function)(*args, **kwargs)[0])
         with reading(reads):
-            return compiled()(*args, **kwargs)
+            return compiled(_short)(*args, **kwargs)
 
     return called
