@@ -24,7 +24,7 @@ NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
 #: Declarations of all tables of the study, and the name of the table of claims.
 TABLES, LEDGER = tuple(one for one in discover(["tables"]) if one.kind == "table"), "claims"
 #: Files of the results that are copied into the site.
-PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf", "replication.pdf", "assessment/hardening.html")
+PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf", "replication.pdf", "assessment/driven.html")
 
 #: Folders and files of the project that pages show or document.
 _FOLDERS = ("study", "docs", "examples", "conformance/verdicts", "conformance/reports")

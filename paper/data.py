@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from paper.published import PROBLEMS, SCHEMES, STEPS
+from study.runs.needs import largest_size
 
 #: Titles of the general solvers that figures and tables show, by their names in the datasets.
 SOLVERS = {
@@ -62,22 +63,14 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
     return size.sel(periods=longer).where(np.logical_or.reduce(ends))
 
 
-def keeps(atlas: xr.Dataset, error: float) -> xr.DataArray:
-    """Whether the runs of the maps keep energy and period within an error in percent."""
-    return (atlas.max_energy_error <= error) & (100 * atlas.period_error <= error)
-
-
 def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
-    """Largest Δt/T at and below which all steps of the maps keep energy and period within an error in percent.
+    """Largest Δt/T at and below which all steps of the maps keep energy and period within a relative error.
 
     The result is zero if the finest step exceeds the error.
     """
-    unbroken = keeps(atlas, error).sortby("dt_over_period").astype(int).cumprod("dt_over_period")
-    return (unbroken.dt_over_period * unbroken).max("dt_over_period")
+    return largest_size((atlas.max_energy_error <= 100 * error) & (atlas.period_error <= error), "dt_over_period")
 
 
 def largest_omega_step(rule: xr.Dataset, error: float) -> xr.DataArray:
     """Largest ω Δt up to which steps keep energy and period within a relative error; zero if the finest does not."""
-    kept = (rule.energy_error <= error) & (rule.period_error <= error)
-    unbroken = kept.sortby("omega_step").astype(int).cumprod("omega_step")
-    return (unbroken.omega_step * unbroken).max("omega_step")
+    return largest_size((rule.energy_error <= error) & (rule.period_error <= error), "omega_step")

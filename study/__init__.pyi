@@ -7,7 +7,6 @@ from study import settings as settings
 from study.analysis.linear_theory import LinearTheory as LinearTheory
 from study.analysis.outcomes import Outcome as Outcome
 from study.analysis.outcomes import outcomes as outcomes
-from study.analysis.recommendation import recommend as recommend
 from study.analysis.step_bound import step_bound as step_bound
 from study.assessment.assess import assess as assess
 from study.assessment.citation import cite as cite
@@ -40,6 +39,7 @@ from study.problem.named import problems as problems
 from study.program.command import command as command
 from study.program.definition import Program as Program
 from study.program.opensees import opensees as opensees
+from study.runs.recommendation import recommend as recommend
 from study.scheme.alpha import GeneralizedAlpha as GeneralizedAlpha
 from study.scheme.alpha import HHTAlpha1996 as HHTAlpha1996
 from study.scheme.auxiliary_variable import AuxiliaryVariable as AuxiliaryVariable

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from study import io
-from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
 from study.assessment.assurance import limits_of_reference
 from study.assessment.report import answer, report
@@ -23,6 +22,7 @@ from study.program.command import command
 from study.program.definition import Program
 from study.program.opensees import opensees
 from study.registry import Registry, UnknownName
+from study.runs.recommendation import recommend
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
 from study.user_files import load

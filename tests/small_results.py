@@ -6,6 +6,8 @@ import numpy as np
 import xarray as xr
 
 from study import io
+from study.runs.needs import ATTRIBUTES, needs, of_problems
+from tests.runs.made_up import runs, with_kinds
 
 VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step")
 
@@ -74,9 +76,23 @@ def decisions() -> xr.Dataset:
     )
 
 
+def needed() -> xr.Dataset:
+    """The needs of three schemes on a softening and a hardening spring."""
+    errors = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2, 0.02, 0.005, 0.0005]]
+    parts = [needs(runs(errors, problem), [0.1, 0.01]) for problem in ("softening", "hardening")]
+    found = with_kinds(of_problems(parts))
+    found.verdict.attrs = ATTRIBUTES["verdict"]
+    return found
+
+
 def write_to(results: Path) -> Path:
     """Write the datasets to a folder of results, and return the folder."""
-    made = {"assessment/softening": assessment(), "energy_error": energy_error(), "decisions": decisions()}
+    made = {
+        "assessment/mine": assessment(),
+        "energy_error": energy_error(),
+        "decisions": decisions(),
+        "needs": needed(),
+    }
     for name, dataset in made.items():
         io.write(dataset.assign_attrs(source=io.SOURCE), results / f"{name}.nc")
     return results

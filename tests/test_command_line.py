@@ -46,8 +46,8 @@ def test_names_are_listed(capsys):
 
 def test_a_recommendation_is_printed(capsys, tmp_path):
     folder = small_results.write_to(tmp_path)
-    main(["recommend", "softening", "--error", "0.01", "--quantity", "energy", "--folder", str(folder)])
-    table = study.recommend("softening", error=0.01, quantity="energy", folder=folder)
+    main(["recommend", "softening", "--error", "0.01", "--quantity", "displacement", "--folder", str(folder)])
+    table = study.recommend("softening", error=0.01, quantity="displacement", folder=folder)
     assert capsys.readouterr().out == f"{table.to_string()}\n"
 
 
@@ -88,8 +88,8 @@ def test_an_assessment_is_found_by_its_file(capsys, tmp_path, monkeypatch):
         ),
         (
             ["recommend", "hardening", "--error", "0.01", "--folder", "{folder}"],
-            "there is no dataset '{folder}/assessment/hardening.nc': another folder of results is given as `folder`, "
-            "and a dataset of the study is made by `snakemake {folder}/assessment/hardening.nc` in the folder of its "
+            "there is no dataset '{folder}/needs.nc': another folder of results is given as `folder`, "
+            "and a dataset of the study is made by `snakemake {folder}/needs.nc` in the folder of its "
             "sources.",
         ),
     ],

@@ -12,8 +12,8 @@ from paper.data import largest_safe
 
 #: Largest number of amplitudes, and of step sizes, of a map on the page. A cell is then about ten pixels wide.
 CELLS = 64
-#: Selectable allowed errors, in percent.
-ERRORS = (10.0, 1.0, 0.1)
+#: Selectable allowed errors.
+ERRORS = (0.1, 0.01, 0.001)
 #: Number of integer codes for each doubling of an error.
 LOG_CODES = 512
 

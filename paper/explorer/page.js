@@ -89,6 +89,16 @@ function rowsOf(explicit) {
   }).join("")
 }
 
+// The decisions of the study on the chosen spring, from its own start, as a list; empty without a decision.
+function decisionsOf({problem, error}) {
+  const {name, unit} = meta.problems[problem]
+  const of = meta.decisions.filter((one) => one.problem === name && Math.abs(one.error / error - 1) < 1e-9)
+  const items = of.map(({quantity, kind, title, steps}) => `<li>${quantity}, ${kind}: ${title
+    ? `${escaped(title)}, ${steps} steps a period` : "no step that was tried"}</li>`)
+  return of.length ? `<p class="note">From u₀ = ${short(unit)}, an error within ${error}\u00a0% over ${of[0].periods}
+    periods needs the fewest forces with:</p><ul class="decisions">${items.join("")}</ul>` : ""
+}
+
 function drawAnswer() {
   const {u0} = cellOf(choice)
   $("#question").textContent = `Largest safe steps: ${meta.problems[choice.problem].title}, u₀ = ${short(u0)}, ` +
@@ -97,7 +107,8 @@ function drawAnswer() {
     <caption>${title}</caption><thead><tr><th scope="col">scheme</th><th scope="col">Δt</th>
     <th scope="col">steps a period</th><th scope="col">forces</th></tr></thead><tbody>${rowsOf(explicit)}</tbody></table>`
   ).join("")
-  if (tables !== answer) $("#answer").innerHTML = answer = tables
+  const all = tables + decisionsOf(choice)
+  if (all !== answer) $("#answer").innerHTML = answer = all
 }
 
 function drawLegend() {

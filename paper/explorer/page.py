@@ -10,6 +10,7 @@ import xarray as xr
 from paper.explorer.data import ERRORS, LOG_CODES, coarse, of_maps, packed
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import page
+from paper.tables.decision import rows_of, steps_of
 
 #: Initial state of the controls of the page; ``step`` is the step size divided by the period.
 FIRST: dict[str, Any] = {
@@ -56,6 +57,18 @@ def _outcomes(outcome: xr.DataArray) -> list[dict[str, str]]:
     ]
 
 
+def _decisions(decisions: xr.Dataset) -> list[dict[str, Any]]:
+    """Scheme and number of steps in a period of each decision on the springs; the title is empty if there is none."""
+    found = []
+    for problem, quantity, kind in rows_of(decisions):
+        for error in decisions.allowed_error.values.tolist() if problem in PROBLEMS else ():
+            one = decisions.sel(problem=problem, quantity=quantity, kind=kind, allowed_error=error, filter="all")
+            row = {"problem": problem, "quantity": quantity, "kind": kind, "error": 100 * error}
+            shown = {"title": one.scheme_title.item(), "steps": steps_of(one) if one.step_size > 0 else ""}
+            found.append(row | shown | {"periods": one.decided.item()})
+    return found
+
+
 def _cases(cases: list[xr.Dataset]) -> list[dict[str, Any]]:
     """Spring, initial displacement and step size of each run of the paper."""
     # the problem softening_large is the softening spring from its large amplitude
@@ -81,7 +94,7 @@ def _as_script(value: object) -> str:
     cases=[f"phase_portrait/{name}" for name in CASES],
     requires={"atlas.problems": PROBLEMS, "atlas.schemes": FIRST["schemes"]},
 )
-def explorer(atlas: xr.Dataset, cases: list[xr.Dataset]) -> str:
+def explorer(atlas: xr.Dataset, cases: list[xr.Dataset], decisions: xr.Dataset) -> str:
     """The page as HTML with all its parts; equal data give equal text.
 
     Parameters
@@ -90,6 +103,8 @@ def explorer(atlas: xr.Dataset, cases: list[xr.Dataset]) -> str:
         Maps of stability.
     cases
         Runs of the paper, which the maps mark.
+    decisions
+        Cheapest schemes for allowed errors.
     """
     atlas = atlas.sel(problem=PROBLEMS)
     maps = coarse(atlas)
@@ -100,7 +115,8 @@ def explorer(atlas: xr.Dataset, cases: list[xr.Dataset]) -> str:
         "problems": _problems(atlas),
         "schemes": _schemes(atlas),
         "outcomes": _outcomes(atlas.outcome),
-        "errors": ERRORS,
+        "errors": [100 * error for error in ERRORS],
+        "decisions": _decisions(decisions),
         "amplitudes": maps.amplitude.values.tolist(),
         "steps": maps.dt_over_period.values.tolist(),
         "cases": _cases(cases),

@@ -28,7 +28,7 @@ def sentence(title: str) -> str:
 def steps_of(one: xr.Dataset) -> str:
     """The step of a need or decision: steps in a time scale, or its size in ms under records."""
     if one.problem.item() == "records":
-        return f"{1e3 * one.step_size.item():.2g} ms"
+        return f"{number(1e3 * one.step_size.item(), 2)} ms"
     at_most = AT_MOST if one.verdict.item() == COARSEST else ""
     return f"{at_most}{one.steps_per_period.item():,.0f}{FINEST if one.smaller_steps.item() == 0 else ''}"
 

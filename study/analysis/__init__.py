@@ -1,1 +1,1 @@
-"""Linear theory, outcomes, comparison with references, and recommendation."""
+"""Linear theory, outcomes, comparison with references, and tables of assessments."""

@@ -1,16 +1,13 @@
-"""``study.recommend``: the cheapest scheme for an allowed error."""
+"""The table of recommended schemes and steps that an assessment gives."""
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from study import io
-from study.algebra.scalars import is_number
 from study.registry import UnknownName, did_you_mean
 from study.words import number, percent, step_size, step_with_unit, text_of, typed
 
@@ -20,7 +17,7 @@ WHOLE = ("number_of_steps", "force_evaluations", "steps_tried", "controlled_step
 
 
 class Recommended(pd.DataFrame):
-    """The table of :func:`recommend`. It is printed below the answer in words, with numbers of three digits.
+    """The table of :func:`study.recommend`. It is printed below the answer in words, with numbers of three digits.
 
     ``attrs`` holds the lines of the ``answer``; ``notes``, sentences on the error, the reference value and remarks; and
     ``spacing``, the time between samples of a record in s.
@@ -58,113 +55,35 @@ class Recommended(pd.DataFrame):
         return [*self.attrs.get("answer", ()), *self.attrs.get("notes", ())]
 
 
-def recommend(
-    what: str | xr.Dataset, *, error: float, quantity: str | None = None, folder: str | Path = io.RESULTS
-) -> pd.DataFrame:
-    """List the schemes of an assessment, the fastest first, with the step size at which each keeps an allowed error.
-
-    No number is interpolated: step sizes, errors and numbers of force evaluations are taken from runs. A recommended
-    step size has two digits; with a record of ground motion it is an integer fraction or multiple of the time between
-    samples. All smaller step sizes that :func:`study.assess` tried keep the error too. Except for a program or more
-    than 1,000 unknowns, the recommended step size also keeps the error if initial values and load are one percent
-    smaller or larger.
-
-    Parameters
-    ----------
-    what
-        Dataset of :func:`study.assess`, its file, ``NAME.nc``, or the name of an assessment: of an assessment in the
-        section ``assess`` of the configuration, or of a file ``NAME.nc`` in ``folder`` or in the present folder. The
-        study has the assessments ``hardening`` and ``softening``, each over a hundred periods.
-    error
-        Allowed error as a fraction, 0.01 for one percent, of the value that the coordinate ``relative_to`` of the
-        assessment states. It must be one of the errors that were assessed.
-    quantity
-        Quantity of the assessment that must keep the error. The default is its first quantity, which is
-        ``displacement`` if the assessment was given no quantities.
-    folder
-        Folder of the results, which contains the dataset of a named assessment.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row for each ``scheme``, the fastest first; schemes without a recommended step size are last. Schemes whose
-        times differ by less than their spread are ordered by the number of internal forces, or of steps if forces are
-        not counted. The printed table begins with the answer in words. Printed step sizes are never rounded up.
-
-        ``kind``
-            ``implicit`` or ``explicit``; ``unknown`` for a program's own scheme.
-        ``step_size``
-            The recommended step size, in s.
-        ``largest_step``
-            The largest step size tried that keeps the error with a margin for scatter, in s. All smaller step sizes
-            tried keep the error. ``step_size`` is this value, rounded down.
-        ``omega_step``
-            Δt·ω, with the highest circular frequency ω of small motions about points of the reference's motion.
-        ``number_of_steps``
-            Number of steps of the run with this step size.
-        ``error``
-            Error of this run.
-        ``most_wrong``, ``most_wrong_error``
-            The quantity with the largest error in this run, and its error. A run may keep the energy although its
-            displacement is wrong.
-        ``time``, ``time_spread``
-            Computing time of all steps of this run, and its interquartile range, in s. A call of
-            :func:`study.run` adds less than a millisecond.
-        ``ties_with_fastest``
-            Whether this time exceeds the shortest time by at most the mean of both interquartile ranges, so that the
-            times do not decide which scheme is faster.
-        ``force_evaluations``
-            Number of internal forces evaluated in this run.
-        ``forces_per_time``
-            Number of internal forces evaluated per second of simulated time, in 1/s.
-        ``steps_tried``, ``worst_error``
-            Number of step sizes tried between a twentieth of ``step_size`` and ``step_size``, which all keep the error.
-            ``worst_error`` is the largest error among these runs, as a fraction of the allowed error.
-        ``verdict``
-            How the search for the step size ended.
-        ``tolerance``, ``controlled_force_evaluations``, ``control_over_equal``
-            Only if the assessment had a controller: the tolerance that keeps the error, the number of internal forces
-            evaluated in the run with this tolerance, and the ratio of this number to ``force_evaluations``. If the
-            ratio is below one, controlled steps are cheaper.
+def chosen(
+    dataset: xr.Dataset, quantities: Sequence[str], error: float, quantity: str | None
+) -> tuple[str, xr.Dataset]:
+    """The quantity, by default the first of ``quantities``, and the part of a dataset for it and an allowed error.
 
     Raises
     ------
-    FileNotFoundError
-        If there is no dataset of that name; the message gives the command that makes it.
     KeyError
-        If the assessment has no such quantity.
-    TypeError, ValueError
-        If an argument is invalid, or the error is not one that was assessed.
-
-    Examples
-    --------
-    >>> study.recommend("hardening", error=0.01, quantity="displacement").head(2)  # doctest: +SKIP
-                   kind  step_size  ...  worst_error verdict
-    scheme                          ...
-    kahan_li8  explicit     0.0120  ...          0.9   found
-    rk4        explicit     0.0014  ...          0.9   found
+        If ``quantity`` is not among the quantities.
+    ValueError
+        If ``error`` is not among the allowed errors of the dataset.
     """
-    if not is_number(error):
-        raise TypeError(f"error must be a number, not {error!r}.")
-    if not isinstance(what, str | xr.Dataset):
-        raise TypeError(
-            "recommend takes the dataset that study.assess returns, or the name of an assessment in the configuration, "
-            f"not a {type(what).__name__}."
-        )
-    assessed = _opened(what, Path(folder)) if isinstance(what, str) else what
-    if "recommended_dt" not in assessed:
-        raise ValueError("recommend takes a dataset of study.assess.")
-    known = assessed.quantity.values.tolist()
-    quantity = known[0] if quantity is None else quantity
-    if quantity not in known:
-        raise UnknownName(f"the assessment has no quantity {quantity!r}; {did_you_mean(quantity, known)}")
-    limits = assessed.allowed_error.values
+    quantity = quantities[0] if quantity is None else quantity
+    if quantity not in quantities:
+        raise UnknownName(f"the assessment has no quantity {quantity!r}; {did_you_mean(quantity, quantities)}")
+    limits = dataset.allowed_error.values
     if not np.isclose(limits, error, rtol=1e-9, atol=0).any():
         raise ValueError(
             f"error must be one that was assessed, {', '.join(f'{one:g}' for one in limits)}, not {error:g}; assess "
             "with errors=[...] for others."
         )
-    one = assessed.sel(quantity=quantity).sel(allowed_error=error, method="nearest")
+    return quantity, dataset.sel(quantity=quantity).sel(allowed_error=error, method="nearest")
+
+
+def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = None) -> pd.DataFrame:
+    """The table of :func:`study.recommend` for a dataset of :func:`study.assess`."""
+    if "recommended_dt" not in assessed:
+        raise ValueError("recommend takes a dataset of study.assess.")
+    quantity, one = chosen(assessed, assessed.quantity.values.tolist(), error, quantity)
     words = np.array([word.replace("_", " ") for word in one.verdict.flag_meanings.split()])
     steps = np.floor(assessed.attrs["duration"] / one.recommended_dt * (1 + 1e-9))
     found = one.recommended_dt.dropna("scheme").reset_coords(drop=True)
@@ -205,16 +124,6 @@ def recommend(
         "notes": _notes(assessed, one),
     }
     return found_steps
-
-
-def _opened(name: str, folder: Path) -> xr.Dataset:
-    """The assessment in a file, ``name`` with or without ``.nc``, or the one of this name in the folder of results."""
-    own = [Path(name)] if name.endswith(".nc") else [folder / f"{name}.nc", Path(f"{name}.nc")]
-    of_study = folder / "assessment" / f"{name}.nc"
-    found = None if of_study.exists() else next((one for one in own if one.exists()), None)
-    if found is None and name.endswith(".nc"):
-        raise FileNotFoundError(f"there is no file '{name}'; `study assess --output {name}` writes it.")
-    return io.open_dataset(f"assessment/{name}", folder) if found is None else io.read(found)
 
 
 def _counts(table: pd.DataFrame) -> pd.Series:

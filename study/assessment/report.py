@@ -11,7 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from study.analysis.outcomes import Outcome
-from study.analysis.recommendation import recommend
+from study.analysis.recommendation import of_assessment
 from study.assessment.assurance import (
     confirmation,
     limits_of_reference,
@@ -47,7 +47,7 @@ LETTERS = ("", "b", "r", "w", "c", "g", "s", "N", "∞")
 
 def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     """Sentences on the fastest scheme of each kind that keeps an error of a quantity; if none does, on the reasons."""
-    table = recommend(assessed, error=error, quantity=quantity)
+    table = of_assessment(assessed, error, quantity)
     found = table[table["step_size"].notna()]
     if found.empty:
         reasons = ", ".join(sorted(set(table.verdict)))
@@ -160,7 +160,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     titles = dict(zip(assessed.scheme.values, map(str, assessed.scheme_title.values), strict=True))
     quantities, limits = assessed.quantity.values.tolist(), assessed.allowed_error.values
     answers = ["".join(f"<p>{text_of(answer(assessed, q, limit))}</p>" for limit in limits) for q in quantities]
-    first = [recommend(assessed, error=limit, quantity=quantities[0]).attrs["answer"] for limit in limits]
+    first = [of_assessment(assessed, limit, quantities[0]).attrs["answer"] for limit in limits]
     short = "".join(f"<p><b>{'. '.join(map(text_of, lines))}</b></p>" for lines in first)
     parts = [f'<div class="answer">{short}{answers[0]}</div>']
     if assessed.attrs.get("model"):
@@ -184,7 +184,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         )
         parts.append(f'<div class="pair">{against_step}{against_time}</div>')
         for limit in limits:
-            table = recommend(assessed, error=limit, quantity=quantity)
+            table = of_assessment(assessed, limit, quantity)
             parts.append(f"<p><b>{percent(limit)}</b></p>{needs(table, titles)}{controlled(table, titles)}")
     if np.isfinite(assessed.energy_imbalance).any():
         parts.append("<h2>Energy</h2>")

@@ -114,6 +114,12 @@ def unbroken(kept: Kept) -> Kept:
     return np.logical_and.accumulate(kept, axis=-1)
 
 
+def largest_size(kept: xr.DataArray, along: str) -> xr.DataArray:
+    """The largest size along a coordinate up to which all sizes keep an error; zero if the smallest does not."""
+    kept = kept.sortby(along).transpose(..., along)
+    return kept[along].where(kept.copy(data=unbroken(kept.values)), 0.0).max(along)
+
+
 def _meets(runs: xr.Dataset, condition: str) -> xr.DataArray:
     """Whether runs meet a condition, over (scheme, size, periods)."""
     meets = xr.ones_like(runs.error.isel(quantity=0, drop=True), dtype=bool)
@@ -242,6 +248,23 @@ def _decided(needed: xr.Dataset) -> xr.Dataset:
     for name in ("scheme", "scheme_title"):
         found[name] = place.dims, np.where(exists, needed[name].values[place.values], "")
     return found.assign(verdict=verdict, ties=ties.sum("scheme"))
+
+
+def ranked(needed: xr.Dataset) -> list[str]:
+    """Names of the schemes that keep an error, kind by kind: each is the decision among those that remain.
+
+    ``needed`` has the needs for one problem, quantity, allowed error and condition, over scheme. The kind of the
+    cheapest scheme is first.
+    """
+    kinds = []
+    for flag in (1, 0):
+        left, names = needed.isel(scheme=np.flatnonzero(needed.explicit == flag)), list[str]()
+        while left.step_size.notnull().any():
+            names.append(_decided(left).scheme.item())
+            left = left.drop_sel(scheme=names[-1])
+        kinds.append(names)
+    cost = needed.force_evaluations.to_series()
+    return sum(sorted(filter(None, kinds), key=lambda names: cost[names].min()), list[str]())
 
 
 def dominated(measures: xr.DataArray, scheme: str, equal: float = 1e-6) -> list[str]:

@@ -36,13 +36,13 @@ def test_the_pipeline_assesses_a_problem_and_a_scheme_in_files(tmp_path):
     wanted = {"problem": "examples/driven.py:driven", "duration": 20.0, "schemes": ["rk4", "heun"], "errors": [0.05]}
     overlay = {
         "own_schemes": ["examples/scheme.py:heun"],
-        "assess": {"mine": wanted},
+        "assess": {"mine": wanted, "spring": {"problem": "hardening", "periods": 10, "schemes": ["rk4"]}},
         "sensitivity": {"schemes": [*OF_1996, "heun"]},
     }
     (folder / "mine.yaml").write_text(yaml.safe_dump(overlay))
     overlays = SMALL, folder / "mine.yaml"
-    make(folder, "assessment/mine.html", "assessment/hardening.nc", "sensitivity.nc", overlays=overlays)
-    spring = study.open_dataset("assessment/hardening", folder / "results")
+    make(folder, "assessment/mine.html", "assessment/spring.nc", "sensitivity.nc", overlays=overlays)
+    spring = study.open_dataset("assessment/spring", folder / "results")
     period = study.open_dataset("reference/hardening", folder / "results").period.item()
     assert spring.duration == spring.periods * period and (spring.verdict == 0).any()
     assert "For 5\u00a0% of displacement: " in (folder / "results/assessment/mine.html").read_text()

@@ -1,9 +1,23 @@
-"""The short table of recommendations."""
+"""The short table of recommendations, and one answer in all tables, in the explorer and by ``study.recommend``."""
 
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
-from docs.decisions import short_cell
+import study
+from docs.decisions import recommended, short_cell
+from docs.plan import DECISION
+from paper.explorer.page import _decisions as in_explorer
+from paper.tables.decision import TABULATED, column, sentence, tabulate
+from study.runs.needs import ATTRIBUTES, decisions, needs, of_problems
+from tests.runs.made_up import runs, with_kinds
+
+PROJECT = Path(__file__).parent.parent.parent
 
 
 def _decision(**values) -> xr.Dataset:
@@ -30,3 +44,85 @@ def test_a_cell_states_the_product_of_frequency_and_step(omega_step, printed):
 def test_a_step_in_seconds_is_not_a_number_of_steps():
     assert short_cell(_decision(problem="records")).startswith("Bathe: 2.5\u00a0ms, ωΔt")
     assert short_cell(_decision(step_size=float("nan"))) == "–"
+
+
+def _parsed(cell: str) -> tuple[str, float]:
+    """Scheme and number of steps, or step in ms, that a cell states."""
+    found = re.match(r"(.+): (?:≤ )?([\d,.]+)", cell.replace("\u00a0", " "))
+    return (found[1], float(found[2].replace(",", ""))) if found else ("", np.nan)
+
+
+def _of(one: xr.Dataset) -> tuple[str, float]:
+    """Scheme and number of steps, or step in ms, of a decision."""
+    step = 1e3 * one.step_size.item() if one.problem == "records" else one.steps_per_period.item()
+    return one.scheme_title.item(), step
+
+
+def _same(stated: tuple[str, float], one: xr.Dataset) -> bool:
+    title, step = _of(one)
+    # the tables round a step in ms to two digits, and other numbers to whole ones
+    return stated[0] == title and bool(
+        np.isclose(stated[1], step, rtol=0.05 if one.problem == "records" else 1e-9, equal_nan=True)
+    )
+
+
+def _check_one_answer(
+    decided: xr.Dataset, short: str, article: pd.DataFrame, explorer: list[dict], folder: Path
+) -> None:
+    """Every decision is the one in the short table (README, site), the article, the explorer and ``recommend``."""
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in short.splitlines()[2:]]
+    in_short = {(row[0], row[1]): row[2:] for row in rows}
+    article = article.replace("", pd.NA).assign(**article[["Problem", "Right in"]].replace("", pd.NA).ffill())
+    in_article = article.set_index(["Problem", "Right in", "Scheme"])
+    in_page = {(one["problem"], one["quantity"], one["kind"], round(one["error"] / 100, 9)): one for one in explorer}
+    checked = 0
+    for problem in decided.problem.values:
+        title = sentence(decided.problem_title.sel(problem=problem).item())
+        for quantity in TABULATED:
+            if (title, quantity, "explicit") not in in_article.index:
+                continue
+            for k, error in enumerate(decided.allowed_error.values.tolist()):
+                table = study.recommend(problem, error=error, quantity=quantity, folder=folder)
+                for kind in decided.kind.values:
+                    one = decided.sel(problem=problem, quantity=quantity, allowed_error=error, kind=kind)
+                    best = one.sel(filter="all")
+                    assert _same(_parsed(in_article.loc[(title, quantity, kind), column(error)]), best)
+                    if quantity != "energy":
+                        assert _same(_parsed(in_short[title, kind][k]), one.sel(filter="codes"))
+                    if (problem, quantity, kind, error) in in_page:
+                        shown = in_page[problem, quantity, kind, error]
+                        assert _same(_parsed(f"{shown['title']}: {shown['steps']}"), best)
+                    first = table[(table.kind == kind) & table.step_size.notna()].head(1)
+                    assert first.index.tolist() == ([best.scheme.item()] if best.scheme.item() else [])
+                    assert first.step_size.tolist() == ([best.step_size.item()] if best.scheme.item() else [])
+                    checked += 1
+    assert checked == in_article.shape[0] * decided.sizes["allowed_error"]
+
+
+def test_tables_explorer_and_recommend_give_one_answer(tmp_path):
+    errors = [0.1, 0.01, 0.001]
+    accurate = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2, 0.02, 0.02, 0.001]]
+    records = runs(accurate, problem="records").assign_coords(quantity=["peak drift", "velocity"]).isel(quantity=[0])
+    parts = [needs(one, errors) for one in (runs(accurate, problem="hardening"), records)]
+    needed = with_kinds(of_problems(parts))
+    decided = decisions(needed)
+    for name, one in (("needs", needed), ("decisions", decided)):
+        one.verdict.attrs = ATTRIBUTES["verdict"]
+        study.io.write(one.assign_attrs(source=study.io.SOURCE), tmp_path / f"{name}.nc")
+    limits = (("scheme", "damping_ratio"), [[2.0], [np.inf], [np.inf]])
+    spectral = xr.Dataset({"stability_limit": limits}, {"scheme": ["cheap", "dear", "stiff"], "damping_ratio": [0.0]})
+    short = recommended(tmp_path)["recommended"]
+    _check_one_answer(decided, short, tabulate(decided, spectral), in_explorer(decided), tmp_path)
+
+
+def test_the_study_gives_one_answer():
+    results = PROJECT / "results"
+    if not (results / "explorer.html").exists():
+        pytest.skip("results/explorer.html is not there; `make` makes it")
+    page = (results / "explorer.html").read_text()
+    meta = json.loads(re.search(r'<script id="meta" type="application/json">(.*?)</script>', page)[1])
+    article = pd.read_csv(results / DECISION, keep_default_na=False)
+    decided = study.open_dataset("decisions", results)
+    short = recommended(results)["recommended"]
+    assert short in (PROJECT / "README.md").read_text()
+    _check_one_answer(decided, short, article, meta["decisions"], results)

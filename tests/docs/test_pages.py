@@ -138,7 +138,7 @@ def test_the_table_of_datasets_names_what_the_short_study_makes():
 
 
 def test_the_site_depends_on_what_its_pages_show():
-    shown = {"accuracy.nc", "assessment/hardening.nc", "figures/atlas.svg", "numbers.json", "explorer.html"}
+    shown = {"accuracy.nc", "assessment/driven.html", "needs.nc", "figures/atlas.svg", "numbers.json", "explorer.html"}
     assert shown <= set(plan.reads())
     sources = {"study/scheme/houbolt.py", "docs/conf.py", "docs/static/table.js", "CONTRIBUTING.md"}
     assert {PROJECT / name for name in sources} <= set(plan.shown(PROJECT))

@@ -138,7 +138,7 @@ def test_an_invalid_configuration_is_refused(whole):
         (lambda c: c["work_precision"]["solvers"].update(periods=[1]), "work_precision.solvers.periods lacks 100,"),
         (lambda c: c["work_precision"]["solvers"].update(longest=0), "solvers.longest must be greater than 0, not 0."),
         (lambda c: c["agreement"].update(tolerances=[1e-9, 1e-4]), "tolerances: must be in descending order"),
-        (lambda c: c["assess"]["hardening"].update(duration=1.0), "assess.hardening.periods: duration already gives"),
+        (lambda c: c["assess"]["driven"].update(periods=1), "assess.driven.periods: duration already gives"),
         (lambda c: c["accuracy"].update(periods=[100, 1, 3]), "periods: must be in ascending order, not [100, 1"),
         (lambda c: c["accuracy"].update(schemes=[]), "accuracy.schemes must have at least 1 items, not 0."),
         (lambda c: c["cpu_time"].update(repeats=10**7), "cpu_time.repeats must be less than or equal to 1000, not"),

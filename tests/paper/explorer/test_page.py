@@ -14,7 +14,10 @@ from paper.explorer.data import ERRORS, coarse
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import PRODUCTS, discover
 from study.io import SOURCE
+from study.runs.needs import ATTRIBUTES, decisions, needs, of_problems
 from tests.browser import WIDTHS, check_page, set_width, wait
+from tests.runs.made_up import runs as made_up
+from tests.runs.made_up import with_kinds
 
 discover(["explorer"])
 PROBLEMS = ["hardening", "softening", "double_well"]
@@ -73,7 +76,10 @@ def datasets():
         xr.Dataset({"u": (("scheme", "t"), [[u0]]), "dt": dt}, attrs={"problem": name})
         for name, (u0, dt) in runs.items()
     ]
-    return {"atlas": [atlas], "cases": cases}
+    errors = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2] * 4]
+    decided = decisions(with_kinds(of_problems([needs(made_up(errors, "hardening"), [0.1, 0.01])])))
+    decided.verdict.attrs = ATTRIBUTES["verdict"]
+    return {"atlas": [atlas], "cases": cases, "decisions": [decided]}
 
 
 def _made(datasets, folder):
@@ -252,6 +258,16 @@ def test_an_address_holds_the_whole_choice(browser, page):
     check_page(browser)
 
 
+def test_the_decisions_of_a_spring_are_listed(browser, page):
+    _open(browser, page, "#problem=hardening&error=10")
+    assert _text(browser, ".decisions").splitlines() == [
+        "displacement, explicit: Cheap, 16 steps a period",
+        "displacement, implicit: no step that was tried",
+    ]
+    _open(browser, page, "#problem=double_well&error=10")
+    assert not browser.find_elements("css selector", ".decisions")
+
+
 def test_the_page_leads_to_the_site_in_one_place(page):
     # the site replaces this link when it includes the page
     assert page.read_text().count('href="site/') == 1
@@ -279,6 +295,6 @@ def test_a_step_is_safe_only_if_all_finer_ones_keep_energy_and_period():
         },
         {"dt_over_period": [0.01, 0.02, 0.05, 0.1]},
     )
-    np.testing.assert_array_equal(largest_safe(maps, 1.0), [0.02, 0, 0.02, 0.05])
-    np.testing.assert_array_equal(largest_safe(maps.isel(dt_over_period=[3, 1, 0, 2]), 10.0), [0.1, 0.1, 0.1, 0.05])
-    assert 1.0 in ERRORS
+    np.testing.assert_array_equal(largest_safe(maps, 0.01), [0.02, 0, 0.02, 0.05])
+    np.testing.assert_array_equal(largest_safe(maps.isel(dt_over_period=[3, 1, 0, 2]), 0.1), [0.1, 0.1, 0.1, 0.05])
+    assert 0.01 in ERRORS

@@ -1,4 +1,4 @@
-"""Recommendations from a made-up assessment with known step sizes and computing times."""
+"""Recommendations from made-up needs, and from a made-up assessment with known step sizes and computing times."""
 
 import numpy as np
 import pandas as pd
@@ -6,6 +6,7 @@ import pytest
 
 import study
 from study.assessment.report import answer
+from study.runs.needs import decisions
 from tests import small_results
 
 
@@ -96,8 +97,38 @@ def test_a_scheme_that_was_asked_for_is_compared(assessed):
 
 def test_a_name_stands_for_the_dataset_of_that_name(assessed, tmp_path):
     small_results.write_to(tmp_path)
-    by_name = study.recommend("softening", error=0.1, quantity="energy", folder=tmp_path)
+    by_name = study.recommend("mine", error=0.1, quantity="energy", folder=tmp_path)
     pd.testing.assert_frame_equal(by_name, study.recommend(assessed, error=0.1, quantity="energy"))
+
+
+def test_a_problem_of_the_study_has_the_decisions_as_its_first_rows(tmp_path):
+    small_results.write_to(tmp_path)
+    needed = small_results.needed()
+    decided = decisions(needed).sel(problem="softening", filter="all")
+    for quantity, error in (("displacement", 0.1), ("displacement", 0.01), ("velocity", 0.1)):
+        table = study.recommend("softening", error=error, quantity=quantity, folder=tmp_path)
+        for kind in ("explicit", "implicit"):
+            one = decided.sel(quantity=quantity, allowed_error=error, kind=kind)
+            first = table[table.kind == kind].iloc[0]
+            assert (first.name, first.step_size, first.forces_per_time) == (
+                one.scheme.item(),
+                one.step_size.item(),
+                one.force_evaluations.item(),
+            )
+    # 16 steps of one force and 8 of two tie, and the names stand in the order of their needs
+    table = study.recommend("softening", error=0.1, folder=tmp_path)
+    assert table.index.tolist() == ["cheap", "dear", "stiff"] and table.steps_per_period.tolist() == [16, 8, 16]
+    text = str(table)
+    assert text.startswith("10 % of displacement, explicit: Cheap, 0.125 s\n10 % of displacement, implicit: Stiff")
+    assert "Runs on the softeninging thing last 10 times 2 s, from one start." in text
+    assert study.recommend("softening", error=0.01, folder=tmp_path).verdict["dear"] == "not even the finest step"
+    pd.testing.assert_frame_equal(table, study.recommend(needed.sel(problem="softening"), error=0.1))
+
+
+def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):
+    small_results.write_to(tmp_path)
+    with pytest.raises(KeyError, match="no assessment and no problem 'softning' in .*; did you mean 'softening'?"):
+        study.recommend("softning", error=0.1, folder=tmp_path)
 
 
 @pytest.mark.parametrize(

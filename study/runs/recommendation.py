@@ -1,0 +1,178 @@
+"""``study.recommend``: the cheapest schemes for an allowed error."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from study import io
+from study.algebra.scalars import is_number
+from study.analysis.recommendation import Recommended, chosen, of_assessment
+from study.registry import UnknownName, did_you_mean
+from study.runs.needs import NO_VALUE, ranked
+from study.words import percent, step_with_unit
+
+#: Quantities that are the default of a problem of the study.
+_FIRST = ("displacement", "peak drift")
+
+
+def recommend(
+    what: str | xr.Dataset, *, error: float, quantity: str | None = None, folder: str | Path = io.RESULTS
+) -> pd.DataFrame:
+    """List the schemes of an assessment, the fastest first, with the step size at which each keeps an allowed error.
+
+    For a problem of the study, the answer is that of the datasets ``needs`` and ``decisions``: the first scheme of each
+    kind is the decision, with the fewest evaluations of the force. No number is interpolated: step sizes, errors and
+    numbers of force evaluations are taken from runs. A recommended step size has two digits; with a record of ground
+    motion it is an integer fraction or multiple of the time between samples. All smaller step sizes that were tried
+    keep the error too. Except for a program or more than 1,000 unknowns, the recommended step size also keeps the error
+    if initial values and load are one percent smaller or larger.
+
+    Parameters
+    ----------
+    what
+        Dataset of :func:`study.assess`, its file, ``NAME.nc``, or a name: of a problem of the dataset ``needs``, such as
+        ``softening`` or ``records``, of an assessment in the section ``assess`` of the configuration, or of a file
+        ``NAME.nc`` in ``folder`` or in the present folder.
+    error
+        Allowed error as a fraction, 0.01 for one percent, of the value that the coordinate ``relative_to`` of the
+        assessment states. It must be one of the errors that were assessed.
+    quantity
+        Quantity that must keep the error. The default is the first quantity of the assessment, which is
+        ``displacement`` if the assessment was given no quantities. For a problem of the study it is the displacement,
+        or the peak drift under records.
+    folder
+        Folder of the results, which contains the dataset of a named assessment, and ``needs.nc``.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row for each ``scheme``, the fastest first; schemes without a recommended step size are last. Schemes whose
+        times differ by less than their spread are ordered by the number of internal forces, or of steps if forces are
+        not counted. The printed table begins with the answer in words. Printed step sizes are never rounded up.
+
+        ``kind``
+            ``implicit`` or ``explicit``; ``unknown`` for a program's own scheme.
+        ``step_size``
+            The recommended step size, in s.
+        ``largest_step``
+            The largest step size tried that keeps the error with a margin for scatter, in s. All smaller step sizes
+            tried keep the error. ``step_size`` is this value, rounded down.
+        ``omega_step``
+            Δt·ω, with the highest circular frequency ω of small motions about points of the reference's motion.
+        ``number_of_steps``
+            Number of steps of the run with this step size.
+        ``error``
+            Error of this run.
+        ``most_wrong``, ``most_wrong_error``
+            The quantity with the largest error in this run, and its error. A run may keep the energy although its
+            displacement is wrong.
+        ``time``, ``time_spread``
+            Computing time of all steps of this run, and its interquartile range, in s. A call of
+            :func:`study.run` adds less than a millisecond.
+        ``ties_with_fastest``
+            Whether this time exceeds the shortest time by at most the mean of both interquartile ranges, so that the
+            times do not decide which scheme is faster.
+        ``force_evaluations``
+            Number of internal forces evaluated in this run.
+        ``forces_per_time``
+            Number of internal forces evaluated per second of simulated time, in 1/s.
+        ``steps_tried``, ``worst_error``
+            Number of step sizes tried between a twentieth of ``step_size`` and ``step_size``, which all keep the error.
+            ``worst_error`` is the largest error among these runs, as a fraction of the allowed error.
+        ``verdict``
+            How the search for the step size ended.
+        ``tolerance``, ``controlled_force_evaluations``, ``control_over_equal``
+            Only if the assessment had a controller: the tolerance that keeps the error, the number of internal forces
+            evaluated in the run with this tolerance, and the ratio of this number to ``force_evaluations``. If the
+            ratio is below one, controlled steps are cheaper.
+
+        For a problem of the study, the rows are those of ``needs`` with steps that divide the spacing of a record, kind
+        by kind, and in each kind the cheapest scheme first. The columns are ``kind``, ``step_size``, ``omega_step``,
+        ``steps_per_period``, ``error``, ``forces_per_time``, ``steps_tried``, ``worst_error`` and ``verdict``.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no dataset of that name; the message gives the command that makes it.
+    KeyError
+        If the assessment has no such quantity.
+    TypeError, ValueError
+        If an argument is invalid, or the error is not one that was assessed.
+
+    Examples
+    --------
+    >>> study.recommend("hardening", error=0.01).loc["gauss4", ["kind", "steps_per_period"]]  # doctest: +SKIP
+    1 % of displacement, implicit: Gauss, 0.0438 s
+    ...
+    """
+    if not is_number(error):
+        raise TypeError(f"error must be a number, not {error!r}.")
+    if not isinstance(what, str | xr.Dataset):
+        raise TypeError(
+            "recommend takes the dataset that study.assess returns, or the name of an assessment in the configuration, "
+            f"not a {type(what).__name__}."
+        )
+    dataset = _opened(what, Path(folder)) if isinstance(what, str) else what
+    if "condition" in dataset.dims:
+        return _of_needs(dataset, error, quantity)
+    return of_assessment(dataset, error, quantity)
+
+
+def _opened(name: str, folder: Path) -> xr.Dataset:
+    """The dataset that a name or a file stands for: the needs on a problem of the study, or an assessment."""
+    needed = io.open_dataset("needs", folder) if (folder / "needs.nc").exists() else None
+    if needed is not None and name in needed.problem.values:
+        return needed.sel(problem=name)
+    named = [folder / "assessment" / f"{name}.nc", folder / f"{name}.nc", Path(f"{name}.nc")]
+    for file in [Path(name)] if name.endswith(".nc") else named:
+        if file.exists():
+            return io.read(file)
+    if name.endswith(".nc"):
+        raise FileNotFoundError(f"there is no file '{name}'; `study assess --output {name}` writes it.")
+    needed = io.open_dataset("needs", folder)
+    raise UnknownName(
+        f"there is no assessment and no problem {name!r} in '{folder}'; "
+        f"{did_you_mean(name, needed.problem.values.tolist())}"
+    )
+
+
+def _of_needs(needed: xr.Dataset, error: float, quantity: str | None) -> pd.DataFrame:
+    """The table for a problem of the study, from its needs over (scheme, quantity, allowed_error, condition)."""
+    needed = needed.sel(condition="practice")
+    has = (needed.verdict != NO_VALUE).any(["scheme", "allowed_error"])
+    known = sorted(needed.quantity.values[has.values].tolist(), key=lambda name: name not in _FIRST)
+    quantity, one = chosen(needed, known, error, quantity)
+    best = ranked(one)
+    one = one.sel(scheme=[*best, *(name for name in one.scheme.values if name not in best)])
+    words = np.array([word.replace("_", " ") for word in needed.verdict.flag_meanings.split()])
+    table = Recommended(
+        {
+            "kind": np.where(one.explicit == 1, "explicit", "implicit"),
+            "step_size": one.step_size,
+            "omega_step": one.omega_step,
+            "steps_per_period": one.steps_per_period,
+            "error": one.error,
+            "forces_per_time": one.force_evaluations,
+            "steps_tried": one.smaller_steps + 1,
+            "worst_error": one.largest_error / one.allowed_error,
+            "verdict": words[one.verdict.values],
+        },
+        index=pd.Index(one.scheme.values, name="scheme"),
+    )
+    firsts = table.loc[best].groupby("kind", sort=False).head(1)
+    titles = one.scheme_title.to_series()
+    answer = [
+        f"{percent(error)} of {quantity}, {row.kind}: {titles[name]}, {step_with_unit(row.step_size)}"
+        for name, row in firsts.iterrows()
+    ]
+    starts = one.starts.item()
+    table.attrs = {
+        "answer": answer or [f"{percent(error)} of {quantity}: no scheme was found"],
+        "notes": [
+            f"Runs on the {one.problem_title.item()} last {one.decided.item():g} times {one.time_scale.item():.4g} s, "
+            f"from {f'{starts:.0f} starts' if starts > 1 else 'one start'}."
+        ],
+    }
+    return table
