@@ -52,18 +52,14 @@ def _parsed(cell: str) -> tuple[str, float]:
     return (found[1], float(found[2].replace(",", ""))) if found else ("", np.nan)
 
 
-def _of(one: xr.Dataset) -> tuple[str, float]:
-    """Scheme and number of steps, or step in ms, of a decision."""
-    step = 1e3 * one.step_size.item() if one.problem == "records" else one.steps_per_period.item()
-    return one.scheme_title.item(), step
-
-
 def _same(stated: tuple[str, float], one: xr.Dataset) -> bool:
-    title, step = _of(one)
-    # the tables round a step in ms to two digits, and other numbers to whole ones
-    return stated[0] == title and bool(
-        np.isclose(stated[1], step, rtol=0.05 if one.problem == "records" else 1e-9, equal_nan=True)
-    )
+    """Whether a cell states the scheme of a decision, and its step to the printed digits."""
+    if one.problem == "records":
+        step, digits = 1e3 * one.step_size.item(), 0.05 * stated[1]
+    else:
+        step, digits = one.steps_per_period.item(), 0.5
+    near = bool(np.isnan(step) and np.isnan(stated[1])) or abs(stated[1] - step) <= digits
+    return stated[0] == one.scheme_title.item() and near
 
 
 def _check_one_answer(
