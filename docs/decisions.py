@@ -18,6 +18,18 @@ from study.words import number
 _HEAD = ("scheme", "code", "name and parameters", "remark")
 #: Quantities whose rows the short table shows.
 _QUANTITIES = ("displacement", "peak drift")
+#: Problem and quantity that stand for a kind of model in the table of README, and its allowed error.
+_MODELS = {
+    "frame under an earthquake": ("records", "peak drift"),
+    "free vibration over a long time": ("softening", "displacement"),
+    "forced vibration": ("shaken", "displacement"),
+    "yielding": ("yielding", "displacement"),
+    "impact and contact": ("bouncing", "displacement"),
+    "stiff constraint": ("elastic_pendulum", "displacement"),
+    "stiff beside soft parts": ("stiff_soft", "displacement"),
+    "mesh with a wave": ("impact_bar", "displacement"),
+}
+_ERROR = 0.01
 
 
 def short_cell(one: xr.Dataset) -> str:
@@ -53,6 +65,20 @@ def recommended(results: Path) -> dict[str, str]:
         "recommended": table(["problem", "kind", *errors], rows, numbers_from=2 + len(errors)),
         "recommended_lines": table(_HEAD, lines, numbers_from=len(_HEAD)),
     }
+
+
+def by_model(results: Path) -> str:
+    """The schemes of the programs for an error of ``_ERROR`` by kind of model, as a table in Markdown."""
+    decisions = reader(results)("decisions").sel(filter="codes").sel(allowed_error=_ERROR, method="nearest")
+    lines = {one.scheme: f"`{one.name}`" for one in _input_lines(decisions.scheme.values.ravel(), ("OpenSees",))}
+    rows = []
+    for model, (problem, quantity) in _MODELS.items():
+        one = decisions.sel(problem=problem, quantity=quantity)
+        kinds = [one.sel(kind=kind) for kind in ("explicit", "implicit")]
+        chosen = next((lines[kind.scheme.item()] for kind in reversed(kinds) if kind.scheme.item() in lines), "–")
+        rows.append([model, *map(short_cell, kinds), chosen, f"{sentence(one.problem_title.item())}: {quantity}"])
+    head = ["model", "explicit", "implicit", "OpenSees, implicit", "measured"]
+    return table(head, rows, numbers_from=len(head))
 
 
 def tables(results: Path) -> dict[str, str]:
