@@ -3,10 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from paper.claims.published_numbers import fewest_steps, largest_step, steps_of_orbit
-from paper.claims.terms import ROUND_OFF
+from paper.claims.published_numbers import fewest_steps, largest_step, orders_of_means, steps_of_orbit
+from paper.claims.terms import FAITHFUL, ROUND_OFF
 from paper.products import numbers
-from study.words import span
+from study.words import listed, span
 
 _NEEDED = ["arenstorf", "van_der_pol", "loaded_bar"]
 
@@ -24,7 +24,13 @@ def of_published_numbers(published_numbers: xr.Dataset, ueda: xr.Dataset) -> dic
     bar = published_numbers.sel(problem="loaded_bar", scheme="central_difference")
     stiff = np.array(list(largest_step(published_numbers).values()))
     fewest = np.array(list(fewest_steps(ueda).values()))
-    last = ueda.isel(steps_per_period=-1)
+    last = ueda.where(ueda.exponent > 0).isel(steps_per_period=-1)
+    exact = last.sel(scheme="rk4")
+    orders = {name: orders_of_means(ueda)[name] for name in FAITHFUL}
+
+    def regular(name: str) -> list[int]:
+        return ueda.steps_per_period.values[(ueda.exponent.sel(scheme=name) < 0).values].tolist()
+
     plate = None
     if "thin_plate" in published_numbers.problem.values:
         fine = published_numbers.error.sel(problem="thin_plate").isel(refinement=-1)
@@ -45,4 +51,14 @@ def of_published_numbers(published_numbers: xr.Dataset, ueda: xr.Dataset) -> dic
         "ueda_finest": span(last.exponent, ".3f"),
         "ueda_uncertainty": f"{last.uncertainty.max().item():.0e}",
         "ueda_periods": f"{ueda.attrs['periods']:,}",
+        "ueda_mean_square": f"{exact.mean_square.item():.4g}",
+        "ueda_mean_square_uncertainty": f"{exact.mean_square_uncertainty.item():.0e}",
+        **{f"ueda_order_{name}": f"{order:.1f} ± {error:.1f}" for name, (order, error) in orders.items()},
+        "ueda_converges": all(np.isfinite(order) for order, _ in orders.values()),
+        "ueda_regular": ", ".join(
+            f"{ueda.scheme_title.sel(scheme=name).item()} with {listed(map(str, regular(name)))} steps"
+            for name in ueda.scheme.values
+            if len(regular(name))
+        )
+        or "none",
     }

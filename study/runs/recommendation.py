@@ -32,7 +32,7 @@ def recommend(
     Parameters
     ----------
     what
-        Dataset of :func:`study.assess`, its file, ``NAME.nc``, or a name: of a problem of the dataset ``needs``, such as
+        Dataset of :func:`study.assess`, its file, ``NAME.nc``, or a name: of a problem of the dataset ``needs``, as
         ``softening`` or ``records``, of an assessment in the section ``assess`` of the configuration, or of a file
         ``NAME.nc`` in ``folder`` or in the present folder.
     error

@@ -45,6 +45,8 @@ def test_a_finer_tolerance_makes_more_steps_and_less_error(found):
 
 
 def test_a_fine_step_keeps_the_exponent_and_a_long_one_makes_the_motion_regular():
-    exponents = ueda(["average_acceleration"], [24, 64], 400, 16).exponent.sel(scheme="average_acceleration")
-    assert exponents[0] < 0
-    assert exponents[1] == pytest.approx(UEDA_EXPONENT, rel=0.1)
+    found = ueda(["average_acceleration"], [24, 64], 400, 16).sel(scheme="average_acceleration")
+    assert found.exponent[0] < 0
+    assert found.exponent[1] == pytest.approx(UEDA_EXPONENT, rel=0.1)
+    # SciPy's DOP853 with tolerances of 1e-8 gives 2.569 over 4,800 periods; the error of second order is 0.8 % here
+    assert found.mean_square[1] == pytest.approx(1.008 * 2.569, abs=4 * found.mean_square_uncertainty[1].item())
