@@ -11,7 +11,7 @@ from paper.figures.energy_growth import CEILING, FLOOR, sizes
 from paper.products import numbers
 from paper.requirements import samples_of_history
 from paper.tables.structures import STEPS_PER_PERIOD
-from study.words import printed
+from study.words import printed, span
 
 #: Schemes without numerical damping with which the text compares the energy-momentum method.
 UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "gauss4"]
@@ -68,6 +68,8 @@ def of_structures(
     alternating = sawtooth(stiff_soft.v.isel(component=0))
     change = by_name(100 * long_times.max_sum_change)
     turning = [stiff_bar, stiff_truss]
+    fails = ~runs.sel(scheme="average_acceleration")
+    finest_failing = fails.steps_per_period.where(fails).max("steps_per_period")
     return {
         "structure_schemes": structures.sizes["scheme"],
         "most_unknowns": int(structures.unknowns.max()),
@@ -76,6 +78,7 @@ def of_structures(
         "trapezoidal_fails_turning": lost["average_acceleration"] > 0,
         "momentum_method_stable": lost["energy_momentum"] == 0 and min(lost[name] for name in UNDAMPED) > 0,
         "structure_tolerance": f"{np.log10(reference.rtol):.0f}",
+        "turning_fails_to": span(finest_failing, ".0f"),
         "turning_runs": runs.sizes["problem"] * runs.sizes["steps_per_period"],
         **{f"lost_{name}": number for name, number in lost.items()},
         **{f"sawtooth_{name}": f"{a:.2f}" for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
