@@ -14,6 +14,9 @@ UNITS = {"g": 9.80665, "m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "in/s2": 0.02
 TIMES = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3}
 TIMES |= {"millisecond": 1e-3, "milliseconds": 1e-3}
 
+#: Names of a column that numbers the samples.
+NUMBERING = ("n", "i", "no", "nr", "number", "index", "sample", "samples", "point", "step")
+
 #: Relative tolerance of the spacing of samples, since a file holds few digits of their times.
 UNIFORM = 1e-2
 
@@ -64,7 +67,10 @@ def _number(word: str) -> float | None:
 
 
 def _words(line: str) -> list[str]:
-    words = re.split(r"[#%]", line)[0].replace(",", " ").replace(";", " ").split()
+    line = re.split(r"[#%]", line)[0]
+    if ";" in line and "." not in line:
+        line = line.replace(",", ".")  # decimal commas
+    words = line.replace(",", " ").replace(";", " ").split()
     return [
         part for word in words for part in (re.findall(rf"[+-]?{_POINT}", word) if _STUCK.fullmatch(word) else [word])
     ]
@@ -242,6 +248,15 @@ def _of_knet(path: Path, lines: list[str]) -> Record:
     return Record((samples - samples.mean()) * full / counts, 1 / rate, "cm/s2", source)
 
 
+def _after_count(rows: dict[int, list[float]]) -> tuple[dict[int, list[float]], float | None]:
+    """The rows without a first one that states the number of the samples, and the time between them, if it follows."""
+    (number, stated), *others = [*rows.items()] or [(0, [])]
+    values = [row for _, row in others]
+    if len(stated) not in (1, 2) or stated[0] not in (len(values), sum(map(len, values))) or len(values) < 2:
+        return rows, None
+    return dict(others), stated[1] if len(stated) == 2 else None
+
+
 def _is_continuous(rows: list[list[float]], dt: float) -> bool:
     """Whether rows hold samples one after the other: all are of one length but for the last, and none begins with t."""
     first = np.array([row[0] for row in rows])
@@ -271,6 +286,8 @@ def _times(path: Path, heading: list[str]) -> tuple[int, float]:
         if len(fields) == 4 and TIMES.keys() & {fields[1].lower(), fields[3].lower()}:  # names and units by turns
             fields = [" ".join(fields[:2]), " ".join(fields[2:])]
         columns = [_name_and_unit(field) for field in fields]
+        if len(columns) == 2 and columns[0][0] in NUMBERING:
+            raise ValueError(f"'{path}' numbers its samples and states no times: leave out this column, and give dt=.")
         times = [i for i, (name, _) in enumerate(columns) if name in ("t", "time", "times") or name in TIMES]
         if len(columns) != 2 or len(times) != 1:
             continue
@@ -292,16 +309,18 @@ def _of_columns(path: Path, lines: list[str], dt: float | None) -> Record:
     heading = " ".join(lines[:first])
     _check_quantity(path, heading)
     width = len(_words(lines[first])) if first < len(lines) else 0
-    for place, line in enumerate(lines[:first]):
-        words = _words(line)
-        if len(words) == width and any(_number(word) is not None for word in words):
-            first = place  # a row of samples with a word among them, and no heading
-            break
-    rows = _rows(path, lines, first)
+    while first and len(words := _words(lines[first - 1])) == width and any(_number(w) is not None for w in words):
+        first -= 1  # a row of samples with a word among them, and no heading
+    rows, announced = _after_count(_rows(path, lines, first))
+    width = len(next(iter(rows.values()), ()))
+    dt = announced if dt is None else dt
     if width > 3 and dt is not None and not heading.strip() and _is_continuous([*rows.values()], dt):
         return Record(np.array([value for row in rows.values() for value in row]), dt, None)
     if width not in (1, 2):
-        raise ValueError(f"'{path}' is neither a file of PEER, ESM or K-NET nor one of one or two columns.")
+        raise ValueError(
+            f"'{path}' is no file of PEER, ESM or K-NET and has {width or 'no'} columns of numbers: leave one of "
+            "accelerations, or one of times and one of accelerations."
+        )
     if odd := [number for number, row in rows.items() if len(row) != width]:
         raise ValueError(f"row {odd[0]} of '{path}' has {len(rows[odd[0]])} numbers, and the first row {width}.")
     unit = _stated_unit(heading)
@@ -314,13 +333,19 @@ def _of_columns(path: Path, lines: list[str], dt: float | None) -> Record:
     place, second = _times(path, lines[:first])
     columns = np.array(list(rows.values())).T
     t, samples = second * columns[place], columns[1 - place]
+    if dt is not None and np.allclose(t - t[0], dt * np.arange(len(t)), rtol=0.0, atol=0.75 * dt):
+        t = t[0] + dt * np.arange(len(t))  # times with few digits
     found = float(np.median(np.diff(t)))
     off = np.flatnonzero(np.abs(np.diff(t) - found) > UNIFORM * abs(found))
     if off.size or found <= 0:
         at = f" after t = {t[off[0]]:g}" if off.size else ""
-        raise ValueError(f"the samples of '{path}' must be a constant time apart, and are not{at}.")
+        raise ValueError(
+            f"the samples of '{path}' must be a constant time apart, and are not{at}: if the times are rounded, give dt=."
+        )
+    if t[0] < -UNIFORM * found:
+        raise ValueError(f"the times of '{path}' must begin at zero or later, and begin at {t[0]:g}: shift them.")
     found = float(t[-1] - t[0]) / (len(t) - 1)
     begin = round(t[0] / found)
-    if begin < 0 or abs(t[0] - begin * found) > UNIFORM * found:
+    if abs(t[0] - begin * found) > UNIFORM * found:
         raise ValueError(f"the times of '{path}' must be multiples of {found:g}, and the first is {t[0]:g}.")
     return Record(np.concatenate([np.zeros(begin), samples]), found, unit)

@@ -269,7 +269,7 @@ def test_rows_without_a_heading_are_read_one_after_the_other_if_they_hold_no_tim
     np.testing.assert_allclose(record.acceleration, [0.1, -0.2, 0.3, 0.4, 0.5, -0.6, 0.7, 0.8, 0.9, 1.0, 0.3, 0.2])
     for table in ("0 .1 .2 .3\n.01 .2 .3 .4\n.02 .2 .3 .4\n", "0 .1 .2 .3\n.01 .2 .3 .4\n", ".1 .2 .3 .4\n.2\n.3 .4\n"):
         path.write_text(table)
-        with pytest.raises(ValueError, match="is neither a file of PEER, ESM or K-NET nor one of one or two columns"):
+        with pytest.raises(ValueError, match="is no file of PEER, ESM or K-NET and has"):
             study.GroundMotion.read(path, "m/s2", dt=0.01)
 
 
@@ -292,7 +292,7 @@ def test_rows_without_a_heading_are_read_one_after_the_other_if_they_hold_no_tim
         (HEADER.format(2).replace("DT= .02000", "DT= .") + "0.1 0.2\n", "g", "must state both NPTS and DT"),
         ("0 300\n1 -1\n", "g", "the peak of '.*' would be 300 g in the unit 'g'"),
         ("0 1\n1 2\n3 4\n4 5\n", "g", "must be a constant time apart, and are not after t = 1"),
-        ("1 2 3\n4 5 6\n", "g", "is neither a file of PEER, ESM or K-NET nor one of one or two columns"),
+        ("1 2 3\n4 5 6\n", "g", "is no file of PEER, ESM or K-NET and has"),
         ("0 1\n1 2\n", "furlong", "unit must be one of g, m/s2"),
         ("0 1\n1 2\n", None, "does not state its unit: give unit= as one of g, m/s2"),
         ("t (s),a (m/s2)\n0,1\n1,2\n", "g", "states the unit m/s2, not 'g'"),
@@ -302,7 +302,7 @@ def test_rows_without_a_heading_are_read_one_after_the_other_if_they_hold_no_tim
         ("time acc\n" + "".join(f"{i} 0.1\n" for i in range(19)) + "19 n/a\n", "g", "row 21 of '.*' holds 'n/a'"),
         ("0 1\n1\n2 1\n", "g", "row 2 of '.*' has 1 numbers, and the first row 2"),
         ("gap 0.1\n1 2\n2 3\n", "g", "row 1 of '.*' holds 'gap', which is not a finite number"),
-        ("no numbers\n", "g", "is neither a file of PEER"),
+        ("no numbers\n", "g", "is no file of PEER, ESM or K-NET and has no columns"),
         (HEADER.format(2).replace("NPTS= 2,", "NPTS= 2.5,") + "0.1 0.2\n", "g", "must state both NPTS and DT"),
         (HEADER.format("1_000") + "0.1 0.2\n", "g", "must state both NPTS and DT"),
     ],
@@ -395,3 +395,46 @@ def test_an_ensemble_runs_over_records_and_not_over_seeds():
         study.run(of_seed, over={"seed": [1, 2]}, **run)
     with pytest.raises(ValueError, match=r"over\['record'\] has rows of different lengths: pad the shorter ones"):
         study.run(shaken, over={"record": [motion.acceleration for motion in motions]}, **run)
+
+
+ONE = [0.1, -0.2, 0.3, -0.4, 0.5, 0.6]
+ROWS = [f"{k * 0.0078125:.3f} {value}" for k, value in enumerate(ONE)]
+
+
+@pytest.mark.parametrize(
+    "lines, given",
+    [
+        (["6 0.0078125", *map(str, ONE)], {}),
+        (["6 0.0078125", *(f"{k * 0.0078125} {value}" for k, value in enumerate(ONE))], {}),
+        (["6", *map(str, ONE)], {"dt": 0.0078125}),
+        (["Station 1979", "horizontal", *map(str, ONE)], {"dt": 0.0078125}),
+        (["time;acc", *(f"{k * 0.0078125};{value}".replace(".", ",") for k, value in enumerate(ONE))], {}),
+        (ROWS, {"dt": 0.0078125}),
+    ],
+    ids=["count and spacing", "count and times", "count", "year", "decimal commas", "rounded times"],
+)
+def test_forms_of_columns_give_the_same_record(tmp_path, lines, given):
+    path = tmp_path / "record.txt"
+    path.write_text("\n".join(lines))
+    record = study.GroundMotion.read(path, unit="m/s2", **given)
+    np.testing.assert_allclose(record.acceleration, ONE)
+    assert float(record.dt) == pytest.approx(0.0078125)
+
+
+@pytest.mark.parametrize(
+    "lines, message",
+    [
+        (["n,acc", *(f"{k},{value}" for k, value in enumerate(ONE))], "numbers its samples .* give dt="),
+        (ROWS, "if the times are rounded, give dt="),
+        ([f"{k * 0.1 - 0.2:.1f} {value}" for k, value in enumerate(ONE)], "must begin at zero or later"),
+        (["1 2 3", "4 5 6"], "has 3 columns of numbers"),
+        ([*ROWS[:3], *(f"{(k + 1) * 0.0078125:.3f} {ONE[k]}" for k in (3, 4, 5))], "constant time apart"),
+    ],
+    ids=["numbers", "rounded", "before zero", "three columns", "a row is missing"],
+)
+def test_columns_that_are_no_record_are_refused_with_a_way_out(tmp_path, lines, message):
+    path = tmp_path / "record.txt"
+    path.write_text("\n".join(lines))
+    given = {"dt": 0.0078125} if message == "constant time apart" else {}
+    with pytest.raises(ValueError, match=message):
+        study.GroundMotion.read(path, unit="m/s2", **given)
