@@ -250,7 +250,7 @@ def _of_knet(path: Path, lines: list[str]) -> Record:
 
 def _after_count(rows: dict[int, list[float]]) -> tuple[dict[int, list[float]], float | None]:
     """The rows without a first one that states the number of the samples, and the time between them, if it follows."""
-    (number, stated), *others = [*rows.items()] or [(0, [])]
+    (_, stated), *others = [*rows.items()] or [(0, [])]
     values = [row for _, row in others]
     if len(stated) not in (1, 2) or stated[0] not in (len(values), sum(map(len, values))) or len(values) < 2:
         return rows, None
@@ -340,7 +340,8 @@ def _of_columns(path: Path, lines: list[str], dt: float | None) -> Record:
     if off.size or found <= 0:
         at = f" after t = {t[off[0]]:g}" if off.size else ""
         raise ValueError(
-            f"the samples of '{path}' must be a constant time apart, and are not{at}: if the times are rounded, give dt=."
+            f"the samples of '{path}' must be a constant time apart, and are not{at}: if the times are rounded, give "
+            "dt=."
         )
     if t[0] < -UNIFORM * found:
         raise ValueError(f"the times of '{path}' must begin at zero or later, and begin at {t[0]:g}: shift them.")
