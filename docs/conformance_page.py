@@ -13,6 +13,18 @@ RESULTS = Path(__file__).parent.parent / "conformance" / "verdicts"
 #: Texts ready to send to the authors of codes, by the names of the files of verdicts.
 REPORTS = RESULTS.parent / "reports"
 
+#: Integrators and codes without a verdict, and the reason.
+NOT_JUDGED = """## Not judged
+
+- OpenSees: `openseespy` 3.8.0.0 answers that the integrator `ExplicitBathe` is unknown.
+- PETSc later than 3.18: `petsc4py` has no wheel on PyPI, and its source needs a build of PETSc. The verdict is on the
+  package of Debian 12.
+- Kratos: `ExplicitMultiStageKimScheme` is no scheme of the kit.
+- MuJoCo: its integrators `implicit` and `implicitfast` are no schemes of the kit.
+- Abaqus and code_aster have no package. `conform --inputs` writes their input files, which have not been run.
+- ANSYS, LS-DYNA, SAP2000, ETABS and MOOSE have no package, and the kit writes no input files for them.
+"""
+
 #: Verdicts with a column for their number of cases. The remaining verdict is ``skip``.
 _SHOWN = ("pass", "differs", "fail")
 
@@ -44,8 +56,16 @@ def _overview(codes: Sequence[Mapping[str, Any]]) -> str:
     return table(["code", "date", *"ABCDEFG", *_SHOWN], rows)
 
 
-def _causes(code: Mapping[str, Any]) -> str:
-    """Table of alternatives, then of likely causes, the most frequent first; empty if no case differs or fails."""
+def _name(code: Mapping[str, Any]) -> str:
+    """Name of the program of a code; sets of integrators of one program share it, and its report."""
+    return code["file"].partition("_")[0]
+
+
+def _causes(code: Mapping[str, Any], reported: bool) -> str:
+    """Table of alternatives, then of likely causes, the most frequent first, and, if ``reported``, the report.
+
+    Empty if no case differs or fails.
+    """
     cases = defaultdict(list)
     for case in code["cases"]:
         if case["verdict"] in ("differs", "fail"):
@@ -57,9 +77,8 @@ def _causes(code: Mapping[str, Any]) -> str:
     if not rows:
         return ""
     head = ["verdict", "alternative or likely cause", "cases", "examples"]
-    report = REPORTS / f"{code['file']}.md"
-    text = [f"```{{include}} /included/reports/{report.name}\n:heading-offset: 2\n```"] if report.is_file() else []
-    return "\n\n".join([f"## {_named(code)}", code["note"], table(head, rows, 4), *text])
+    text = [f"```{{include}} /included/reports/{_name(code)}.md\n:heading-offset: 2\n```"] if reported else []
+    return "\n\n".join([f"## {_named(code)}", table(head, rows, 4), *text])
 
 
 def conformance_page() -> str:
@@ -71,14 +90,17 @@ def conformance_page() -> str:
 def codes_page() -> str:
     """The page in Markdown of the verdicts on codes."""
     codes = found()
+    # the first set of each program that fails a case shows the report
+    first = {_name(code): code["file"] for code in reversed(codes) if code["counts"]["fail"]}
     parts = [
         "# Codes judged by the conformance kit",
         "Each cell gives the passed cases over the supported cases of a level of the {doc}`conformance kit "
         "<conformance>`. Unsupported cases are skipped. The name of a code ends with its version. A cause is a change "
-        "of the scheme that gives the values of the code. All verdicts are repeated by the runners in "
-        "`conformance/codes/`.",
+        "of the scheme that gives the values of the code. The runners in `conformance/codes/` repeat all verdicts.",
         _overview(codes),
-        *filter(None, map(_causes, codes)),
+        "\n".join(f"- {_named(code)}: {code['note']}" for code in codes),
+        *filter(None, (_causes(code, first.get(_name(code)) == code["file"]) for code in codes)),
+        NOT_JUDGED,
     ]
     sentence = "Which time integrators of OpenSees, SfePy, MFEM, PETSc and other codes do what their names say."
     return described(sentence, "\n\n".join(parts) + "\n")

@@ -11,10 +11,8 @@ from paper.products import table
 
 VERDICTS = Path(__file__).parents[2] / "conformance" / "verdicts"
 #: Files of the verdicts on other programs; the verdicts on this study and on the examples of the kit are left out.
-PROGRAMS = (
-    *("opensees.json", "opensees_others.json", "opensees_more.json", "opensees_from_zero.json"),
-    *("exudyn.json", "kratos.json", "mfem.json", "mujoco.json", "petsc.json", "ross.json", "sfepy.json", "xara.json"),
-    *("diffrax.json", "scipy.json"),
+PROGRAMS = tuple(
+    sorted({file.name for file in VERDICTS.glob("*.json")} - {"study.json", "c_example.json", "numpy_example.json"})
 )
 
 
@@ -26,8 +24,7 @@ def verdicts(file: str) -> dict[str, Any]:
 def _likely(code: dict[str, Any]) -> str:
     """The most frequent cause of an unexpected result, with its number of cases; empty if all results agree."""
     unexpected = [case for case in code["cases"] if case["verdict"] in ("differs", "fail")]
-    # a wrong order and a growing energy are stated before their cause
-    causes = Counter(case["cause"].rpartition(": ")[2] for case in unexpected)
+    causes = Counter(case.get("cause") or case["finding"] for case in unexpected)
     return "".join(f"{cause} ({cases})" for cause, cases in causes.most_common(1))
 
 

@@ -15,6 +15,7 @@ from study.__main__ import main
 from study.program import search
 from study.program.attempt import attempt
 from study.program.command import command
+from study.scheme.codes import names_in_codes, steps_in_decks
 from tests.program import models
 
 PROJECT = Path(__file__).parents[2]
@@ -78,6 +79,19 @@ def test_an_input_file_takes_the_values_of_each_run(tmp_path):
     before = own.run.source  # type: ignore[attr-defined]
     (tmp_path / "bridge.inp").write_text(_DECK + "*DENSITY\n")
     assert command(f"{script} {{deck}} {{output}}", **given).run.source != before  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("row", [row for row in steps_in_decks() if row.line], ids=lambda row: row.code)
+def test_the_line_of_a_code_takes_the_step(row, tmp_path):
+    """The input file of each code has its line of the scheme, the line before the step and the line with the step."""
+    line = next(name.name for name in names_in_codes() if row.code.startswith(name.code))
+    (tmp_path / "bridge").write_text(f"{{scheme}}\n{row.after}\n{row.line}\n")
+    (tmp_path / "mycode").write_text(f"#!/bin/sh\ncp $1 {tmp_path}/read\nprintf 't,u\\n0,1\\n2,3\\n4,5\\n' > $2\n")
+    (tmp_path / "mycode").chmod(0o755)
+    own = command(f"{tmp_path}/mycode {{deck}} {{output}}", [line, "other"], 4.0, deck=tmp_path / "bridge")
+    assert attempt(own.run, line, 0.125, 4.0).completed
+    scheme, *rest = (tmp_path / "read").read_text().splitlines()
+    assert scheme == line and rest == [row.after, row.line.replace("{dt}", "0.125").replace("{duration}", "4.0")]
 
 
 @pytest.mark.parametrize(
