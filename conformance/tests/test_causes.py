@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from conformance import runners
 from conformance.command import cases
 from conformance.examples import newmark
-from conformance.judge import judge, times
+from conformance.judge import judge, judged, times
 from conformance.problem import Problem
 
 BY_NAME = {case["name"]: case for case in cases()}
@@ -25,6 +26,43 @@ def _judged(name, step=newmark.step, change=lambda u, v, a, dt: (u, v, a), load=
         problem.load = lambda t: right(load(t, dt))  # type: ignore[method-assign]
     motion = dict(zip("uva", change(*step(problem, case["scheme"], dt, steps), dt), strict=True))
     return judge(case, lambda part: motion)
+
+
+def _central(move):
+    """Central difference of one linear oscillator, from a function that makes a step."""
+
+    def step(problem, scheme, dt, steps):
+        m, c, k = (x.item() for x in (problem.mass, problem.damping, problem.tangent(problem.u0)))
+
+        def a(t, u, v):
+            return (problem.load(t).item() - c * v - k * u) / m
+
+        t, u, v = 0.0, problem.u0.item(), problem.v0.item()
+        rows, kept = [(u, v, a(t, u, v))], None
+        for size in np.broadcast_to(dt, steps).tolist():
+            *row, kept = move(a, t, size, *rows[-1], kept)
+            rows.append(tuple(row))
+            t += size
+        return [np.array(rows)[:, [i]] for i in range(3)]
+
+    return step
+
+
+@_central
+def _predicted(a, t, dt, u, v, a0, kept):
+    """The formulas of fedoo 1.1.0."""
+    u1 = u + dt * v - dt**2 / 2 * a0 + dt**2 * a(t + dt, u, v)
+    a1 = a(t + dt, u1, v + dt * a0)
+    return u1, v + dt / 2 * (a0 + a1), a1, None
+
+
+@_central
+def _late(a, t, dt, u, v, a0, half):
+    """The formulas of Kratos 10.4.4; ``half`` is the velocity of the half step before."""
+    now = a(t + dt, u, v)
+    v = v if half is None else half + dt / 2 * now
+    half = v + dt / 2 * now
+    return u + dt * half, v, now, half
 
 
 @pytest.mark.parametrize(
@@ -89,6 +127,26 @@ def test_a_time_that_starts_elsewhere_is_named(load, cause):
         ),
         ("A-CUB-HHT", "dt**2 * ((0.5 - beta) * a", "dt * ((0.5 - beta) * a", "has the factor 1/Δt"),
         ("A-CUB-DIS", "gamma * tau * new", "beta * tau * new", "has the factor β/γ"),
+        (
+            "A-LIN-GEN",
+            "part = 1 - alpha_f",
+            "part = 1",
+            "1 − α_f in the balance, for the end of the step alone has the factor 1/(1 − α_f)",
+        ),
+        (
+            "A-LIN-HHT",
+            "problem.load(t + part * tau)",
+            "problem.load(t - part * tau)",
+            "1 − α_f in f(t) has the factor -1",
+        ),
+        (
+            "A-CUB-WIL",
+            "(new - a) / theta",
+            "new / theta",
+            "a₀/θ in the interpolation of the acceleration has the factor 0",
+        ),
+        ("A-LIN-CDM", 'numbers.get("gamma", 0.5)', 'numbers.get("gamma", 0.4)', "gamma is off by about -0.1"),
+        ("A-LIN-CDM", "load - C @ v_ahead - ", "load - ", "v₀ + Δt (1 − γ) a₀ in the velocity, for the balance alone"),
     ],
 )
 def test_a_mistake_in_a_formula_is_named(name, old, new, cause):
@@ -96,6 +154,43 @@ def test_a_mistake_in_a_formula_is_named(name, old, new, cause):
     assert TEXT.count(old) == 1
     exec(TEXT.replace(old, new), module.__dict__)
     assert cause in _judged(name, module.step).cause
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "second", "cause"),
+    [
+        ("A-CUB-DIS", "beta", "gamma", "β and γ are exchanged"),
+        ("A-LIN-GEN", "alpha_m", "alpha_f", "α_m and α_f are exchanged"),
+    ],
+)
+def test_exchanged_parameters_are_named(name, first, second, cause):
+    def exchanged(problem, scheme, dt, steps):
+        return newmark.step(problem, {**scheme, first: scheme[second], second: scheme[first]}, dt, steps)
+
+    assert _judged(name, exchanged).cause == cause
+
+
+def test_a_mistake_has_one_name_in_all_cases():
+    """With β = ¼ and γ = ½ the factor γ/β is 2; the other case has β = 0.3025 and γ = 0.6."""
+    module: Any = ModuleType("mistaken")
+    exec(TEXT.replace("/ (beta * tau**2)", "/ (gamma * tau**2)"), module.__dict__)
+    for names in (("A-CUB-AVG", "A-CUB-DIS"), ("A-CUB-DIS", "A-CUB-AVG")):
+        found = judged([BY_NAME[name] for name in names], runners.of_step(module.step))
+        assert [one.name for one in found] == [*names]
+        assert {one.cause for one in found} == {
+            "the term Δt² β a₁ in the displacement, for the balance alone has the factor γ/β"
+        }
+
+
+@pytest.mark.parametrize(
+    ("name", "step", "cause"),
+    [
+        ("D-HARM-CDM", _predicted, "the damping acts on the velocity v₀ + Δt a₀, and the displacement takes the load"),
+        ("G-HARM-CDM", _late, "the load is taken one step too late, and the velocity, also that of the damping"),
+    ],
+)
+def test_central_difference_in_the_form_of_two_codes_is_named(name, step, cause):
+    assert cause in _judged(name, step).cause
 
 
 def test_a_cause_that_explains_no_value_is_not_named():
