@@ -51,7 +51,7 @@ class March:
         self.a = self.a * _number(words, START, 1)
         if "start by backward Euler" in words:
             self.a = self.twice_by_half_steps()
-        self.before = self.a
+        self.before, self.half = self.a, self.v
         self.start = scheme.get("start", "")
         self.past = self.fictitious(self.start) if scheme["family"] == "houbolt" else []
 

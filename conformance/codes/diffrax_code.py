@@ -21,7 +21,8 @@ def _solver(rows, weights) -> Any:
     lower, diagonal = tuple(np.array(row[:-1]) for row in rows[1:]), np.array([row[-1] for row in rows])
     implicit, ends = bool(diagonal.any()), np.array([sum(row) for row in rows[1:]])
     # Newton's iteration of a stage starts from the slope of the previous stage
-    stages = {"a_diagonal": diagonal, "a_predictor": tuple(np.eye(len(row))[-1] for row in lower)} if implicit else {}
+    slopes = tuple(np.eye(len(row))[-1] for row in lower)
+    stages: dict[str, Any] = {"a_diagonal": diagonal, "a_predictor": slopes} if implicit else {}
     given = diffrax.ButcherTableau(c=ends, b_sol=np.array(weights), b_error=0 * diagonal, a_lower=lower, **stages)
 
     class OfTableau(diffrax.AbstractDIRK if implicit else diffrax.AbstractERK):  # type: ignore[misc]

@@ -53,7 +53,7 @@ def step(problem, scheme, dt, steps):
     mass, damping, stiffness, u, v = (part.item() for part in parts)
     a = (problem.load(0.0).item() - damping * v - stiffness * u) / mass
     one, assembly, free = _problem(integrator, mass, damping, stiffness, dt)
-    rows, end, moved = [(u, v, a)], dt * steps, np.isin(np.arange(4), free)
+    rows, end, moved = [[u, v, a]], dt * steps, np.isin(np.arange(4), free)
 
     # each free node has half of the load, and `part` is a fraction of the duration
     def load(part):

@@ -76,7 +76,10 @@ def test_the_wheel_has_the_version_of_the_cases_and_holds_the_kit_alone(wheel):
 
 
 def test_the_installed_command_judges_a_code(wheel, tmp_path):
-    """The fresh environment has NumPy, but neither this project nor JAX nor mpmath."""
+    """The fresh environment has NumPy, but neither this project nor JAX nor mpmath.
+
+    Only this test finds that the installed kit lacks a file or a package.
+    """
     python = _environment(tmp_path / "fresh", "numpy")
     install = [sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-deps", "--no-index", wheel]
     subprocess.run(install, check=True)
@@ -121,6 +124,7 @@ def action(tmp_path_factory):
 
 @pytest.mark.parametrize(("factor", "passed", "colour"), [("1", "1 of 34", "#282"), ("1.001", "0 of 34", "#c33")])
 def test_the_action_judges_a_code_and_makes_a_badge(action, factor, passed, colour, tmp_path):
+    """Only this test runs the steps of the action."""
     (tmp_path / "my_code.py").write_text(MY_CODE.replace("FACTOR", factor), encoding="utf-8")
     done = action(1, tmp_path, arguments='"my_code:step" --only A', tool="My 'own' code")
     assert (done.returncode == 0) == (passed[0] == "1"), done.stderr

@@ -43,6 +43,12 @@ def counted(outcomes):
     return Counter(one.verdict for one in outcomes)
 
 
+@pytest.mark.parametrize("file", sorted((KIT / "codes").glob("*.py")), ids=lambda file: file.stem)
+def test_a_runner_is_short(file):
+    """The study's own runner, which models all problems in JAX, may be longer."""
+    assert len(file.read_text(encoding="utf-8").splitlines()) <= (160 if file.stem == "time_integration_study" else 80)
+
+
 def test_every_case_follows_the_schema_and_is_small():
     validator = jsonschema.Draft202012Validator(json.loads((KIT / "schema.json").read_text()))
     files = sorted(generate.CASES.glob("*.json"))
@@ -74,6 +80,7 @@ def test_a_case_never_changes():
     ["A-LIN-HHT", "B-30-WIL", "C-SOFT-HOU", "D-BASE-NBA", "E-YIELD-BAT", "F-MASS-AVG", "B-BOUND-KRA", "G-CUB-HHT"],
 )
 def test_a_case_is_what_the_generator_makes(place):
+    """Only this test finds that the formulas, which also judge a wrong order, have changed since the cases were made."""
     problem, _, code = place.rpartition("-")
     (entry,) = [one for one in PROBLEMS if one.name == problem]
     with mp.workdps(generate.DIGITS):
@@ -99,6 +106,7 @@ def test_the_stored_end_of_a_case_of_order_is_exact():
 
 
 def test_the_example_in_numpy_passes_what_it_does():
+    """Only this test judges a right program by all of the cases that it supports."""
     outcomes = verdicts(runners.of_step(newmark.step))
     assert counted(outcomes)["pass"] == sum(case["scheme"]["family"] in newmark.FAMILIES for case in ALL)
     assert set(counted(outcomes)) == {"pass", "skip"}
@@ -119,6 +127,7 @@ def _caught(runner, chosen, cause):
 
 @pytest.mark.parametrize("change", mutations.PYTHON, ids=lambda change: change[2])
 def test_a_mistake_in_the_numpy_program_is_caught_and_named(change):
+    """Only this test finds that one of the known mistakes is missed or has another name."""
     module: Any = ModuleType("mutated")
     source, cause = _mutated((KIT / "examples" / "newmark.py").read_text(encoding="utf-8"), change)
     exec(source, module.__dict__)
@@ -174,6 +183,7 @@ def _compiled(source, folder):
 
 @needs_c
 def test_the_example_in_c_passes_what_it_does_and_its_mistakes_are_caught(tmp_path):
+    """Only this test finds that a right program that writes tables fails, or that a mistake in one is missed."""
     text = (KIT / "examples" / "newmark.c").read_text(encoding="utf-8")
     first = counted(verdicts(_compiled(text, tmp_path)))
     assert first["pass"] >= 60 and set(first) == {"pass", "skip"}
@@ -185,6 +195,8 @@ def test_the_example_in_c_passes_what_it_does_and_its_mistakes_are_caught(tmp_pa
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="no Node")
 def test_the_reader_in_javascript_judges_a_case(tmp_path):
+    """Only this test runs the reader in JavaScript as an author would."""
+
     def read(file):
         return subprocess.run(["node", KIT / "examples" / "reader.js", file], capture_output=True, text=True)
 

@@ -13,7 +13,10 @@ def test_a_mutant_differs_from_the_example_in_one_line(file):
 
 
 def test_most_mutants_are_named(tmp_path):
-    """Of six mutants, two of each example, at least five are named; ``mutants.py`` counts more of them."""
+    """Of six mutants, two of each example, at least five are named; ``mutants.py`` counts more of them.
+
+    Only this test finds that the search names the mistakes of the tests by hand, but no others.
+    """
     chosen = [case for case in few() if case["name"].startswith("A-")]
     found = [named(causes) for _, causes in drawn(6, 1, chosen, tmp_path)]
     assert len(found) == 6 and sum(found) >= 5

@@ -119,11 +119,11 @@ def test_a_command_that_fails_is_a_failure_of_the_case(script, verdict, sentence
 
 
 def test_a_command_that_hangs_ends_with_the_programs_that_it_started(tmp_path, monkeypatch):
-    monkeypatch.setattr(runners, "TIMEOUT", 1)
-    (tmp_path / "run.sh").write_text(f"(sleep 3; touch {tmp_path / 'late'}) & wait", encoding="utf-8")
+    monkeypatch.setattr(runners, "TIMEOUT", 0.5)
+    (tmp_path / "run.sh").write_text(f"(sleep 1.5; touch {tmp_path / 'late'}) & wait", encoding="utf-8")
     (one,) = _verdicts(runners.of_command(f"sh {tmp_path / 'run.sh'} {{case}} {{out}}"), ALL[:1])
-    assert (one.verdict, one.cause) == ("fail", "the command takes longer than 1 s")
-    time.sleep(3)
+    assert (one.verdict, one.cause) == ("fail", "the command takes longer than 0.5 s")
+    time.sleep(1.5)
     assert not (tmp_path / "late").exists()
 
 
