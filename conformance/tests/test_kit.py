@@ -80,7 +80,7 @@ def test_a_case_never_changes():
     ["A-LIN-HHT", "B-30-WIL", "C-SOFT-HOU", "D-BASE-NBA", "E-YIELD-BAT", "F-MASS-AVG", "B-BOUND-KRA", "G-CUB-HHT"],
 )
 def test_a_case_is_what_the_generator_makes(place):
-    """Only this test finds that the formulas, which also judge a wrong order, have changed since the cases were made."""
+    """Only this test finds that the formulas, which also explain a wrong order, no longer give the cases."""
     problem, _, code = place.rpartition("-")
     (entry,) = [one for one in PROBLEMS if one.name == problem]
     with mp.workdps(generate.DIGITS):
