@@ -59,8 +59,10 @@ class Changed(Problem):
         return self.factor["load"] * super().load(t + self.factor["time"])
 
 
-#: Symbols of the parameters of schemes, and parameters of Newmark's family that a case does not state.
+#: Symbols of the parameters of schemes, the parameter that a code may confuse with each, and parameters of Newmark's
+#: family that a case does not state.
 _SYMBOLS = {"alpha": "α", "beta": "β", "gamma": "γ", "alpha_m": "α_m", "alpha_f": "α_f", "theta": "θ"}
+_PARTNERS = {"β": "γ", "γ": "β", "α_m": "α_f", "α_f": "α_m"}
 _DEFAULTS = {
     "central_difference": {"beta": "0", "gamma": "0.5"},
     "wilson": {"beta": str(1 / 6), "gamma": "0.5"},
@@ -138,17 +140,18 @@ def _replacements(case: Mapping[str, Any], dt: Any) -> dict[str, float]:
     if "α" in numbers:
         numbers["α_f"] = -numbers.pop("α")
     found = {} if np.ndim(dt) else {"Δt": dt, "1/Δt": 1 / dt, "1/Δt²": 1 / dt**2}
-    wholes = {name: ("½", 0.5) if name == "β" else ("1", 1.0) for name in numbers if name != "θ"}
-    weights = numbers | {f"({whole} − {name})": x - numbers[name] for name, (whole, x) in wholes.items()}
-    found |= {f"1/{name}": 1 / x for name, x in weights.items() if x}
-    for name, (whole, x) in wholes.items():
-        if rest := weights[f"({whole} − {name})"]:
-            found[f"({whole} + {name})/({whole} − {name})"] = (x + numbers[name]) / rest
-            found[f"{whole}/({whole} − {name})"] = x / rest
-    for pair in (("β", "γ"), ("α_m", "α_f"), ("(½ − β)", "(1 − γ)"), ("(1 − α_m)", "(1 − α_f)")):
-        for first, second in (pair, pair[::-1]):
-            if first in weights and weights.get(second):
-                found[f"{first}/{second}"] = weights[first] / weights[second]
+    found |= {f"1/{name}": 1 / x for name, x in numbers.items() if x}
+    for name, x in numbers.items():
+        # the weights are ½ − β, 1 − γ, 1 − α_m and 1 − α_f
+        whole, size = ("½", 0.5) if name == "β" else ("1", 1.0)
+        if name == "θ" or x == size:
+            continue
+        weight = f"({whole} − {name})"
+        found |= {f"1/{weight}": 1 / (size - x), f"{whole}/{weight}": size / (size - x)}
+        found[f"({whole} + {name})/{weight}"] = (size + x) / (size - x)
+        if (other := _PARTNERS[name]) in numbers:
+            found[f"({whole} − {other})/{weight}"] = (size - numbers[other]) / (size - x)
+            found |= {f"{other}/{name}": numbers[other] / x} if x else {}
     if len(case["problem"]["u0"]) == 1:
         parts = {"M": float(case["problem"]["mass"][0][0]), "C": float(case["problem"]["damping"][0][0])}
         found |= {f"1/{name}": 1 / x for name, x in parts.items() if x}

@@ -145,6 +145,7 @@ def test_a_time_that_starts_elsewhere_is_named(load, cause):
             "new / theta",
             "a₀/θ in the interpolation of the acceleration has the factor 0",
         ),
+        ("A-CUB-DIS", "tau * (1 - gamma) * a", "tau * (1 - beta) * a", "has the factor (1 − β)/(1 − γ)"),
         ("A-LIN-CDM", 'numbers.get("gamma", 0.5)', 'numbers.get("gamma", 0.4)', "gamma is off by about -0.1"),
         ("A-LIN-CDM", "load - C @ v_ahead - ", "load - ", "v₀ + Δt (1 − γ) a₀ in the velocity, for the balance alone"),
     ],
