@@ -96,7 +96,9 @@ def codes_page() -> str:
         "# Codes judged by the conformance kit",
         "Each cell gives the passed cases over the supported cases of a level of the {doc}`conformance kit "
         "<conformance>`. Unsupported cases are skipped. The name of a code ends with its version. A cause is a change "
-        "of the scheme that gives the values of the code. The runners in `conformance/codes/` repeat all verdicts.",
+        "of the scheme that gives the values of the code. The runners in `conformance/codes/` repeat all "
+        "verdicts. Those whose note names another Python or a system package cannot be repeated in the environment of "
+        "the study.",
         _overview(codes),
         "\n".join(f"- {_named(code)}: {code['note']}" for code in codes),
         *filter(None, (_causes(code, first.get(_name(code)) == code["file"]) for code in codes)),
