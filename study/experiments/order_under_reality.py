@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from annotated_types import Ge, Le, Len
 
+from study.algebra.jit import short_runs
 from study.declaration.experiment import experiment, progress
 from study.declaration.options import RisingCounts, Schemes, Tolerances
 from study.experiments import coordinates
@@ -51,6 +52,7 @@ def _order(counts: np.ndarray, error: np.ndarray) -> tuple[float, str]:
 
 
 @experiment("order_under_reality")
+@short_runs()
 def order_under_reality(
     schemes: Schemes,
     steps: RisingCounts,
