@@ -190,6 +190,26 @@ def test_a_force_that_forgets_is_refused(force, history, sentence):
         study.Problem(force, u0=1.0, history=history, title="own")
 
 
+def test_springs_that_differ_in_numbers_are_checked_by_one_program(compiled):
+    springs = [materials.elastoplastic(stiffness=k, yield_force=1.0, hardening=0.1) for k in (4.0, 5.0)]
+    study.Problem(springs[0], u0=1.0)
+    before = len(compiled)
+    study.Problem(springs[1], u0=1.0)
+    assert 0 < before == len(compiled)
+
+
+def test_a_force_is_checked_again_if_what_it_reads_has_changed():
+    added = [0.0]
+
+    def force(u, v, history):
+        return u, history + added[0]
+
+    study.Problem(force, u0=1.0, history=0.0)
+    added[0] = 1.0
+    with pytest.raises(ValueError, match="gives another history"):
+        study.Problem(force, u0=1.0, history=0.0)
+
+
 @pytest.mark.parametrize(
     "force, name",
     [

@@ -9,6 +9,7 @@ import linecache
 import re
 import traceback
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import equinox as eqx
@@ -17,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.experimental import checkify
 
+from study.algebra.jit import jit
 from study.mechanics.internal_force import TIME
 from study.mechanics.terms import StrainEnergy
 
@@ -308,17 +310,18 @@ def _kind(array) -> str:
     return f"{jnp.result_type(array)}{list(jnp.shape(array))}"
 
 
+@partial(jit, compiler=eqx.filter_jit)
+def _twice(force: Callable, u, v, history) -> tuple:
+    """Force and history after a motion, and those after the same motion from this history."""
+    p, new = force(u, v, history)
+    return (p, new), force(u, v, new)
+
+
 def check_history(force: Callable, u0, v0, history, title: str) -> None:
     """Refuse a force function that returns another force or history when it is called again with its new history."""
     u, _, _ = _near(u0)
-
-    @jax.jit
-    def twice(u, v, history):
-        p, new = force(u, v, history)
-        return (p, new), force(u, v, new)
-
     with jax.ensure_compile_time_eval():
-        once, again = (jax.tree.leaves(one) for one in twice(u, v0, history))
+        once, again = (jax.tree.leaves(one) for one in _twice(force, u, v0, history))
     round_off = 1e-12 * max(np.abs(x).max() for x in once)
     changes = [
         np.abs(np.asarray(x) - y).max() > GRADIENT_AGREEMENT * np.abs(x).max() + round_off
