@@ -10,11 +10,12 @@ from study.declaration.experiment import experiment, progress
 from study.declaration.options import Count, RisingCounts, Schemes
 from study.experiments import coordinates
 from study.marching.run import sweep
+from study.observer.base import Observer
 from study.observer.motion import Quantity
 from study.problem.named import problems, time_scales
 from study.problem.oscillators import UEDA_EXPONENT
 
-OBSERVED = ["lyapunov_exponent", Quantity(lambda u: u, name="root_mean_square", reduce="rms")]
+OBSERVED: list[str | Observer] = ["lyapunov_exponent", Quantity(lambda u: u, name="root_mean_square", reduce="rms")]
 
 
 @experiment("ueda")

@@ -218,9 +218,9 @@ class Adaptive:
         failed, steps, t = status != COMPLETED, np.asarray(trial.taken), np.asarray(trial.t)
         if on_failure != "ignore" and failed.any():
             self._report_failures(trial, on_failure)
-        energies = [values.pop(name) for name in ChangeOfEnergy.variables if name in values]
-        if energies:
-            self._report_energy(*(np.where(failed, 0.0, energy) for energy in energies), control)
+        if "change_of_energy" in values:
+            change, largest = (np.where(failed, 0.0, values.pop(name)) for name in ChangeOfEnergy.variables)
+            self._report_energy(change, largest, control)
         lane = ("lane",) if self._lanes else ()
         data: dict[str, Any] = {
             "status": (lane, status, _STATUS),

@@ -116,7 +116,7 @@ def test_the_study_gives_one_answer():
     if not (results / "explorer.html").exists():
         pytest.skip("results/explorer.html is not there; `make` makes it")
     page = (results / "explorer.html").read_text()
-    meta = json.loads(re.search(r'<script id="meta" type="application/json">(.*?)</script>', page)[1])
+    (meta,) = map(json.loads, re.findall(r'<script id="meta" type="application/json">(.*?)</script>', page))
     article = pd.read_csv(results / DECISION, keep_default_na=False)
     decided = study.open_dataset("decisions", results)
     short = recommended(results)["recommended"]

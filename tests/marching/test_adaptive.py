@@ -279,7 +279,7 @@ def test_a_run_that_loses_much_of_a_constant_energy_gives_a_warning(energy):
         ds = study.run(problem, "rk4", tolerance=1e-2, **options)
     u, v = float(ds.u[-1]), float(ds.v[-1])
     lost = 1 - (v**2 / 2 + 9.81 * u + 0.5e5 * min(u, 0.0) ** 2) / (9.81 * 2)
-    stated = float(re.search(r"([\d.]+)\xa0% of the largest", str(given[0].message))[1])
+    (stated,) = map(float, re.findall(r"([\d.]+)\xa0% of the largest", str(given[0].message)))
     assert stated == pytest.approx(100 * lost, rel=0.05)
     study.run(problem, "rk4", tolerance=1e-5, **options)
     with pytest.warns(RuntimeWarning, match="in lane 1,"):
