@@ -19,6 +19,7 @@ NOT_JUDGED = """## Not judged
 - OpenSees: `openseespy` 3.8.0.0 answers that the integrator `ExplicitBathe` is unknown.
 - PETSc later than 3.18: `petsc4py` has no wheel on PyPI, and its source needs a build of PETSc. The verdict is on the
   package of Debian 12.
+- ROSS 3: it needs Python 3.12, and its function `newmark` has other arguments.
 - Kratos: `ExplicitMultiStageKimScheme` is no scheme of the kit.
 - MuJoCo: its integrators `implicit` and `implicitfast` are no schemes of the kit.
 - Abaqus and code_aster have no package. `conform --inputs` writes their input files, which have not been run.
