@@ -6,6 +6,7 @@ import pytest
 import study
 from study.assessment import errors
 from study.assessment.reference import Reference
+from study.assessment.solution import DenseSolution
 
 
 def _peak(problem, duration, of):
@@ -26,6 +27,23 @@ def test_a_peak_between_the_points_of_the_reference_is_found():
     # the components 0.5 cos t + sin t and 2 sin t have their peaks at different times
     two = study.Problem(lambda u: u, np.array([0.5, 0.0]), v0=np.array([1.0, 2.0]))
     assert _peak(two, 6.0, lambda u: u) == pytest.approx([np.hypot(0.5, 1.0), 2.0], rel=1e-8)
+
+
+@pytest.mark.parametrize("dt", [0.03, 0.35])
+def test_errors_along_time_are_those_at_every_step(dt):
+    """A step is shorter than an interval of the reference, or crosses up to four of its ends."""
+    t = np.linspace(0.0, 12.0, 121)
+    exactly = DenseSolution(t, np.cos(t), -np.sin(t), -np.cos(t))
+    problem = study.Problem(lambda u: u, 1.0)
+    quantities = errors.named({"u": study.Quantity(lambda u: u), "v": study.Quantity(lambda v: v)})
+    targets = [errors.target(one, problem, exactly) for one in quantities.values()]
+    lanes = {"dt": np.array([dt, dt]), "steps": np.array([int(11 / dt), int(6 / dt)])}
+    ds = study.run(problem, "rk4", **lanes, observe=errors.observers(targets))
+    motion = study.run(problem, "rk4", dt=dt, steps=int(11 / dt))
+    for target, off in zip(targets, (motion.u - np.cos(motion.t), motion.v + np.sin(motion.t)), strict=True):
+        ends = lanes["steps"] + 1
+        largest = [np.abs(off[:end]).max().item() for end in ends]
+        assert errors.error(target, ds, ends * dt) == pytest.approx(largest, rel=1e-5, abs=2e-9)  # of the quintics
 
 
 def test_a_balance_without_energy_to_compare_with_is_left_out_with_a_warning():
