@@ -167,15 +167,15 @@ class Target:
         return _peak(self.quantity, self.problem, self.solution, self.times, self.values)
 
 
-def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Target:
-    """The reference of a quantity, and the scale of its errors.
+def target(quantity: Quantity, problem: Problem, solution: DenseSolution, finer: int = FINER) -> Target:
+    """The reference of a quantity, evaluated at ``finer`` times in each of its intervals, and the scale of its errors.
 
     Raises
     ------
     ValueError
         If the quantity is not finite along the reference, or zero at all times, or has another number of scales.
     """
-    parts = np.arange(FINER) / FINER
+    parts = np.arange(finer) / finer
     times = np.append((solution.t[:-1, None] + np.diff(solution.t)[:, None] * parts).ravel(), solution.t[-1])
     values = values_along(quantity, problem, solution, times)
     _check_finite(values, times, quantity, problem)
@@ -249,6 +249,52 @@ class ErrorsAlong(Reduction):
 
     def result(self, carried, problem, state):
         return dict(zip(self.variables, carried[1], strict=True))
+
+
+class ErrorsAtSamples(Reduction):
+    """Largest difference of each quantity from its reference over the steps that end at a sample of the reference.
+
+    Attributes
+    ----------
+    quantities, scales
+        Quantities along time, and the scales of the errors of their components.
+    interval
+        Time between two samples in s.
+    samples
+        Values of each quantity at the samples, of shape (samples, components).
+    """
+
+    quantities: tuple[Quantity, ...]
+    scales: tuple[jax.Array, ...]
+    interval: jax.Array
+    samples: tuple[jax.Array, ...]
+
+    @classmethod
+    def of(cls, targets: Sequence[Target]) -> "ErrorsAtSamples":
+        """The observer for targets whose reference is known at equal intervals."""
+        interval = jnp.asarray(targets[0].times[1])
+        along = ([one.quantity, jnp.asarray(one.scale), jnp.asarray(one.values)] for one in targets)
+        quantities, scales, samples = (tuple(part) for part in zip(*along, strict=True))
+        return cls(quantities, scales, interval, samples)
+
+    @property
+    def variables(self) -> dict[str, dict[str, str]]:  # type: ignore[override]
+        return {name: values for one in self.quantities for name, values in one.variables.items()}
+
+    def start(self, problem, state):
+        return (jnp.zeros(()),) * len(self.quantities)
+
+    def update(self, carried, problem, state, t, effort):
+        place = jnp.round(t / self.interval)
+        at_sample = jnp.abs(t - place * self.interval) < 1e-6 * self.interval
+        off = [
+            jnp.max(jnp.abs(one.value(problem, t, state.u, state.v).ravel() - samples[place.astype(int)]) / scale)
+            for one, scale, samples in zip(self.quantities, self.scales, self.samples, strict=True)
+        ]
+        return tuple(jnp.where(at_sample, jnp.maximum(*both), both[0]) for both in zip(carried, off, strict=True))
+
+    def result(self, carried, problem, state):
+        return dict(zip(self.variables, carried, strict=True))
 
 
 def _relative(off: np.ndarray, scale: np.ndarray | float) -> np.ndarray:

@@ -134,6 +134,7 @@ def spectrum(
             "period": exact.period,
             "reduction": exact.reduction,
             "ductility": exact.ductility,
+            "duration": ((), duration, {"long_name": "duration of the runs", "units": "s"}),
             "spacing": ((), SPACING, {"long_name": "spacing of the record", "units": "s"}),
             "allowed_error": ((), allowed_error, {"long_name": "allowed error of the peak drift", "units": "1"}),
         },

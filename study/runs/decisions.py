@@ -22,73 +22,36 @@ def _options(configuration: Mapping) -> Options:
 
 
 def of_records(spectrum: xr.Dataset) -> xr.Dataset:
-    """The runs of oscillators under records in the form of ``runs/PROBLEM``.
+    """The runs of oscillators under records in the form of ``runs/PROBLEM``, over the duration of the records.
 
     The error of the peak drift is the largest over all records, periods and ratios of elastic force to strength, which
     take the place of the starts. Counts are the means over them.
     """
-    each, shortest = ["record", "period", "reduction"], spectrum.period.min().item()
+    each, scale, dt = ["record", "period", "reduction"], spectrum.period.min().item(), spectrum.step_size.values
+    duration = spectrum.duration.item() / scale
     error = spectrum.error.max(each, skipna=False).expand_dims(quantity=["peak drift"])
-    runs = _in_form(spectrum.mean(each), error, spectrum.step_size.values, shortest, duration=1.0)
-    return runs.assign_coords(
+    steps = spectrum.duration / spectrum.step_size
+    ds = xr.Dataset({name: spectrum[f"{name}_per_step"].mean(each) * steps for name in COSTS})
+    ds = ds.assign(error=error, largest_error=error * np.nan).reset_coords(drop=True).expand_dims(periods=[duration])
+    # a scheme that refuses the oscillators has no error at any step; a run that failed has none at its step
+    ran = error.notnull().any(["quantity", "step_size"]).expand_dims(step_size=dt).reset_coords(drop=True)
+    ds = (
+        ds.assign(tried=ran.astype(np.int8), uncertainty=("quantity", [0.0])).rename(step_size="size").drop_vars("size")
+    )
+    highest = 2 * np.pi / scale
+    return ds.assign_coords(
+        step_size=("size", dt),
+        steps_per_period=("size", scale / dt),
+        omega_step=("size", highest * dt),
         divides=("size", spectrum.commensurate.values),
-        highest_frequency=2 * np.pi / shortest,
-        omega_step=("size", 2 * np.pi / shortest * spectrum.step_size.values),
+        duration=("periods", [duration * scale]),
+        time_scale=scale,
+        decided=duration,
+        highest_frequency=highest,
         unknowns=1,
         starts=int(np.prod([spectrum.sizes[one] for one in each])),
         problem=RECORDS,
-        problem_title=f"oscillators of {shortest:g} to {spectrum.period.max().item():g} s under records",
-    )
-
-
-def of_structure(structure: xr.Dataset) -> xr.Dataset:
-    """The runs of one structure in the form of ``runs/PROBLEM``; errors are those at the samples of its reference."""
-    errors = {
-        "displacement": structure.displacement_error,
-        "velocity": structure.velocity_error,
-        "acceleration": structure.acceleration_error,
-        "energy": structure.max_energy_imbalance,
-    }
-    error = xr.concat(errors.values(), "quantity", coords="minimal", compat="override")
-    error = error.assign_coords(quantity=list(errors)).reset_coords(drop=True)
-    scale, counts = structure.period.item(), structure.steps_per_period.values
-    runs = _in_form(structure, error, scale / counts, scale, structure.periods.item())
-    return runs.assign(
-        uncertainty=("quantity", [structure.displacement_uncertainty.item(), 0.0, 0.0, 0.0])
-    ).assign_coords(
-        divides=("size", np.ones(len(counts), np.int8)),
-        omega_step=("size", structure.highest_frequency.item() * scale / counts),
-        **{name: structure[name].item() for name in ("highest_frequency", "unknowns", "problem", "problem_title")},
-        starts=1,
-    )
-
-
-def _in_form(
-    per_step: xr.Dataset, error: xr.DataArray, step_sizes: np.ndarray, scale: float, duration: float
-) -> xr.Dataset:
-    """Errors over (scheme, size, quantity) and counts per step as runs over one duration, in time scales."""
-    (along,) = (str(one) for one in error.dims if one not in ("scheme", "quantity"))
-    error = error.rename({along: "size"}).drop_vars(along, errors="ignore")
-    steps = xr.DataArray(duration * scale / step_sizes, dims="size")
-    costs = {}
-    for name in COSTS:
-        per = per_step.get(f"{name}_per_step", error.isel(quantity=0, drop=True) * np.nan)
-        renamed = per.rename({along: "size"}) if along in per.dims else per
-        costs[name] = renamed.drop_vars(along, errors="ignore").reset_coords(drop=True) * steps
-    ds = xr.Dataset({**costs, "error": error, "largest_error": error * np.nan})
-    ds = ds.reset_coords(drop=True).expand_dims(periods=[duration])
-    # a scheme that refuses the problem has no error at any step; a run that failed has none at its step
-    ran = ds.error.notnull().any(("quantity", "periods", "size"))
-    return (
-        ds.assign(tried=xr.broadcast(ran, ds.error.isel(quantity=0, periods=0, drop=True))[0].astype(np.int8))
-        .assign(uncertainty=("quantity", np.zeros(ds.sizes["quantity"])))
-        .assign_coords(
-            step_size=("size", step_sizes),
-            steps_per_period=("size", scale / step_sizes),
-            duration=("periods", [duration * scale]),
-            time_scale=scale,
-            decided=duration,
-        )
+        problem_title=f"oscillators of {scale:g} to {spectrum.period.max().item():g} s under records",
     )
 
 
@@ -97,7 +60,7 @@ def _in_form(
     "decisions",
     section="runs",
     options=_options,
-    reads=lambda options: [*(f"runs/{problem}" for problem in options["problems"]), "spectrum", "structures"],
+    reads=lambda options: [*(f"runs/{problem}" for problem in options["problems"]), "spectrum"],
 )
 def needs_and_decisions(problems: PlainNames, errors: Tolerances) -> tuple[xr.Dataset, xr.Dataset]:
     """Find what each scheme needs on each problem, and the cheapest scheme of each kind.
@@ -107,8 +70,6 @@ def needs_and_decisions(problems: PlainNames, errors: Tolerances) -> tuple[xr.Da
     :func:`study.runs.needs.decisions` returns it.
     """
     parts = [needs(io.open_dataset(f"runs/{problem}"), errors) for problem in problems]
-    structures = io.open_dataset("structures")
-    parts += [needs(of_structure(structures.sel(problem=one)), errors) for one in structures.problem.values]
     parts += [needs(of_records(io.open_dataset("spectrum")), errors)]
     needed = of_problems(parts)
     in_codes = {one.scheme for one in names_in_codes() if one.code.startswith(CODES)}

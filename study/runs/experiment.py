@@ -14,7 +14,7 @@ from study import io
 from study.assessment.periods import highest_frequency_along
 from study.assessment.search import spacing
 from study.declaration.experiment import Options, experiment, progress
-from study.declaration.options import Checked, Count, ProblemName, Repeats, Schemes, Tolerances, rising, section
+from study.declaration.options import Checked, Count, ProblemName, Schemes, Tolerances, rising, section
 from study.experiments import coordinates
 from study.experiments.spectrum import DIVIDING
 from study.io import flags
@@ -23,7 +23,7 @@ from study.problem.inelastic import BOUNCE, PERIOD
 from study.problem.named import approximate_periods, problems, time_scales
 from study.program.confirmation import CERTAIN, Limit
 from study.runs.measured import Motion, Start, measured
-from study.runs.needs import COSTS, keeps, unbroken
+from study.runs.needs import ATTRIBUTES, COSTS, keeps, unbroken
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
 
@@ -33,8 +33,8 @@ COARSEST = 4
 OF_SPACING = (*reversed(DIVIDING), *(1 / number for number in DIVIDING[1:]))
 #: Largest variation of initial values and load, for smooth forces and for forces with kinks.
 VARIATION, VARIATION_WITH_KINKS = 0.01, 0.05
-#: Number of other starts with a smooth force.
-STARTS = 2
+#: Number of samples in a time scale at which errors of several unknowns are measured. Numbers of steps are multiples.
+SAMPLES = 10
 #: Quantities whose steps are found to two digits. Errors of others are measured at the steps that are tried.
 DECIDED = ("displacement", "energy")
 
@@ -45,11 +45,12 @@ Lengths = Annotated[list[Annotated[float, Ge(0.1), Le(10_000)]], Len(1, 10), Che
 
 @section
 class _Length(TypedDict):
-    """Durations of the runs of a problem in time scales, and the finest step as a number of steps in a time scale."""
+    """Durations of runs in time scales, the finest number of steps in a time scale, and the number of other starts."""
 
     periods: Lengths
     decided: float
     finest: Count
+    starts: Annotated[int, Ge(0), Le(1000)]
 
 
 @section
@@ -57,12 +58,11 @@ class _Runs(TypedDict):
     problems: dict[ProblemName, _Length]
     schemes: Schemes
     errors: Tolerances
-    starts_with_kinks: Repeats
 
 
 def _jobs(options: Options) -> dict[str, Options]:
     """The options of one job for each problem."""
-    shared = {key: options[key] for key in ("schemes", "errors", "starts_with_kinks")}
+    shared = {key: options[key] for key in ("schemes", "errors")}
     return {name: {"problem": name, **length, **shared} for name, length in options["problems"].items()}
 
 
@@ -76,10 +76,10 @@ def _reads(options: Options) -> Iterable[str]:
     return [f"reference/{options['problem']}"] if options["problem"] in approximate_periods else []
 
 
-def two_digits(number: float) -> int:
-    """The least whole number with at most two digits other than zeros at the end that is not below ``number``."""
-    unit = 10 ** max(math.floor(math.log10(number)) - 1, 0)
-    return math.ceil(number / unit * (1 - 1e-12)) * unit
+def two_digits(number: float, multiple: int = 1) -> int:
+    """The least multiple of 1 or 10 not below ``number`` that has at most two digits other than zeros at the end."""
+    unit = max(10 ** (math.floor(math.log10(number)) - 1), multiple)
+    return math.ceil(number / unit * (1 - 1e-12)) * int(unit)
 
 
 def time_scale(problem: str) -> float:
@@ -103,6 +103,7 @@ class _Ladder:
     def __init__(self, scheme: Scheme, motion: Motion, scale: float, periods: list[float], decided: float):
         self.scheme, self.motion, self.scale = scheme, motion, scale
         self.periods, self.decided = np.array(periods), periods.index(decided)
+        self.multiple, self.halved = SAMPLES if motion.sampled else 1, motion.sampled
         self.rows, self.varied = pd.DataFrame(), pd.DataFrame()
 
     def _made(self, start: Start, counts: Iterable[float], periods: Iterable[float]) -> pd.DataFrame:
@@ -156,14 +157,18 @@ class _Ladder:
         """
         top = COARSEST
         while top <= finest:
-            octave = {two_digits(top), two_digits(top * math.sqrt(2))}
-            self.run({*octave, *of_record[(of_record >= top) & (of_record < 2 * top)]})
+            octave = {two_digits(top, self.multiple), two_digits(top * math.sqrt(2), self.multiple)}
+            octave |= {*of_record[(of_record >= top) & (of_record < 2 * top)]}
+            self.run(octave - {*self.rows.get("steps_per_period", ())})
             top *= 2
             if max(self.rows.steps_per_period) > max(need for need, _ in self.needed(limits)):
                 break
         while True:
             needed, known = self.needed(limits), set(self.rows.steps_per_period)
-            if new := {one for need, coarser in needed for one in between(coarser, need)} - known:
+            finer = [between(coarser, need, self.multiple) for need, coarser in needed]
+            # a run of several unknowns costs as much as its steps, so their intervals are halved
+            new = {one for numbers in finer for one in (numbers[len(numbers) // 2 :][:1] if self.halved else numbers)}
+            if new := new - known:
                 self.run(new)
                 continue
             varied = set(self.varied.steps_per_period) if len(self.varied) else set()
@@ -174,15 +179,15 @@ class _Ladder:
             self.vary(wanted - varied, starts)
 
 
-def between(coarser: float, need: float) -> list[int]:
-    """All whole numbers of two digits between two numbers.
+def between(coarser: float, need: float, multiple: int = 1) -> list[int]:
+    """All multiples of 1 or 10 with two digits between two numbers.
 
     ``need`` may be infinite; ``coarser`` is zero if no smaller number was tried.
     """
-    numbers, one = [], two_digits(max(coarser, COARSEST) * (1 + 1e-9))
+    numbers, one = [], two_digits(max(coarser, COARSEST) * (1 + 1e-9), multiple)
     while coarser < one < need < math.inf:
         numbers.append(one)
-        one = two_digits(one + 1)
+        one = two_digits(one + 1, multiple)
     return numbers
 
 
@@ -194,12 +199,13 @@ def runs(
     periods: Lengths,
     decided: float,
     finest: Count,
-    starts_with_kinks: Repeats,
+    starts: int,
 ) -> xr.Dataset:
     """Measure errors and costs of schemes at step sizes down to those that keep the allowed errors.
 
     The error of a quantity is its largest difference from the reference, over all unknowns and all steps, divided by
-    its largest value; the error of the energy is that of the balance of energies. A step size is the time scale of the
+    its largest value; with several unknowns, over all unknowns and the steps that end at one of ``SAMPLES`` samples in
+    a time scale. The error of the energy is that of the balance of energies. A step size is the time scale of the
     problem divided by a number of steps with two digits, or an integer fraction or multiple of the spacing of a record.
 
     Returns
@@ -216,10 +222,11 @@ def runs(
         If no reference is found.
     """
     scale = time_scale(problem)
-    motion = Motion.of(problems[problem], max(periods) * scale, scale / COARSEST)
+    sampled = scale / SAMPLES if np.size(problems[problem].u0) > 1 else None
+    motion = Motion.of(problems[problem], max(periods) * scale, scale / COARSEST, sampled)
     kinked = motion.problem.kinked or motion.problem.history is not None
-    number, width = (starts_with_kinks, VARIATION_WITH_KINKS) if kinked else (STARTS, VARIATION)
-    starts = [motion.start(1 + width * part) for part in np.linspace(-1, 1, number)]
+    width = VARIATION_WITH_KINKS if kinked else VARIATION
+    others = [motion.start(1 + width * part) for part in np.linspace(-1, 1, starts)]
     uncertainty = {name: motion.uncertainty[name] for name in DECIDED if name in motion.names}
     limits = [(name, error) for name, own in uncertainty.items() for error in errors if error >= CERTAIN * own]
     interval = spacing(motion.problem, motion.duration)
@@ -231,7 +238,7 @@ def runs(
             continue
         progress(f"{name} on {problem}")
         ladder = _Ladder(scheme, motion, scale, periods, decided)
-        ladder.search(limits, finest, of_record, starts)
+        ladder.search(limits, finest, of_record, others)
         parts[name] = ladder.dataset()
     ds = xr.concat(parts.values(), "scheme", join="outer").assign_coords(scheme=list(parts)).reindex(scheme=schemes)
     return _described(ds, problem, motion, scale, decided, interval, starts)
@@ -244,7 +251,7 @@ def _described(
     scale: float,
     decided: float,
     interval: float | None,
-    starts: list[Start],
+    starts: int,
 ) -> xr.Dataset:
     """The runs with step sizes along ``size``, the properties of the problem, and attributes."""
     order = ("scheme", "size", "quantity", "periods")
@@ -253,33 +260,35 @@ def _described(
     dt, highest = scale / counts, highest_frequency_along(motion.problem, motion.solution)
     ratio = np.ones(len(dt)) if interval is None else np.maximum(interval / dt, dt / interval)
     tried = ds.status.notnull().any("periods")
-    along = ("size",)
-    described = {
-        "error": {
-            "long_name": "largest error over all unknowns and steps, relative to the largest value",
-            "units": "1",
-        },
-        "largest_error": {"long_name": "largest error from all starts", "units": "1"},
-        **{name: {"long_name": attributes["long_name"], "units": "1"} for name, attributes in COSTS.items()},
-    }
     ds = ds.assign(
         status=ds.status.fillna(STATUSES_OR_NOT_RUN.index("not_run")).astype(np.int8),
         tried=tried.astype(np.int8),
         uncertainty=("quantity", [motion.uncertainty[name] for name in ds.quantity.values]),
-        step_size=(along, dt, {"long_name": "step size", "units": "s"}),
-        steps_per_period=(along, counts, {"long_name": "steps in a time scale", "units": "1"}),
-        omega_step=(
-            along,
-            highest * dt,
-            {"long_name": "step size times the highest frequency of the motion", "units": "1"},
-        ),
-        divides=(along, np.isclose(ratio, np.round(ratio)).astype(np.int8)),
-        highest_frequency=((), highest),
-        time_scale=((), scale),
-        unknowns=((), np.size(motion.problem.u0)),
-        duration=("periods", ds.periods.values * scale),
     ).drop_vars("size")
-    others = {
+    ds = ds.assign_coords(
+        **coordinates.scheme_coordinates(ds.scheme.values.tolist()),
+        step_size=("size", dt),
+        steps_per_period=("size", counts),
+        omega_step=("size", highest * dt),
+        divides=("size", np.isclose(ratio, np.round(ratio)).astype(np.int8)),
+        duration=("periods", ds.periods.values * scale),
+        highest_frequency=highest,
+        time_scale=scale,
+        unknowns=np.size(motion.problem.u0),
+        decided=decided,
+        starts=1 + starts,
+        problem=problem,
+        problem_title=problems[problem].title,
+    )
+    instants = f"{SAMPLES} samples in a time scale" if motion.sampled else "steps"
+    own = {
+        "error": {
+            "long_name": f"largest error over all unknowns and {instants}, relative to the largest value",
+            "units": "1",
+        },
+        "largest_error": {"long_name": "largest error from all starts", "units": "1"},
+        **{name: attributes | {"units": "1"} for name, attributes in COSTS.items()},
+        "step_size": {"long_name": "step size", "units": "s"},
         "status": flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8),
         "tried": {"long_name": "1 if the scheme was run with this step size", "units": "1"},
         "uncertainty": {"long_name": "difference of the two solvers of the reference, relative", "units": "1"},
@@ -287,31 +296,12 @@ def _described(
             "long_name": "1 if the step size divides the spacing of a record, or there is no record",
             "units": "1",
         },
-        "highest_frequency": {"long_name": "highest circular frequency of small motions", "units": "s-1"},
-        "time_scale": {"long_name": "time by which steps are counted", "units": "s"},
-        "unknowns": {"long_name": "number of unknowns", "units": "1"},
         "duration": {"long_name": "duration of the run", "units": "s"},
         "periods": {"long_name": "duration of the run in time scales", "units": "1"},
-        "quantity": {"long_name": "quantity whose error is measured"},
     }
-    for name, attributes in (described | others).items():
-        ds[name].attrs = attributes
-    ds = ds.set_coords(
-        [
-            "step_size",
-            "steps_per_period",
-            "omega_step",
-            "divides",
-            "highest_frequency",
-            "time_scale",
-            "unknowns",
-            "duration",
-        ]
+    for name, attributes in (ATTRIBUTES | own).items():
+        if name in ds.variables and not ds[name].attrs:
+            ds[name].attrs = attributes
+    return ds.assign_attrs(
+        title=f"Errors and costs of the schemes: {problems[problem].title}", reference=motion.solvers
     )
-    return ds.assign_coords(
-        **coordinates.scheme_coordinates(ds.scheme.values.tolist()),
-        problem=((), problem, {"long_name": "problem"}),
-        problem_title=((), problems[problem].title, {"long_name": "title of the problem"}),
-        decided=((), decided, {"long_name": "duration for which steps are decided, in time scales", "units": "1"}),
-        starts=((), 1 + len(starts), {"long_name": "number of starts of a step that is needed", "units": "1"}),
-    ).assign_attrs(title=f"Errors and costs of the schemes: {problems[problem].title}", reference=motion.solvers)

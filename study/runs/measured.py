@@ -31,12 +31,14 @@ class Start:
 
     problem: Problem
     targets: dict[str, Target]
+    sampled: bool
 
     @cached_property
     def observe(self) -> list[str | Observer]:
         """The observers of a run."""
         balance = ["energy_balance"] if self.problem.potential is not None or self.problem.dissipative else []
-        return [*errors.observers(list(self.targets.values())), "effort", *balance]
+        along = list(self.targets.values())
+        return [*([errors.ErrorsAtSamples.of(along)] if self.sampled else errors.observers(along)), "effort", *balance]
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,9 @@ class Motion:
     solvers
         Names of the two solvers.
     grid
-        Times between which the reference is interpolated.
+        Times between which the reference is interpolated, or times of its samples.
+    sampled
+        Whether errors are measured at the samples only. The dense reference of several unknowns takes long.
     """
 
     problem: Problem
@@ -68,10 +72,11 @@ class Motion:
     uncertainty: dict[str, float]
     solvers: str
     grid: np.ndarray
+    sampled: bool
 
     @classmethod
-    def of(cls, problem: Problem, duration: float, coarsest: float) -> "Motion":
-        """Solve for the reference with two solvers.
+    def of(cls, problem: Problem, duration: float, coarsest: float, sampled: float | None = None) -> "Motion":
+        """Solve for the reference with two solvers, at samples in intervals of ``sampled`` seconds if it is given.
 
         Raises
         ------
@@ -80,14 +85,17 @@ class Motion:
         """
         problem = excited(problem, 1.0, displaced=True)
         quantities, reference = wanted_quantities(None, problem), Reference(problem, duration)
-        grid = reference.grid(coarsest)
         try:
-            one, other, grid = reference.solutions(grid, RTOL, GOAL)
+            if sampled is None:
+                one, other, grid = reference.solutions(reference.grid(coarsest), RTOL, GOAL)
+            else:
+                grid = np.linspace(0.0, duration, round(duration / sampled) + 1)
+                one, other = (reference.solution(route, grid, RTOL) for route in reference.routes)
         except RuntimeError as error:
             raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
         apart = {name: errors.difference(q, problem, one, other)[0] for name, q in quantities.items()}
         solvers = " and ".join(route.name for route in reference.routes)
-        return cls(problem, duration, quantities, one, apart | {ENERGY: 0.0}, solvers, grid)
+        return cls(problem, duration, quantities, one, apart | {ENERGY: 0.0}, solvers, grid, sampled is not None)
 
     @property
     def names(self) -> list[str]:
@@ -98,17 +106,19 @@ class Motion:
     @cached_property
     def own(self) -> Start:
         """The problem from its own start."""
-        return Start(self.problem, self._targets(self.problem, self.solution))
+        return self._start(self.problem, self.solution)
 
-    def _targets(self, problem: Problem, solution: DenseSolution) -> dict[str, Target]:
-        return {name: errors.target(quantity, problem, solution) for name, quantity in self.quantities.items()}
+    def _start(self, problem: Problem, solution: DenseSolution) -> Start:
+        finer = 1 if self.sampled else errors.FINER
+        targets = {name: errors.target(one, problem, solution, finer) for name, one in self.quantities.items()}
+        return Start(problem, targets, self.sampled)
 
     def start(self, factor: float) -> Start:
         """The problem with initial values and load multiplied by ``factor``."""
         problem = excited(self.problem, factor, displaced=True)
         reference = Reference(problem, self.duration)
-        solution = reference.solution(reference.routes[0], reference.with_kinks(self.grid), RTOL)
-        return Start(problem, self._targets(problem, solution))
+        grid = self.grid if self.sampled else reference.with_kinks(self.grid)
+        return self._start(problem, reference.solution(reference.routes[0], grid, RTOL))
 
 
 def measured(scheme: Scheme, start: Start, step_sizes: Sequence[float], durations: Sequence[float]) -> pd.DataFrame:
@@ -120,7 +130,8 @@ def measured(scheme: Scheme, start: Start, step_sizes: Sequence[float], duration
     -------
     pandas.DataFrame
         A row for each run: ``step_size``, ``duration``, ``status``, the counts, and the error of each quantity, NaN if
-        the run failed. Quantities along time are compared with the reference at every step and over all unknowns.
+        the run failed. Quantities along time are compared with the reference over all unknowns, at every step or at
+        the samples of the reference.
     """
     dt, ends = (one.ravel() for one in np.meshgrid(step_sizes, durations, indexing="ij"))
     steps = np.maximum(np.floor(ends / dt * (1 + 1e-9)), 1).astype(int)

@@ -32,8 +32,8 @@ def recommend(
     Parameters
     ----------
     what
-        Dataset of :func:`study.assess`, its file, ``NAME.nc``, or a name: of a problem of the dataset ``needs``, as
-        ``softening`` or ``records``, of an assessment in the section ``assess`` of the configuration, or of a file
+        Dataset of :func:`study.assess`, its file, ``NAME.nc``, or a name: of a problem of the dataset ``needs``, such
+        as ``softening`` or ``records``, of an assessment in the section ``assess`` of the configuration, or of a file
         ``NAME.nc`` in ``folder`` or in the present folder.
     error
         Allowed error as a fraction, 0.01 for one percent, of the value that the coordinate ``relative_to`` of the

@@ -116,11 +116,11 @@ def test_the_study_gives_one_answer():
     if not (results / "explorer.html").exists():
         pytest.skip("results/explorer.html is not there; `make` makes it")
     page = (results / "explorer.html").read_text()
-    (meta,) = map(json.loads, re.findall(r'<script id="meta" type="application/json">(.*?)</script>', page))
+    (meta,) = re.findall(r'<script id="meta" type="application/json">(.*?)</script>', page)
     article = pd.read_csv(results / DECISION, keep_default_na=False)
     decided = study.open_dataset("decisions", results)
     short = recommended(results)["recommended"]
     of_readme = [line for line in (PROJECT / "README.md").read_text().splitlines() if "ωΔt\u00a0=" in line]
     cells = {cell.strip() for line in short.splitlines() for cell in line.split("|")}
     assert of_readme and all({cell.strip() for cell in line.split("|")[2:4]} <= cells for line in of_readme)
-    _check_one_answer(decided, short, article, meta["decisions"], results)
+    _check_one_answer(decided, short, article, json.loads(meta)["decisions"], results)

@@ -39,7 +39,7 @@ def test_an_edited_scheme_concerns_what_runs_it(jobs):
 def test_an_edited_problem_concerns_what_runs_it_and_a_new_one_nothing_else(jobs):
     chains = _that_read(jobs, "study/problem/chains.py")
     assert ("reference_structures", "fpu_chain") in chains and ("structures", "fpu_chain") in chains
-    own = {"reference_structures", "structures", "structure_history", "published_numbers", "site"}
+    own = {"reference_structures", "structures", "structure_history", "published_numbers", "runs", "site"}
     assert _names(chains) <= own
     springs = _that_read(jobs, "study/problem/springs.py")
     assert {"reference_springs", "energy_error", "accuracy", "kinks"} <= _names(springs)

@@ -76,8 +76,8 @@ def datasets():
         xr.Dataset({"u": (("scheme", "t"), [[u0]]), "dt": dt}, attrs={"problem": name})
         for name, (u0, dt) in runs.items()
     ]
-    of_schemes = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2] * 4]
-    decided = decisions(with_kinds(of_problems([needs(made_up(of_schemes, "hardening"), [0.1, 0.01])])))
+    of_runs = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2] * 4]
+    decided = decisions(with_kinds(of_problems([needs(made_up(of_runs, "hardening"), [0.1, 0.01])])))
     decided.verdict.attrs = ATTRIBUTES["verdict"]
     return {"atlas": [atlas], "cases": cases, "decisions": [decided]}
 
