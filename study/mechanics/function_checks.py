@@ -141,10 +141,11 @@ def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
     shape = np.shape(problem.u0)
     u, v, history = ("the displacement", problem.u0), ("the velocity", problem.v0), ("the history", problem.history)
     memory = () if problem.history is None else (history,)
+    # the potential before a force that may be its gradient, so that the message on its fault names it
     given = {
+        "potential": ((), u, *memory),
         "force": (shape, u, *((v,) if problem.arguments > 1 else ()), *memory),
         "load": (shape, ("the time", 0.0)),
-        "potential": ((), u, *memory),
     }
     if problem.takes_time:
         shape, *of_force = given["force"]
@@ -208,8 +209,6 @@ def check_functions(problem) -> None:
             received = eqx.filter_eval_shape(lambda f, *x: f(*x), function, *jax.tree.map(jnp.asarray, arguments))
         except Exception as error:  # a user's function may raise anything
             raise ValueError(f"{name} of '{problem.title}' {failure(error, f'fails for {given}')}") from error
-        if wrong := index_beyond(function, *arguments):
-            raise ValueError(f"{name} of '{problem.title}' takes an entry that does not exist: {wrong}.")
         if name == "force" and problem.history is not None:
             received = _without_history(received, problem.history, problem.title)
         if name != "potential" and problem.history is None and isinstance(received, int | float | list):
@@ -220,6 +219,8 @@ def check_functions(problem) -> None:
             raise ValueError(f"{name} must return the shape {expected}, not {got}.")
         if received.dtype != float:
             raise ValueError(f"{name} must return float64, not {received.dtype}.")
+        if wrong := index_beyond(function, *arguments):
+            raise ValueError(f"{name} of '{problem.title}' takes an entry that does not exist: {wrong}.")
     if isinstance(problem.potential, StrainEnergy):
         _check_strain_energy(problem.potential, problem.u0)
 

@@ -352,3 +352,13 @@ def test_a_potential_whose_gradient_is_nan_is_refused(u0):
         study.Problem(potential=single, u0=u0)
     problem = study.Problem(potential=double, u0=u0)
     np.testing.assert_allclose(problem.force(-jnp.asarray(u0)), 2.5 * np.maximum(-np.asarray(u0), 0) ** 1.5)
+
+
+def test_a_potential_that_jax_cannot_trace_is_named_and_not_the_force_that_follows_from_it():
+    with pytest.raises(ValueError, match="^potential of 'unnamed problem' must be written with jax.numpy"):
+        study.Problem(potential=lambda u: np.cosh(u), u0=1.0)
+
+
+def test_a_force_that_returns_a_text_gets_a_sentence():
+    with pytest.raises(ValueError, match=r"^force must return the shape \(\), not str"):
+        study.Problem(lambda u: "text", u0=1.0)
