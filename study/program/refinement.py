@@ -177,6 +177,13 @@ class Refinement:
         if off <= wanted:
             if truth.fixed and (unseen := [one for one, error in truth.between.items() if error > wanted]):
                 self.remarks.append(f"{_output(truth, unseen[0], wanted)}: its errors hold at these times only")
+            last = self.last_completed(truth.best.scheme)[-1]
+            skipped = round((last.t[1] - last.t[0]) / last.dt) if len(last.t) > 1 else 1
+            if skipped > 1 and not truth.fixed:
+                self.remarks.append(
+                    f"a run has an output after every {skipped} steps, and errors between the outputs are not seen: "
+                    "write every step"
+                )
             return
         if truth.between[name] > off / 2 and not (truth.fixed or self._runs.late):
             self.remarks.append(

@@ -296,8 +296,9 @@ def _largest_error(run, scheme, dt):
 
 def test_output_at_every_hundredth_step_is_refined_until_it_can_be_followed(tmp_path):
     run = partial(models.sampled, 100)
-    ds = study.assess(program(run, tmp_path), errors=[0.01])
-    assert (ds.verdict == 0).all() and not ds.attrs["remarks"]
+    with pytest.warns(RuntimeWarning, match="has an output after every 100 steps, and errors between .* are not seen"):
+        ds = study.assess(program(run, tmp_path), errors=[0.01])
+    assert (ds.verdict == 0).all()
     for scheme in models.SCHEMES:
         one = ds.sel(scheme=scheme, quantity="displacement", allowed_error=0.01)
         off = _largest_error(run, scheme, one.recommended_dt.item())
