@@ -56,7 +56,9 @@ def test_an_assessment_is_found_by_its_file(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     study.io.write(small_results.assessment().assign_attrs(source=study.io.SOURCE), "mynm.nc")
     study.io.write(small_results.assessment().assign_attrs(source=study.io.SOURCE), "sub/mynm.nc")
-    ways = ["mynm"], ["mynm.nc"], ["mynm", "--folder", "."], ["sub/mynm"], ["sub/mynm.nc"], ["mynm", "--folder", "sub"]
+    study.io.write(small_results.assessment().assign_attrs(source=study.io.SOURCE), "sub/other.nc")
+    of_folder = ["mynm", "--folder", "."], ["mynm", "--folder", "sub"], ["other.nc", "--folder", "sub"]
+    ways = ["mynm"], ["mynm.nc"], ["sub/mynm"], ["sub/mynm.nc"], *of_folder
     for way in ways:
         main(["recommend", *way, "--error", "0.01"])
     printed = capsys.readouterr().out

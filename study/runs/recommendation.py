@@ -126,7 +126,7 @@ def _opened(name: str, folder: Path) -> xr.Dataset:
     if needed is not None and name in needed.problem.values:
         return needed.sel(problem=name)
     named = [folder / "assessment" / f"{name}.nc", folder / f"{name}.nc", Path(f"{name}.nc")]
-    for file in [Path(name)] if name.endswith(".nc") else named:
+    for file in [Path(name), folder / name] if name.endswith(".nc") else named:
         if file.exists():
             return io.read(file)
     if name.endswith(".nc"):
