@@ -19,6 +19,9 @@ from conformance.fitted import Change, numbered
 #: Largest unexplained fraction of the difference at which a wrong parameter is named as the likely cause.
 UNEXPLAINED = 0.01
 
+#: Largest error of a parameter, or of a factor, whose effect its derivative predicts.
+SLIGHT = 0.1
+
 #: Relative difference below which single precision or an iteration that ends early is the likely cause.
 EARLY = 1e-5
 
@@ -157,6 +160,6 @@ def _slope(case: Mapping[str, Any], pairs: Sequence[Compared]) -> str:
             change = float(off @ direction / size)
             rest = float(np.linalg.norm(off - change * direction) / np.linalg.norm(off))
             fits.append((rest, slope["number"], change))
-    if fits and min(fits)[0] <= UNEXPLAINED:
+    if fits and min(fits)[0] <= UNEXPLAINED and abs(min(fits)[2]) <= SLIGHT:
         return f"{min(fits)[1]} is off by about {min(fits)[2]:.2g}"
     return ""

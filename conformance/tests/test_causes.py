@@ -194,6 +194,13 @@ def test_central_difference_in_the_form_of_two_codes_is_named(name, step, cause)
     assert cause in _judged(name, step).cause
 
 
+def test_a_large_error_of_a_parameter_is_not_named_by_its_derivative():
+    """In this case a multiple of the derivative by α_m fits the wrong values, but no error of α_m gives them."""
+    module: Any = ModuleType("mistaken")
+    exec(TEXT.replace("(x - u_ahead) / (beta", "(x + u_ahead) / (beta", 1), module.__dict__)
+    assert _judged("A-CUB-WBZ", module.step).cause == "not known"
+
+
 def test_a_cause_that_explains_no_value_is_not_named():
     """A random velocity is no change of the scheme."""
     noise = np.random.default_rng(1).normal(size=(3, 1))
