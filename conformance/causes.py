@@ -65,19 +65,17 @@ class Search:
     def gives(self, motion: March) -> bool:
         """Whether a changed scheme gives all values of the code; False if it fails."""
         try:
-            with np.errstate(all="ignore"):  # a changed scheme may be unstable
-                return all(
-                    same(pairs, values_of(pairs, motion(steps)))
-                    for pairs, steps in ((self.few, self.first), (self.pairs, self.steps))
-                )
+            return all(
+                same(pairs, values_of(pairs, motion(steps)))
+                for pairs, steps in ((self.few, self.first), (self.pairs, self.steps))
+            )
         except (ArithmeticError, np.linalg.LinAlgError):
             return False
 
     def off(self, motion: March) -> np.ndarray:
         """Differences from the values of the code up to the first wrong one, relative to the scale; inf if it fails."""
         try:
-            with np.errstate(all="ignore"):
-                values = values_of(self.few, motion(self.first))
+            values = values_of(self.few, motion(self.first))
         except (ArithmeticError, np.linalg.LinAlgError):
             return np.full(1, math.inf)
         return np.concatenate([(x - pair.found) / pair.scale for pair, x in zip(self.few, values, strict=True)])
@@ -112,6 +110,7 @@ class Search:
         return ""
 
 
+@np.errstate(all="ignore")  # the code or a changed scheme may be unstable
 def explained(search: Search, known: Known) -> tuple[str, str]:
     """Verdict and cause for displacements and velocities that differ from the expected ones.
 

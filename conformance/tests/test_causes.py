@@ -201,6 +201,12 @@ def test_a_large_error_of_a_parameter_is_not_named_by_its_derivative():
     assert _judged("A-CUB-WBZ", module.step).cause == "not known"
 
 
+@pytest.mark.filterwarnings("error")
+def test_huge_values_have_a_verdict_without_a_warning():
+    one = _judged("A-CUB-AVG", change=lambda u, v, a, dt: (1e300 * u, 1e300 * v, a))
+    assert (one.verdict, one.cause) == ("fail", "not known")
+
+
 def test_a_cause_that_explains_no_value_is_not_named():
     """A random velocity is no change of the scheme."""
     noise = np.random.default_rng(1).normal(size=(3, 1))
