@@ -9,7 +9,6 @@ import linecache
 import re
 import traceback
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 import equinox as eqx
@@ -18,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.experimental import checkify
 
-from study.algebra.jit import jit
+from study.algebra.reads import reading, reads_of
 from study.mechanics.internal_force import TIME
 from study.mechanics.terms import StrainEnergy
 
@@ -311,7 +310,7 @@ def _kind(array) -> str:
     return f"{jnp.result_type(array)}{list(jnp.shape(array))}"
 
 
-@partial(jit, compiler=eqx.filter_jit)
+@eqx.filter_jit
 def _twice(force: Callable, u, v, history) -> tuple:
     """Force and history after a motion, and those after the same motion from this history."""
     p, new = force(u, v, history)
@@ -321,7 +320,8 @@ def _twice(force: Callable, u, v, history) -> tuple:
 def check_history(force: Callable, u0, v0, history, title: str) -> None:
     """Refuse a force function that returns another force or history when it is called again with its new history."""
     u, _, _ = _near(u0)
-    with jax.ensure_compile_time_eval():
+    # compiled by JAX directly, since a problem of a family is made within another compiled function
+    with jax.ensure_compile_time_eval(), reading(reads_of(force)):
         once, again = (jax.tree.leaves(one) for one in _twice(force, u, v0, history))
     round_off = 1e-12 * max(np.abs(x).max() for x in once)
     changes = [
