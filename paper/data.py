@@ -63,6 +63,20 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
     return size.sel(periods=longer).where(np.logical_or.reduce(ends))
 
 
+def fewest(error: xr.DataArray, counts: xr.DataArray, allowed: float, along: str) -> xr.DataArray:
+    """Smallest count of forces or steps from which on every run along a dimension keeps an error.
+
+    The count is NaN if the run with the largest count exceeds the error.
+    """
+
+    def of_runs(error: np.ndarray, counts: np.ndarray) -> float:
+        exceeding = counts[np.isfinite(counts) & ~(error <= allowed)].max(initial=0.0)
+        return counts[counts > exceeding].min(initial=np.inf)
+
+    found = xr.apply_ufunc(of_runs, error, counts.astype(float), input_core_dims=[[along], [along]], vectorize=True)
+    return found.where(np.isfinite(found))
+
+
 def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
     """Largest Δt/T at and below which all steps of the maps keep energy and period within a relative error.
 

@@ -3,7 +3,8 @@
 from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
 from paper.claims.terms import ALMOST, REASONABLE
 from paper.claims.wording import listed, number
-from paper.numbers.step_control import ALLOWED, CLEARLY, STIFF, forces_needed, ratio_of_forces, with_control
+from paper.data import fewest
+from paper.numbers.step_control import ALLOWED, CLEARLY, STIFF, ratio_of_forces, with_control
 from paper.published import PROBLEMS
 from study.words import span
 
@@ -70,7 +71,7 @@ def a_stiff_mode_is_ignored(control_cost):
 )
 def a_general_solver_needs_fewer(control_cost, solver_cost):
     equal = with_control(control_cost, ALLOWED)[1].sel(scheme=AVERAGE)
-    solver = forces_needed(solver_cost.error, solver_cost.forces, ALLOWED, "tolerance").sel(solver="cvode_adams")
+    solver = fewest(solver_cost.error, solver_cost.forces, ALLOWED, "tolerance").sel(solver="cvode_adams")
     ratio = solver / equal
     fewer = bool((ratio < 1).all())
     reason = when(not fewer, "it needs as many or more on some problems")

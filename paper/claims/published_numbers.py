@@ -6,6 +6,7 @@ import xarray as xr
 from paper.claims.ledger import PRACTICE, STUDY, Finding, by_name, claim, when
 from paper.claims.terms import FAITHFUL, GREATLY, REASONABLE, ROUND_OFF, RULE
 from paper.claims.wording import listed, number
+from paper.data import fewest
 
 #: Small parameter ε of van der Pol's oscillator, its shortest time scale.
 FASTEST = 1e-6
@@ -35,10 +36,10 @@ def exact_on_a_bar(published_numbers):
 
 
 def steps_of_orbit(published_numbers: xr.Dataset) -> dict[str, dict[str, float]]:
-    """Fewest equal and fewest controlled steps that close Arenstorf's orbit, by scheme; NaN if no run closes it."""
+    """Fewest equal and controlled steps from which on all runs close Arenstorf's orbit, by scheme; NaN without them."""
     orbit = published_numbers.sel(problem="arenstorf")
-    equal = orbit.steps.where(orbit.error <= CLOSED).min("refinement")
-    controlled = orbit.controlled_steps.where(orbit.controlled_error <= CLOSED).min("tolerance")
+    equal = fewest(orbit.error, orbit.steps, CLOSED, "refinement")
+    controlled = fewest(orbit.controlled_error, orbit.controlled_steps, CLOSED, "tolerance")
     return {"equal": by_name(equal), "controlled": by_name(controlled)}
 
 
@@ -64,11 +65,10 @@ def fewer_controlled_steps(published_numbers):
 
 
 def largest_step(published_numbers: xr.Dataset) -> dict[str, float]:
-    """Largest Δt/ε with a reasonable error on van der Pol's oscillator, by implicit scheme; NaN if there is none."""
+    """Largest Δt/ε at and below which errors on van der Pol's oscillator are reasonable, by implicit scheme, or NaN."""
     one = published_numbers.sel(problem="van_der_pol")
     one = one.isel(scheme=np.flatnonzero(one.explicit.values == 0))
-    steps = (one.time / one.steps / FASTEST).where(100 * one.error <= REASONABLE)
-    return {name: steps.sel(scheme=name).max().item() for name in one.scheme.values}
+    return by_name(one.time / fewest(one.error, one.steps, REASONABLE / 100, "refinement") / FASTEST)
 
 
 @claim(

@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from paper.data import fewest
 from paper.products import numbers
 from paper.published import PROBLEMS
 from paper.requirements import OF_THE_TABLES
@@ -29,24 +30,10 @@ def growth(step_control: xr.Dataset) -> xr.DataArray:
     return step_control.history.isel(period=-1) / step_control.history.isel(period=0)
 
 
-def forces_needed(error: xr.DataArray, forces: xr.DataArray, allowed: float, along: str) -> xr.DataArray:
-    """Smallest number of evaluations of the force from which on every run along a dimension keeps an error.
-
-    The number is NaN if the run with the most evaluations exceeds the error.
-    """
-
-    def fewest(error: np.ndarray, forces: np.ndarray) -> float:
-        exceeding = forces[np.isfinite(forces) & ~(error <= allowed)].max(initial=0.0)
-        return forces[forces > exceeding].min(initial=np.inf)
-
-    found = xr.apply_ufunc(fewest, error, forces, input_core_dims=[[along], [along]], vectorize=True)
-    return found.where(np.isfinite(found))
-
-
 def with_control(control_cost: xr.Dataset, allowed: float) -> tuple[xr.DataArray, xr.DataArray]:
     """Fewest force evaluations for an error with controlled and with equal steps, each of shape (problem, scheme)."""
-    controlled = forces_needed(control_cost.error, control_cost.forces, allowed, "tolerance")
-    return controlled, forces_needed(control_cost.equal_error, control_cost.equal_forces, allowed, "steps_per_sample")
+    controlled = fewest(control_cost.error, control_cost.forces, allowed, "tolerance")
+    return controlled, fewest(control_cost.equal_error, control_cost.equal_forces, allowed, "steps_per_sample")
 
 
 def ratio_of_forces(control_cost: xr.Dataset, allowed: float) -> xr.DataArray:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from paper.numbers.step_control import forces_needed
+from paper.data import fewest
 from reference.experiments.inelastic import inelastic
 from reference.experiments.solver_cost import solver_cost
 from study import io
@@ -36,8 +36,8 @@ def test_control_reaches_the_exact_motion_of_a_bouncing_mass(reference, monkeypa
     np.testing.assert_array_equal(controlled.equal_forces, 1 + 5 * 16 * ds.steps_per_sample)
     assert (controlled.equal_error.diff("steps_per_sample") < 0).all()
     assert (multistep.status == NOT_RUN).all() and np.isfinite(multistep.equal_error).all()
-    needed = forces_needed(controlled.error, controlled.forces, 1e-3, "tolerance")
-    assert needed < forces_needed(controlled.equal_error, controlled.equal_forces, 1e-3, "steps_per_sample")
+    needed = fewest(controlled.error, controlled.forces, 1e-3, "tolerance")
+    assert needed < fewest(controlled.equal_error, controlled.equal_forces, 1e-3, "steps_per_sample")
 
 
 def test_a_force_with_a_history_counts_what_commits_it(reference, monkeypatch):
@@ -59,10 +59,10 @@ def test_solvers_have_no_force_with_a_history(reference, monkeypatch):
 def test_the_fewest_forces_are_those_below_which_nothing_fails():
     forces = xr.DataArray([10.0, 20.0, 40.0, 80.0, np.nan], dims="run")
     error = xr.DataArray([1e-4, 0.5, 1e-3, 1e-4, np.nan], dims="run")
-    assert forces_needed(error, forces, 0.01, "run") == 40
-    assert np.isnan(forces_needed(error, forces, 1e-5, "run"))
+    assert fewest(error, forces, 0.01, "run") == 40
+    assert np.isnan(fewest(error, forces, 1e-5, "run"))
     failed = xr.DataArray([1e-4, 1e-4, 1e-4, np.nan, np.nan], dims="run")
-    assert np.isnan(forces_needed(failed, forces, 0.01, "run"))
+    assert np.isnan(fewest(failed, forces, 0.01, "run"))
 
 
 def test_rules_of_codes_on_the_hardening_spring(monkeypatch):

@@ -79,3 +79,18 @@ def test_statistics_converge_or_not(order, holds):
     assert finding.holds == holds and f"{order:.1f} ± 0.0" in finding.ours
     data["exponent"][1, :2] = -0.1  # regular motion does not count, and two steps are not enough
     assert np.isnan(claims.orders_of_means(data)[claims.FAITHFUL[0]]).all()
+
+
+def test_a_run_that_is_accurate_by_accident_does_not_count():
+    """Of runs with 1, 2, 4 and 8 steps the first and the last are accurate: only the last one counts."""
+    orbit = xr.Dataset(
+        {
+            "error": (("problem", "scheme", "refinement"), [[[0.001, 1.59, 0.4, 0.007]]]),
+            "steps": (("problem", "refinement"), [[1, 2, 4, 8]]),
+            "controlled_error": (("problem", "scheme", "tolerance"), [[[0.001, 0.5]]]),
+            "controlled_steps": (("problem", "scheme", "tolerance"), [[[3.0, 9.0]]]),
+        },
+        {"problem": ["arenstorf"], "scheme": ["rk4"]},
+    )
+    steps = claims.steps_of_orbit(orbit)
+    assert steps["equal"] == {"rk4": 8} and np.isnan(steps["controlled"]["rk4"])
