@@ -140,7 +140,7 @@ def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
     return {
         "jumps": span(runs.changes_of_sign, ".0f"),
         "starts": runs.sizes["start"],
-        "starts_within": number((sensitivity.perturbation * np.ptp(sensitivity.start)).item(), 2),
+        "starts_within": number(sensitivity.perturbation.item() * np.ptp(sensitivity.start.values), 2),
         "steps_to_diverge": span(parted, ".0f") if parted.min() > 0 else None,
         "fails_central_difference": int(portrait.failed_at_step.sel(scheme="central_difference")),
         "fails_rk4": int(portrait.failed_at_step.sel(scheme="rk4")),

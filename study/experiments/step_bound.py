@@ -47,7 +47,7 @@ class _StepBound(TypedDict):
 
 
 @experiment("stability/step_bound", section="step_bound", model=_StepBound)
-def of_step_bound(error: Tolerance, periods: int) -> xr.Dataset:
+def step_bound(error: Tolerance, periods: int) -> xr.Dataset:
     """Compare the errors of energy and period with those of the modified energy, at the step bound of the energy.
 
     Parameters

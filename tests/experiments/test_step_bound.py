@@ -3,13 +3,13 @@
 import pytest
 
 import study
-from study.experiments import step_bound
+from study.experiments import step_bound as experiment
 
 
 def test_runs_confirm_the_modified_energy(monkeypatch):
-    chosen = {"tanh": (*step_bound.POTENTIALS["tanh"][:2], (0.5, 3)), "morse": step_bound.POTENTIALS["morse"]}
-    monkeypatch.setattr(step_bound, "POTENTIALS", chosen)
-    ds = step_bound.of_step_bound(0.01, 10).sel(scheme="central_difference")
+    chosen = {"tanh": (*experiment.POTENTIALS["tanh"][:2], (0.5, 3)), "morse": experiment.POTENTIALS["morse"]}
+    monkeypatch.setattr(experiment, "POTENTIALS", chosen)
+    ds = experiment.step_bound(0.01, 10).sel(scheme="central_difference")
     assert ds.sizes["motion"] == 2 + 5 and ds.potential.values[-1] == "morse"
     predicted = ds.coefficient * ds.omega_step**2
     assert predicted.sel(quantity="energy").values == pytest.approx(0.01)
