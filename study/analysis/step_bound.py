@@ -197,7 +197,9 @@ def step_bound(problem: str | Problem, scheme: str | Scheme, error: float = 0.01
     r"""The step that keeps the energy, the period and the displacement of a free oscillation within an error.
 
     A scheme of second order that is (conjugate to) a symplectic one conserves a modified energy
-    :math:`E + \Delta t^2 g + O(\Delta t^4)`, see :class:`ModifiedEnergy`. Therefore
+    :math:`E + \Delta t^2 g + O(\Delta t^4)`. For Newmark's methods with γ = ½,
+    :math:`g = \dot u^T p' \dot u / 12 + (\beta/2 - 1/24)\, \ddot u^T M \ddot u` and :math:`c = 1/24 - \beta/2`. With
+    the integral S of :math:`\ddot u^T M \ddot u` over a period,
 
     .. math::
 
