@@ -33,6 +33,7 @@ Which scheme and which step size
         study.recommend(ds, error=0.01, quantity="angle")
         study.report(ds, "pendulum.html")
 
+    ``step_bound`` computes the steps that keep energy, period and displacement of a free oscillator, without a run.
     ``work_precision`` returns the errors and computing times of runs, and draws them if a file for the figure is given.
     ``cite`` lists, as BibTeX, the works on which a dataset is based.
 

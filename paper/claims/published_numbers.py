@@ -151,6 +151,9 @@ def orders_of_means(ueda: xr.Dataset) -> dict[str, tuple[float, float]]:
 def statistics_converge(ueda):
     orders = {name: orders_of_means(ueda)[name] for name in FAITHFUL}
     titles = dict(zip(ueda.scheme.values, ueda.scheme_title.values, strict=True))
-    ours = "; ".join(f"{titles[name]}: {order:.1f} ± {error:.1f}" for name, (order, error) in orders.items())
+    ours = "; ".join(
+        f"{titles[name]}: " + (f"{order:.1f} ± {error:.1f}" if np.isfinite(order) else "none")
+        for name, (order, error) in orders.items()
+    )
     holds = all(abs(order - 2) < max(NEARLY_TWO, 2 * error) for order, error in orders.values())
     return Finding(ours, holds, when(not holds, "steps with regular motion break the convergence"))

@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
 
 from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels, wrapped
 from paper.products import figure
@@ -40,6 +41,7 @@ def draw(needs: xr.Dataset, spectral: xr.Dataset) -> Figure:
             ax.plot(at, cost if found else highest, look["marker"] if found else "_", color=look["color"])
         ax.axvline((1 + LIMITED[0]) / 2, color="0.7", linestyle="-", linewidth=0.6)
         ax.set_yscale("log")
+        ax.yaxis.set_minor_formatter(NullFormatter())
         ax.set_xticks([0, 0.5, 1, sum(LIMITED) / 2], ["0", "0.5", "1", "limit"])
         letter(ax, index, wrapped(forces.problem_title.sel(problem=problem).item(), 13))
         if index + columns >= number:

@@ -53,7 +53,10 @@ def of_published_numbers(published_numbers: xr.Dataset, ueda: xr.Dataset) -> dic
         "ueda_periods": f"{ueda.attrs['periods']:,}",
         "ueda_mean_square": f"{exact.mean_square.item():.4g}",
         "ueda_mean_square_uncertainty": f"{exact.mean_square_uncertainty.item():.0e}",
-        **{f"ueda_order_{name}": f"{order:.1f} ± {error:.1f}" for name, (order, error) in orders.items()},
+        **{
+            f"ueda_order_{name}": f"{order:.1f} ± {error:.1f}" if np.isfinite(order) else None
+            for name, (order, error) in orders.items()
+        },
         "ueda_converges": all(np.isfinite(order) for order, _ in orders.values()),
         "ueda_regular": ", ".join(
             f"{ueda.scheme_title.sel(scheme=name).item()} with {listed(map(str, regular(name)))} steps"
