@@ -46,6 +46,8 @@ class Verdict(NamedTuple):
         Which of u, v and a agree, and from which step on the others differ; empty if they are not compared.
     finding
         The wrong order, or the energy that grows, in a case of the kind ``order`` or ``bound``; empty otherwise.
+    order
+        The wrong order with two decimals; None if the order is right or not measured.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Verdict(NamedTuple):
     cause: str = ""
     where: str = ""
     finding: str = ""
+    order: float | None = None
 
     @property
     def sentence(self) -> str:
@@ -107,7 +110,8 @@ def _order(case: Mapping[str, Any], motion: Callable[[int], Motion], known: Know
     slope, digits = -float(np.polyfit(halvings, np.log2(errors), 1)[0]), _digits(errors[-1], abs(end))
     if abs(slope - int(expected["order"])) <= float(expected["tolerance"]):
         return Verdict(case["name"], "pass", digits)
-    return _failed(case, motions[0], known, f"the order is {slope:.2f}, not {expected['order']}", digits)
+    failed = _failed(case, motions[0], known, f"the order is {slope:.2f}, not {expected['order']}", digits)
+    return failed._replace(order=round(slope, 2))
 
 
 def _bound(case: Mapping[str, Any], motion: Motion, known: Known) -> Verdict:

@@ -1,6 +1,5 @@
 """Numbers of the text: the conformance of other programs."""
 
-import re
 from collections import Counter
 
 from paper.products import numbers
@@ -12,9 +11,8 @@ ORDER = "D-ORDER-GEN"
 
 def _observed_order(file: str) -> str | None:
     """The observed order of the generalized-α method; None if it is the expected one."""
-    (finding,) = (case.get("finding", "") for case in verdicts(file)["cases"] if case["name"] == ORDER)
-    found = re.search(r"the order is (\S+), not", finding)
-    return found[1] if found else None
+    (order,) = (case.get("order") for case in verdicts(file)["cases"] if case["name"] == ORDER)
+    return None if order is None else f"{order:.2f}"
 
 
 @numbers()

@@ -57,7 +57,7 @@ def _rest_of(problem: Problem) -> float:
     downhill = -1.0 if force(np.array([u0])).item() > 0 else 1.0
     places = u0 + downhill * max(abs(u0), 1) * np.geomspace(1 / FARTHEST, FARTHEST, 10_000)
     ahead = np.asarray(force(places)) * downhill
-    beyond = np.nonzero(~(ahead < 0))[0]
+    beyond = np.nonzero(~(ahead <= 0))[0]  # a force that underflows to zero far away is no minimum
     if not len(beyond) or np.isnan(ahead[beyond[0]]):
         raise ValueError(f"the potential of '{problem.title}' has no minimum downhill of u0 = {u0:g}.")
     inner, outer = places[beyond[0] - 1] if beyond[0] else u0, places[beyond[0]]

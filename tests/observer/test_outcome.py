@@ -1,5 +1,6 @@
 """The rest position of a problem, and the times at which a run crosses the potential barrier or has grown."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -17,6 +18,7 @@ from study.observer.outcome import OutcomeObserver
             study.Problem(lambda u: -2 * u / (1 + u * u) ** 2, 1.0, potential=lambda u: 1 / (1 + u * u), title="hill"),
             "has no minimum downhill",
         ),
+        (study.Problem(potential=lambda u: jnp.exp(-u * u), u0=1.0, title="underflow"), "has no minimum downhill"),
         (study.Problem(lambda u: 1.0 + 0 * u, 1.0, potential=lambda u: u, title="own"), "has no minimum downhill"),
         ("duffing_chaotic", "damping or a load change its energy"),
     ],
@@ -30,6 +32,11 @@ def test_no_outcome_without_a_rest(problem, sentence):
 def test_no_outcome_of_a_structure():
     with pytest.raises(ValueError, match="has more than one unknown"):
         study.run("fpu_chain", "rk4", dt=0.01, steps=10, observe=[OutcomeObserver(rest=0.0)])
+
+
+def test_the_rest_lies_before_a_singularity():
+    repelled = study.Problem(potential=lambda u: u * u / 2 + 1 / u, u0=5.0)
+    assert OutcomeObserver.of(repelled).rest_at == pytest.approx(1.0, abs=1e-12)
 
 
 def test_the_rest_lies_downhill_and_a_hill_is_seen():
