@@ -10,7 +10,6 @@ from paper.data import TURNING
 from paper.figures.energy_growth import CEILING, FLOOR, sizes
 from paper.products import numbers
 from paper.requirements import samples_of_history
-from paper.tables.structures import STEPS_PER_PERIOD
 from study.words import printed, span
 
 #: Schemes without numerical damping with which the text compares the energy-momentum method.
@@ -87,7 +86,6 @@ def of_structures(
         "long_sample": f"{long_times.t[1].item():.0f}",
         "long_step": f"{long_times.dt.item():.2f}",
         **_plateaus(structures),
-        "structures_steps": STEPS_PER_PERIOD,
         "stiff_soft_steps": stiff_soft.steps_per_period.item(),
         "stiff_bar_steps": stiff_bar.steps_per_period.item(),
         "stiff_truss_steps": stiff_truss.steps_per_period.item(),

@@ -5,6 +5,8 @@ import xarray as xr
 
 from paper.products import numbers
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
+from paper.respects import ALLOWED
+from paper.tables.models import ERROR
 from study.words import listed, relative_to
 
 #: Error of the displacement at which the fastest schemes and solvers are compared.
@@ -40,7 +42,6 @@ def of_work(work: xr.Dataset) -> dict:
     _, peer_ms = _cheapest_below(
         spring.sel(solver=["heyoka"]), "solver", spring.solver_max_trajectory_error, spring.solver_time_per_run
     )
-    coarse = spring.newton_iterations_per_step.sel(scheme="average_acceleration").isel(steps_per_period=0)
     return {
         "work_best": titles.get(best),
         "work_best_ms": f"{best_ms:.2f}" if np.isfinite(best_ms) else None,
@@ -52,14 +53,13 @@ def of_work(work: xr.Dataset) -> dict:
         "work_finest_steps": f"{work.steps_per_period.max().item():,}",
         "work_loosest": f"{np.log10(spring.tolerance.max().item()):.0f}",
         "work_tightest": f"{np.log10(spring.tolerance.min().item()):.0f}",
-        "work_iterations_coarse": f"{coarse.item():.1f}",
         "work_diffrax_step": f"{spring.diffrax_rk4_time_per_step.dropna('steps_per_period')[-1].item():.0f}",
         "work_rk4_step": f"{spring.median_time_per_step.sel(scheme='rk4').isel(steps_per_period=-1).item():.0f}",
     }
 
 
 @numbers()
-def of_decisions(decisions: xr.Dataset) -> dict:
+def of_decisions(decisions: xr.Dataset, needs: xr.Dataset) -> dict:
     """Schemes and kinds that need the fewest forces on the springs, and the conditions of the decisions."""
     springs = decisions.sel(problem=[name for name in PROBLEMS if name in decisions.problem.values], filter="all")
     forces = springs.force_evaluations.fillna(np.inf)
@@ -75,6 +75,9 @@ def of_decisions(decisions: xr.Dataset) -> dict:
         "decided_errors": listed(f"{100 * error:g}" for error in decisions.allowed_error.values),
         "decided_periods": listed(sorted({f"{one:,.0f}" for one in springs.decided.values})),
         "error_relative_to": relative_to(),
+        "models_error": f"{100 * ERROR:g}",
+        "models_candidates": int(needs.in_codes.sum()),
+        "respects_error": f"{100 * ALLOWED:g}",
     }
 
 

@@ -115,15 +115,3 @@ def tabulate(decisions: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
     records, the step in ms replaces the number of steps, and the forces are those per second.
     """
     return tabulated(decisions, limits_of(spectral), "all")
-
-
-@table("Recommended schemes and steps for the whole motion", name="decision_whole_motion", requires=_REQUIRES)
-def tabulate_whole_motion(decisions: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
-    """The table of decisions if also displacement, velocity, acceleration and energy must keep their bounds.
-
-    :data:`study.runs.needs.WHOLE_MOTION` has the bounds. Only rows that differ from the table of decisions are shown.
-    """
-    whole = tabulated(decisions, limits_of(spectral), "whole_motion")
-    differs = (whole["Beware of"] != "").to_numpy()
-    names = whole[["Problem", "Right in"]].replace("", pd.NA).ffill()
-    return whole.assign(**names)[differs].drop(columns="Beware of")

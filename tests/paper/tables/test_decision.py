@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from paper.tables.decision import NO_BREAK, tabulate, tabulate_whole_motion
+from paper.tables import whole_motion
+from paper.tables.decision import NO_BREAK, tabulate
 from study.runs.needs import ATTRIBUTES, decisions, needs, of_problems
 from tests.runs.made_up import runs, with_kinds
 
@@ -42,8 +43,13 @@ def test_a_cell_has_scheme_step_cost_and_limit(datasets):
     assert drift["Right in"] == "peak drift" and drift["1 %"] == "Cheap: 62 ms (16 forces/s, ωΔt 0.19 < 2)"
 
 
-def test_rows_in_which_the_whole_motion_needs_other_steps_are_shown_apart(datasets):
+def test_a_row_in_which_the_whole_motion_needs_other_steps_is_marked(datasets):
     remarks = [row["Beware of"] for row in _rows(tabulate(**datasets))]
     assert remarks == ["the whole motion needs other steps", "", "", ""]
-    (whole,) = _rows(tabulate_whole_motion(**datasets))
-    assert whole["10 %"] == "Cheap: 32 (32 forces, ωΔt 0.19 < 2)" and "Beware of" not in whole
+
+
+def test_the_price_of_the_whole_motion_is_the_ratio_of_the_fewest_forces():
+    # the displacement is within 10 % at 16 steps, the velocity within 75 % at 32 only
+    (row,) = _rows(whole_motion.tabulate(_decided().sel(problem=["swing"], allowed_error=[0.1])))
+    assert row["Displacement"] == row["Whole motion"] == "Cheap"
+    assert (row["Steps, displacement"], row["Steps, whole motion"], row["Ratio"]) == ("16", "32", "2")

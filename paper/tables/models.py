@@ -1,0 +1,44 @@
+"""The short answer: scheme and step by kind of model."""
+
+import pandas as pd
+import xarray as xr
+
+from paper.products import table
+from paper.tables.decision import sentence, steps_of
+from study.words import number
+
+#: Problem and quantity that stand for each kind of model.
+MODELS = {
+    "frame under an earthquake": ("records", "peak drift"),
+    "free vibration over a long time": ("softening", "displacement"),
+    "forced vibration": ("shaken", "displacement"),
+    "yielding": ("yielding", "displacement"),
+    "impact and contact": ("bouncing", "displacement"),
+    "stiff constraint": ("elastic_pendulum", "displacement"),
+    "stiff beside soft parts": ("stiff_soft", "displacement"),
+    "mesh with a wave": ("impact_bar", "displacement"),
+}
+#: Allowed error of the answers, and the filter of their candidates.
+ERROR, FILTER = 0.01, "codes"
+
+
+def answers(decisions: xr.Dataset) -> dict[str, xr.Dataset]:
+    """The decisions for an error of :data:`ERROR` by kind of model, among the schemes of :data:`FILTER`."""
+    chosen = decisions.sel(filter=FILTER).sel(allowed_error=ERROR, method="nearest")
+    return {model: chosen.sel(problem=problem, quantity=quantity) for model, (problem, quantity) in MODELS.items()}
+
+
+@table("Schemes and steps by kind of model", requires={"runs.problems": [one for one, _ in MODELS.values()][1:]})
+def tabulate(decisions: xr.Dataset) -> pd.DataFrame:
+    """One row per kind of model: the explicit and the implicit scheme with their steps and Δt·ω, and what was run."""
+    rows = []
+    for model, one in answers(decisions).items():
+        row = {"Model": sentence(model)}
+        for kind in one.kind.values:
+            decision = one.sel(kind=kind)
+            known = bool(decision.step_size > 0)
+            row[sentence(kind)] = decision.scheme_title.item() if known else "–"
+            row[f"Steps, {kind}"] = steps_of(decision) if known else ""
+            row[f"ωΔt, {kind}"] = number(decision.omega_step.item(), 2) if known else ""
+        rows.append(row | {"Measured on": one.problem_title.item()})
+    return pd.DataFrame(rows)
