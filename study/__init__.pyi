@@ -23,6 +23,7 @@ from study.control.named import estimators as estimators
 from study.io import __version__ as __version__
 from study.io import open_dataset as open_dataset
 from study.marching.failure import RunFailedWarning as RunFailedWarning
+from study.marching.parts import Parts as Parts
 from study.marching.pure import final_state as final_state
 from study.marching.run import run as run
 from study.mechanics.definition import Problem as Problem

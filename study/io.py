@@ -20,6 +20,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
+from xarray.backends import BackendArray
+from xarray.core import indexing
 
 from study.registry import nearest
 
@@ -175,12 +177,12 @@ def check_writable(path: str | Path) -> Path:
     return path
 
 
-def _encoding(dataset: xr.Dataset) -> dict:
+def _encoding(dataset: xr.Dataset, compressed: bool) -> dict:
     """Options by which netCDF stores each variable.
 
-    Variables of more than 1024 floating-point values are compressed. Coordinates and integers get no fill value, since
-    they have no missing values. Flags become floating point when they are merged with a dataset that lacks them; they
-    are stored as integers with the fill value −1.
+    If ``compressed``, variables of more than 1024 floating-point values are. Coordinates and integers get no fill
+    value, since they have no missing values. Flags become floating point when they are merged with a dataset that lacks
+    them; they are stored as integers with the fill value −1.
     """
     encoding: dict = {}
     for name, variable in dataset.variables.items():
@@ -188,17 +190,22 @@ def _encoding(dataset: xr.Dataset) -> dict:
         if variable.dtype.kind == "f" and flag_type.kind == "i":
             encoding[name] = {"dtype": flag_type, "_FillValue": np.array(-1, flag_type)}
         elif variable.dtype.kind == "f" and name not in dataset.coords:
-            encoding[name] = {"zlib": True, "complevel": 4} if variable.size > 1024 else {}
+            encoding[name] = {"zlib": True, "complevel": 4} if compressed and variable.size > 1024 else {}
         elif variable.dtype.kind in "fiu":
             encoding[name] = {"_FillValue": None}
     return encoding
 
 
-def write(content: xr.Dataset | str | bytes, path: str | Path) -> None:
+def write(content: xr.Dataset | str | bytes, path: str | Path, *, compressed: bool = True) -> None:
     """Write a file atomically.
 
     The content is written to a temporary file next to ``path``. The temporary file then replaces the file at ``path``.
     If several processes write the same file, the last one wins, and readers always get a complete file.
+
+    Parameters
+    ----------
+    compressed
+        Whether large variables of a dataset are compressed, which may take longer than the runs that it holds.
 
     Raises
     ------
@@ -209,7 +216,7 @@ def write(content: xr.Dataset | str | bytes, path: str | Path) -> None:
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(8)}.unfinished")
     try:
         if isinstance(content, xr.Dataset):
-            content.to_netcdf(unfinished, engine="netcdf4", encoding=_encoding(content))
+            content.to_netcdf(unfinished, engine="netcdf4", encoding=_encoding(content, compressed))
         else:
             unfinished.write_bytes(content.encode() if isinstance(content, str) else content)
         with unfinished.open("rb") as file:
@@ -265,6 +272,59 @@ def read(path: str | Path) -> Any:
     if isinstance(content, xr.Dataset) and content.attrs.get("source") != SOURCE:
         raise NotRead(f"'{path}' cannot be used, because it was not written by this study: {again}")
     return content
+
+
+def opened(path: str | Path) -> xr.Dataset:
+    """A netCDF file as a dataset whose variables are read when they are used.
+
+    Raises
+    ------
+    NotRead
+        If the file is missing or damaged.
+    """
+    try:
+        return xr.open_dataset(path, engine="netcdf4")
+    except (OSError, RuntimeError, ValueError) as error:
+        raise NotRead(f"'{path}' cannot be used, because it is missing or damaged ({error}): move it away.") from None
+
+
+class _Joined(BackendArray):
+    """Variables of several files, one after the other along their first axis, read when they are used."""
+
+    def __init__(self, parts: Sequence[xr.Variable]):
+        self._parts, self._ends = parts, np.cumsum([len(part) for part in parts])
+        self.shape, self.dtype = (int(self._ends[-1]), *parts[0].shape[1:]), parts[0].dtype
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, self._read)
+
+    def _read(self, key: tuple) -> np.ndarray:
+        rows, *rest = key
+        wanted = np.arange(self.shape[0])[rows]
+        of = np.searchsorted(self._ends, np.atleast_1d(wanted), side="right")
+        places = np.atleast_1d(wanted) - np.concatenate([[0], self._ends])[of]
+        parts = np.unique(of) if of.size else of[:0]
+        found = [self._parts[k][(places[of == k], *rest)].values for k in parts]
+        whole = np.concatenate(found or [self._parts[0][(places, *rest)].values])
+        whole[np.argsort(of, kind="stable")] = whole.copy()  # rows may be wanted in any order
+        return whole if np.ndim(wanted) else whole[0]
+
+
+def opened_together(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
+    """Opened files as one dataset, joined along the first dimension of their variables; only coordinates are read.
+
+    ``xarray.concat`` would read all variables.
+    """
+
+    def joined(name: Any) -> xr.Variable:
+        parts = [dataset.variables[name] for dataset in datasets]
+        if parts[0].dims[:1] != (dim,):
+            return parts[0]
+        return xr.Variable(parts[0].dims, indexing.LazilyIndexedArray(_Joined(parts)), parts[0].attrs)
+
+    first = datasets[0]
+    data, coordinates = ({name: joined(name) for name in names} for names in (first.data_vars, first.coords))
+    return xr.Dataset(data, coordinates, first.attrs)
 
 
 #: Names of the datasets that :func:`open_dataset` may open; None, outside of an experiment, allows all datasets.

@@ -101,10 +101,12 @@ def sentence(
     begin: tuple | None,
     dt: PerRun,
     motion: stability.SmallMotion | None,
+    first_lane: int = 0,
 ) -> str:
     """Two sentences on the first failed run, with the number of failed lanes; empty if all runs completed.
 
-    ``begin`` has the initial displacements and velocities; None for lanes with problems of their own.
+    ``begin`` has the initial displacements and velocities; None for lanes with problems of their own. ``first_lane`` is
+    the number of the first lane of the result.
     """
     failed = np.flatnonzero(result.status != COMPLETED)
     if not failed.size:
@@ -113,7 +115,7 @@ def sentence(
     status, step = (int(np.ravel(values)[first]) for values in (result.status, result.failed_at_step))
     size = float(np.broadcast_to(dt, np.shape(result.status)).ravel()[first])
     how = HOW[status]
-    many = f"{failed.size} of {result.status.size} runs failed, the first of them, lane {first}: "
+    many = f"{failed.size} of {result.status.size} runs failed, the first of them, lane {first_lane + first}: "
     where = f"'{scheme.title}' failed on '{problem.title}' at step {step}, t = {step * size:.6g}, with dt = {size:.6g}"
     cause = ""
     if begin is not None and not (scheme.explicit or problem.linear):

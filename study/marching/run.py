@@ -2,8 +2,10 @@
 
 import math
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import equinox as eqx
@@ -33,6 +35,7 @@ from study.marching.ensemble import FEW, march_in_tiles, march_one_by_one
 from study.marching.failure import ON_FAILURE
 from study.marching.family import checked_family, checked_lanes, times_of_lanes
 from study.marching.march import March
+from study.marching.parts import Lane, Parts
 from study.marching.program import Program
 from study.marching.result import COMPLETED, NO_SOLUTION, NOT_FINITE, Labels, Result
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
@@ -122,6 +125,7 @@ def run(
     samples: int | None = None,
     bound: float | None = None,
     on_failure: str = "warn",
+    save: str | Path | Parts | None = None,
 ) -> xr.Dataset:
     r"""March one scheme on one problem and return the observed values, with equal steps or with a tolerance.
 
@@ -192,6 +196,10 @@ def run(
     on_failure
         Reaction to a failed run: ``"warn"``, with scheme, step, time and likely cause, ``"raise"`` or ``"ignore"``. The
         warning of a run that completes beyond the stability limit does not depend on it.
+    save
+        Folder in which an ensemble is written part by part, one file each, or :class:`study.Parts`. A part that has its
+        file is not run again, so the same call continues a run that was killed. The dataset that is returned reads a
+        value from its file when the value is used. Needs equal steps.
 
     Returns
     -------
@@ -238,6 +246,8 @@ def run(
         raise TypeError("study.run needs dt and steps, or a tolerance and a duration.")
     if not controlled and any(given is not None for given in (duration, estimator, times)):
         raise TypeError("duration, estimator and times belong to a run with a tolerance.")
+    if controlled and save is not None:
+        raise TypeError("save belongs to an ensemble with equal steps; write one with a tolerance by its to_netcdf.")
     if controlled and (every != 1 or samples is not None):
         raise TypeError("every and samples belong to a run with equal steps; a run with a tolerance stores every step.")
     values: dict[str, np.ndarray] = {}
@@ -278,53 +288,87 @@ def run(
     march_of = partial(March.of, scheme=method, observers=observed, lanes=side_by_side, bound=limit, make=make)
     plain = march_of(equation)
     room = _samples(plain.records, count, every, samples)
-    begin = start, velocity, step_size
-    if lanes:
-        shape = (lanes, *np.shape(equation.u0))
-        begin = np.broadcast_to(start, shape), np.broadcast_to(velocity, shape), step_size
-    _check_memory(plain.with_arguments(values), *begin, room)
 
-    def marched(march: March, place: Any = slice(None)) -> Result:
-        """March the lanes at ``place``, or the single run."""
-        program = Program(march)
-        if not lanes:
-            return _march_alone(program, *begin, int(count), every, room)
-        march_lanes = march_one_by_one if few else march_in_tiles
-        sizes, counts = (one[place] if one.ndim else one for one in (step_size, count))
-        of_lanes = begin[0][place], begin[1][place], sizes, {name: value[place] for name, value in values.items()}
-        return march_lanes(program, of_lanes, counts, every, room)
+    def dataset(part: slice = slice(None)) -> xr.Dataset:
+        """March the lanes of a part, or all of them, or the single run, and label the result."""
+        u0, v0 = (x[part] if x.ndim > np.ndim(equation.u0) else x for x in (start, velocity))
+        sizes, counts = (x[part] if x.ndim else x for x in (step_size, count))
+        own = {name: value[part] for name, value in values.items()}
+        begin = u0, v0, sizes
+        if lanes:
+            shape = (len(range(lanes)[part]), *np.shape(equation.u0))
+            begin = np.broadcast_to(u0, shape), np.broadcast_to(v0, shape), sizes
+        _check_memory(plain.with_arguments(own), *begin, room)
 
-    try:
-        result = marched(plain)
-    except NOT_TRACEABLE as error:
+        def marched(march: March, place: Any = slice(None)) -> Result:
+            """March the lanes at ``place``, or the single run."""
+            program = Program(march)
+            if not lanes:
+                return _march_alone(program, *begin, int(count), every, room)
+            march_lanes = march_one_by_one if few else march_in_tiles
+            of_place = begin[0][place], begin[1][place], sizes[place] if sizes.ndim else sizes
+            arguments = {name: value[place] for name, value in own.items()}
+            return march_lanes(program, (*of_place, arguments), counts[place] if counts.ndim else counts, every, room)
+
+        with _one_sentence(bool(values)):
+            result = marched(plain)
+        unsolved = result.status == NO_SOLUTION
+        if not (method.explicit or equation.linear):  # a Newton correction may end where the force is not finite
+            unsolved |= result.status == NOT_FINITE
+        if unsolved.any():
+            again = marched(march_of(equation.with_safeguard()), unsolved)
+            result = jax.tree.map(lambda all_, new: _replaced(all_, unsolved, new), result, again) if lanes else again
+        motion = stability.taken_from(result.values) if watches else None
+        if on_failure is not _SILENT:
+            of_begin = None if values else begin[:2]
+            _report_failures(result, equation, method, of_begin, sizes, on_failure, motion, part.start or 0)
+        if motion is not None:
+            _report_excess(result, method, motion, sizes, counts, part.start or 0)
+        labels = Labels(equation, method, chosen)
+        ds = labels.dataset(result, u0, v0, sizes, counts, every, room, bool(lanes))
         if not values:
+            return ds
+        for of_first_lane in ("u0", "v0"):
+            ds.attrs.pop(of_first_lane, None)
+        return ds.assign_coords(
+            {name: (("lane", *(f"{name}_{axis}" for axis in range(1, x.ndim))), x) for name, x in own.items()}
+        )
+
+    if save is None:
+        return dataset()
+    if not lanes:
+        raise ValueError("save writes the parts of an ensemble; a single run is written by its method to_netcdf.")
+    first = (
+        x[0] if x.ndim > n else x
+        for x, n in ((start, np.ndim(equation.u0)), (velocity, np.ndim(equation.u0)), (step_size, 0))
+    )
+    arguments = {name: value[0] for name, value in values.items()}
+    with _one_sentence(bool(values)):
+        of_lane = Lane.traced(
+            partial(March.of, scheme=method, observers=chosen, bound=limit),
+            (lambda: equation) if make is None else make,
+            (*first, arguments),
+            room + 1,
+            {"u0": start, "v0": velocity, "dt": step_size, "steps": count, "every": every, "samples": room} | values,
+        )
+    parts = save if isinstance(save, Parts) else Parts(save)
+    return parts.written(dataset, lanes, of_lane)
+
+
+@contextmanager
+def _one_sentence(family: bool) -> Iterator[None]:
+    """Errors of a trace without the traceback through the march; in a family, they name the function of a problem."""
+    try:
+        yield
+    except NOT_TRACEABLE as error:
+        if not family:
             raise
         raise ValueError(
             "the function that makes the problem of each lane, in which a sparse matrix that depends on its arguments "
             f"is a jax.experimental.sparse.BCOO, {of_trace(error, 'fails')}"
         ) from error
-    except TypeError as error:  # a scheme or an observer raised it: the traceback through the march does not help
+    except TypeError as error:  # a scheme or an observer raised it
         raise error.with_traceback(None) from error.__cause__
-    unsolved = result.status == NO_SOLUTION
-    if not (method.explicit or equation.linear):  # a Newton correction may end where the force is not finite
-        unsolved |= result.status == NOT_FINITE
-    if unsolved.any():
-        again = marched(march_of(equation.with_safeguard()), unsolved)
-        result = jax.tree.map(lambda all_, new: _replaced(all_, unsolved, new), result, again) if lanes else again
-    motion = stability.taken_from(result.values) if watches else None
-    if on_failure is not _SILENT:
-        _report_failures(result, equation, method, None if values else begin[:2], step_size, on_failure, motion)
-    if motion is not None:
-        _report_excess(result, method, motion, step_size, count)
-    labels = Labels(equation, method, chosen)
-    ds = labels.dataset(result, start, velocity, step_size, count, every, room, bool(lanes))
-    if not values:
-        return ds
-    for of_first_lane in ("u0", "v0"):
-        ds.attrs.pop(of_first_lane, None)
-    return ds.assign_coords(
-        {name: (("lane", *(f"{name}_{axis}" for axis in range(1, x.ndim))), x) for name, x in values.items()}
-    )
 
 
 def _replaced(values: np.ndarray, place: np.ndarray, new: np.ndarray) -> np.ndarray:
@@ -355,25 +399,27 @@ def _report_failures(
     dt: PerRun,
     on_failure: str,
     motion: stability.SmallMotion | None,
+    first_lane: int,
 ) -> None:
     """Warn of failed runs, raise an error, or do nothing."""
     if on_failure != "ignore" and np.any(result.status):
-        what = failure.sentence(result, problem, scheme, begin, dt, motion)
+        what = failure.sentence(result, problem, scheme, begin, dt, motion, first_lane)
         if on_failure == "raise":
             raise RuntimeError(what)
-        warnings.warn(what, failure.RunFailedWarning, stacklevel=3)
+        warnings.warn(what, failure.RunFailedWarning, stacklevel=4)
 
 
 def _report_excess(
-    result: Result, scheme: Scheme, motion: stability.SmallMotion, dt: PerRun, steps: CountPerRun
+    result: Result, scheme: Scheme, motion: stability.SmallMotion, dt: PerRun, steps: CountPerRun, first_lane: int
 ) -> None:
     """Warn if runs have completed with steps beyond the stability limit; name the lane that is farthest beyond it."""
     excess = np.where(result.status == COMPLETED, stability.excess(scheme, motion, dt, steps), 0.0)
     if excess.any():
         lane = int(np.argmax(excess))
         own = float(np.broadcast_to(dt, excess.shape).ravel()[lane])
-        what = stability.sentence(scheme, motion.of_lane(lane), own, f" in lane {lane}" if np.ndim(excess) else "")
-        warnings.warn(f"{what}; the run has completed, but its results may be wrong.", RuntimeWarning, stacklevel=3)
+        where = f" in lane {first_lane + lane}" if np.ndim(excess) else ""
+        what = stability.sentence(scheme, motion.of_lane(lane), own, where)
+        warnings.warn(f"{what}; the run has completed, but its results may be wrong.", RuntimeWarning, stacklevel=4)
 
 
 #: ``run`` for maps and searches, whose runs may fail, or exceed the stability limit, on purpose; neither is reported.
