@@ -30,7 +30,7 @@ from study.user_files import load
 
 PROJECT = Path(__file__).parent.parent
 #: Files of the project that are included in pages.
-INCLUDED = ("CONTRIBUTING.md", "CHANGELOG.md", "examples/scheme.py")
+INCLUDED = ("CONTRIBUTING.md", "CHANGELOG.md", "examples/scheme.py", "examples/parts.smk")
 
 
 def library_of(results: Path, own: Iterable[str]) -> Library:

@@ -31,11 +31,11 @@ def analysis():
     return study.run(oscillator, "average_acceleration", over={"intensity": np.linspace(0.1, 2.0, 20)}, **RUN)
 
 
-def fragility(count=1000):
-    """Peak drift of oscillators whose period and strength scatter by twenty percent."""
+def fragility(count=1000, save=None):
+    """Peak drift of oscillators whose period and strength scatter by twenty percent; ``save`` as in ``study.run``."""
     scatter = np.exp(0.2 * np.random.default_rng(1).normal(size=(2, count)))
     over = {"period": 0.5 * scatter[0], "strength": 0.15 * scatter[1]}
-    return study.run(oscillator, "average_acceleration", over=over, **RUN)
+    return study.run(oscillator, "average_acceleration", over=over, save=save, **RUN)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,15 @@
 """The examples; each problem is assessed with one scheme."""
 
 import runpy
+import subprocess
+import sys
 from pathlib import Path
 from types import FunctionType
 
 import jax
 import numpy as np
 import pytest
+import xarray as xr
 
 import study
 from study.mechanics.frequencies import frequencies
@@ -52,6 +55,17 @@ def test_the_scheme_of_the_examples_has_its_order():
     driven = load(f"{FOLDER / 'driven.py'}:driven", (study.Problem,))
     ds = study.assess(driven, {"heun": heun}, duration=10.0, errors=[0.01], maps=False)
     assert ds.verdict.sel(quantity="displacement").item() == 0
+
+
+@pytest.mark.pipeline
+def test_the_parts_of_a_snakefile_are_the_ensemble(tmp_path):
+    command = [sys.executable, "-m", "snakemake", "--snakefile", FOLDER / "parts.smk", "--cores", "1", "--config"]
+    subprocess.run([*command, "lanes=600", "parts=2"], cwd=tmp_path, check=True)
+    drift = load(f"{FOLDER / 'intensities.py'}:fragility", (FunctionType,))(600).drift
+    parts = [xr.load_dataset(path) for path in sorted((tmp_path / "runs").iterdir())]
+    np.testing.assert_array_equal(xr.concat(parts, "lane").drift, drift)
+    share = f"{100 * float((drift > 0.04).mean()):.2f} % of 600 exceed 40 mm"
+    assert share in (tmp_path / "shares.txt").read_text()
 
 
 def test_ensembles_of_yielding_oscillators():

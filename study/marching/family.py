@@ -56,7 +56,8 @@ def _array(name: str, value: Any) -> np.ndarray:
         return np.asarray(value)
     except ValueError:
         raise ValueError(
-            f"over['{name}'] has rows of different lengths: pad the shorter ones, records of ground motion with zeros."
+            f"over['{name}'] has rows of different lengths: pad the shorter ones, ground motions by "
+            "study.GroundMotion.padded."
         ) from None
 
 

@@ -1,7 +1,7 @@
 """Motion of the ground, and its load on a structure."""
 
 import reprlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -112,6 +112,32 @@ class GroundMotion(eqx.Module):
     def scaled(self, factor: float) -> "GroundMotion":
         """The motion multiplied by a factor. Motions that differ in the factor share one compiled program."""
         return GroundMotion(factor * self.acceleration, self.dt, title=self.title, source=self.source)
+
+    @staticmethod
+    def padded(motions: Sequence["GroundMotion"]) -> tuple[Samples, Vector]:
+        """The accelerations of motions of unequal length, for an ensemble over records.
+
+        A problem of the ensemble selects its record by number, so that all lanes share one table of the records::
+
+            accelerations, dt = study.GroundMotion.padded(motions)
+
+            def shaken(record):
+                record = record.astype(int)
+                ground = study.GroundMotion(jnp.asarray(accelerations)[record], jnp.asarray(dt)[record])
+                return study.Problem(jnp.sin, u0=0.0, ground=ground)
+
+            study.run(shaken, "rk4", dt=0.01, steps=3000, over={"record": np.arange(len(motions))})
+
+        Returns
+        -------
+        tuple
+            Accelerations of shape (motions, samples), with zeros after the last sample of a shorter motion, and times
+            between samples (motions,). If the last sample of a shorter motion is not zero, its acceleration falls to
+            zero within Δt; that of the motion itself jumps there.
+        """
+        samples = max(len(motion.acceleration) for motion in motions)
+        rows = [np.pad(motion.acceleration, (0, samples - len(motion.acceleration))) for motion in motions]
+        return np.stack(rows), np.array([motion.dt for motion in motions])
 
     @classmethod
     def read(cls, path: str | Path, unit: str | None = None, *, dt: float | None = None) -> "GroundMotion":

@@ -374,10 +374,9 @@ def test_a_seed_and_an_envelope_make_a_stochastic_motion():
 
 
 def test_an_ensemble_runs_over_records_and_not_over_seeds():
-    """Records of unequal length are padded with zeros; each lane equals the run on its own record."""
-    motions = [study.GroundMotion.kanai_tajimi(seed, duration=seconds) for seed, seconds in ((1, 2.0), (2, 3.0))]
-    longest = max(len(motion.acceleration) for motion in motions)
-    records = [np.pad(motion.acceleration, (0, longest - len(motion.acceleration))) for motion in motions]
+    """Each lane equals the run on its own record."""
+    motions = [study.GroundMotion.kanai_tajimi(seed, duration=3.0) for seed in (1, 2)]
+    records = [motion.acceleration for motion in motions]
 
     def shaken(record):
         return study.Problem(lambda u: 100 * u, u0=0.0, ground=study.GroundMotion(record, 0.02))
@@ -394,7 +393,25 @@ def test_an_ensemble_runs_over_records_and_not_over_seeds():
     ):
         study.run(of_seed, over={"seed": [1, 2]}, **run)
     with pytest.raises(ValueError, match=r"over\['record'\] has rows of different lengths: pad the shorter ones"):
-        study.run(shaken, over={"record": [motion.acceleration for motion in motions]}, **run)
+        study.run(shaken, over={"record": [[1.0, 2.0], [1.0]]}, **run)
+
+
+def test_an_ensemble_runs_over_motions_of_unequal_lengths_and_spacings():
+    """Each lane equals the run on its own motion, which ends in zero."""
+    samples = np.sin(np.arange(300.0))
+    motions = [study.GroundMotion([*samples[:n], 0.0], dt) for n, dt in ((100, 0.02), (300, 0.01), (60, 0.04))]
+    accelerations, spacings = study.GroundMotion.padded(motions)
+
+    def shaken(record):
+        record = record.astype(int)
+        ground = study.GroundMotion(jnp.asarray(accelerations)[record], jnp.asarray(spacings)[record])
+        return study.Problem(lambda u: 100 * u, u0=0.0, ground=ground)
+
+    run = {"scheme": "rk4", "dt": 0.01, "steps": 400}
+    lanes = study.run(shaken, over={"record": np.arange(3)}, **run)
+    for lane, motion in zip(lanes.u, motions, strict=True):
+        alone = study.run(study.Problem(lambda u: 100 * u, u0=0.0, ground=motion), **run)
+        np.testing.assert_allclose(lane, alone.u, atol=1e-13)
 
 
 ONE = [0.1, -0.2, 0.3, -0.4, 0.5, 0.6]

@@ -2,6 +2,7 @@
 
 import os
 import platform
+import runpy
 import shutil
 import signal
 import subprocess
@@ -11,7 +12,9 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from tests.pipeline.pipeline import SMALL, call_snakemake, copied
 
@@ -128,6 +131,30 @@ def test_jobs_of_a_killed_run_are_cancelled_by_the_next(folder, local):
     _made(folder, UNTIMED[:2])
     assert not before & set(_queue(folder))
     _same(folder, local, UNTIMED[:2])
+
+
+def test_an_ensemble_in_parts_goes_on_after_its_jobs_and_their_snakemake_were_killed(folder):
+    def finished():
+        return {path: path.stat().st_mtime_ns for path in (folder / "runs").glob("part_*.nc")}
+
+    ensemble = ["--snakefile", "examples/parts.smk", *OPTIONS, *SOON, "--config", "lanes=600", "parts=3"]
+    command = [sys.executable, "-m", "snakemake", *ensemble]
+    run = subprocess.Popen([*command, "--jobs", "1"], cwd=folder)
+    _wait(lambda: _queue(folder, "RUNNING"), 120)
+    first = _queue(folder)
+    _wait(lambda: _queue(folder, "RUNNING") not in ([], first), 300)
+    before = finished()
+    run.kill()
+    run.wait()
+    subprocess.run(["scancel", "--signal=KILL", *_queue(folder)], check=True)
+    _wait(lambda: not _queue(folder))
+    assert len(before) == 1
+    subprocess.run(command, cwd=folder, check=True, timeout=600)
+    assert {path: at for path, at in finished().items() if path in before} == before
+    made = xr.concat([xr.load_dataset(path) for path in sorted(finished())], "lane")
+    fragility = runpy.run_path(f"{folder / 'examples' / 'intensities.py'}")["fragility"]
+    np.testing.assert_array_equal(made.drift, fragility(600).drift)
+    assert "of 600 exceed 40 mm" in (folder / "shares.txt").read_text()
 
 
 def test_a_run_that_is_interrupted_ends_within_seconds_and_leaves_no_jobs(folder):
