@@ -84,6 +84,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("name", metavar="NAME", help="name of an assessment: hardening, softening or one of your own")
     command.add_argument("--error", type=float, required=True, help="an error that was assessed, as a fraction")
     command.add_argument("--quantity", help="quantity that must keep the error; default: the first, displacement")
+    command.add_argument("--duration", type=float, metavar="SECONDS", help="a longer duration than that of the runs")
     command.add_argument("--folder", type=Path, default=io.RESULTS, help="folder of the results; default: results")
 
     command = commands.add_parser("list", help="list the names of problems, schemes and observers")
@@ -185,7 +186,8 @@ def _assess_scheme(arguments: argparse.Namespace) -> None:
 
 
 def _recommend(arguments: argparse.Namespace) -> None:
-    table = recommend(arguments.name, error=arguments.error, quantity=arguments.quantity, folder=arguments.folder)
+    options = {key: getattr(arguments, key) for key in ("error", "quantity", "duration", "folder")}
+    table = recommend(arguments.name, **options)
     print(table.to_string())
 
 

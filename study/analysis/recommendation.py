@@ -8,11 +8,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from study.analysis.duration import FREE, round_down, step_exponent, step_over
 from study.registry import UnknownName, did_you_mean
+from study.scheme.named import schemes
 from study.words import number, percent, step_size, step_with_unit, text_of, typed
 
 #: Columns of step sizes, which are never printed larger than they are, and columns of whole numbers.
-STEP_SIZES = ("step_size", "largest_step")
+STEP_SIZES = ("step_size", "largest_step", "step_of_runs")
 WHOLE = ("number_of_steps", "force_evaluations", "steps_tried", "controlled_steps", "controlled_force_evaluations")
 
 
@@ -119,6 +121,7 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
     table.insert(table.columns.get_loc("most_wrong") + 1, "most_wrong_error", errors.max(axis=1))
     found_steps = Recommended(table)
     found_steps.attrs = {
+        "quantity": quantity,
         "spacing": assessed.attrs.get("spacing"),
         "answer": [answer_line(assessed, table, quantity, error), *_asked(assessed, table)],
         "notes": _notes(assessed, one),
@@ -142,6 +145,56 @@ def _ranked(table: pd.DataFrame) -> list:
         ranked += counts[together.index].sort_values(kind="stable").index.tolist()
         left = left.drop(together.index)
     return ranked
+
+
+def over_duration(table: Recommended, quantity: str, error: float, known: float, duration: float) -> Recommended:
+    """The table for a longer duration than that of the runs, with steps by the law of :mod:`study.analysis.duration`.
+
+    Parameters
+    ----------
+    table
+        Table with the columns ``kind``, ``step_size``, ``omega_step`` and ``forces_per_time`` of runs over ``known``.
+    known, duration
+        Durations in s.
+
+    Raises
+    ------
+    ValueError
+        If no scheme of the table with a step is a named one of the study.
+    """
+    law = pd.Series({name: step_exponent(schemes[name], quantity) for name in table.index if name in schemes}, float)
+    law = law.reindex(table.index)
+    if not (law.notna() & table.step_size.notna()).any():
+        raise ValueError(f"no step is known for a duration of {duration:g} s: assess the problem with this duration.")
+    steps = [step_over(step, a, known, duration) for step, a in zip(table.step_size, law, strict=True)]
+    rounded = table.step_size.copy()
+    rounded[:] = [round_down(step) if step > 0 else np.nan for step in steps]
+    finer = rounded / table.step_size
+    found = Recommended(
+        {
+            "kind": table.kind,
+            "step_size": rounded,
+            "omega_step": table.omega_step * finer,
+            "number_of_steps": np.ceil(duration / rounded * (1 - 1e-9)),
+            "force_evaluations": table.forces_per_time / finer * duration,
+            "exponent": law,
+            "step_of_runs": table.step_size,
+            "verdict": np.where(rounded.notna(), "extrapolated", table.verdict),
+        }
+    ).sort_values("force_evaluations", kind="stable")
+    best = found.dropna(subset="step_size").groupby("kind", sort=False).head(1)
+    found.attrs = {
+        "answer": [
+            f"{percent(error)} of {quantity} over {number(duration)} s, {row.kind}: {schemes[name].title}, "
+            f"{step_with_unit(row.step_size)} (extrapolated)"
+            for name, row in best.iterrows()
+        ],
+        "notes": [
+            f"Steps are extrapolated from runs over {number(known)} s by Δt ∝ n^(−exponent), with the number n of "
+            f"periods. No run of {number(duration)} s confirms them. The law holds for {FREE}, not for chaotic motion."
+        ],
+    }
+    return found
 
 
 def answer_line(assessed: xr.Dataset, table: pd.DataFrame, quantity: str, error: float) -> str:

@@ -3,7 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from study.words import number
+from study.analysis.duration import step_exponent
+from study.scheme.named import schemes
+from study.words import listed, number
 
 #: Largest number of components of a quantity whose reference values a page shows.
 SHOWN = 6
@@ -64,11 +66,19 @@ def limits_of_reference(assessed: xr.Dataset) -> str:
 
 
 def other_durations(assessed: xr.Dataset) -> str:
-    """A sentence on the steps for longer and shorter durations."""
+    """Sentences on the steps for longer durations, by the law of :mod:`study.analysis.duration`."""
+    held = f"All steps hold for {assessed.attrs['duration']:.4g} s."
+    if not assessed.attrs.get("free_vibration"):
+        return f"{held} A longer duration needs an assessment of its own."
+    laws: dict[float, list[str]] = {}
+    for name, title in assessed.scheme_title.to_series().items():
+        if name in schemes:
+            laws.setdefault(step_exponent(schemes[name]), []).append(title)
+    steps = "; ".join(f"n^(−{number(exponent, 2)}) with {listed(titles)}" for exponent, titles in sorted(laws.items()))
     return (
-        f"All steps hold for {assessed.attrs['duration']:.4g} s. The error in phase grows with the number n of "
-        "periods, so the step that keeps an error of the motion falls with 1/√n for a scheme of second order, and with "
-        "n^(−1/p) for order p: four times the duration needs half the step of a scheme of second order."
+        f"{held} Over n periods of a free vibration that is not chaotic, the step that keeps an error of the motion "
+        f"falls with {steps or 'a power of n that is not known for these schemes'}. study.recommend(..., duration=) "
+        "extrapolates by this law."
     )
 
 

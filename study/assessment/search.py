@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from study.analysis.duration import round_down
 from study.assessment import errors, oscillation
 from study.assessment.errors import Target
 from study.assessment.oscillation import Oscillation, OscillationErrors
@@ -129,10 +130,9 @@ def finest_step(duration: float, slowest: float, highest: float, unknowns: int) 
 
 def round_step(largest: float, spacing: float | None) -> float:
     """The largest round step up to ``largest``: with two digits, or an integer multiple or fraction of ``spacing``."""
-    largest *= 1 + 1e-9
     if spacing is None:
-        unit = 10.0 ** (math.floor(math.log10(largest)) - 1)
-        return float(f"{math.floor(largest / unit) * unit:.1e}")
+        return round_down(largest)
+    largest *= 1 + 1e-9
     return math.floor(largest / spacing) * spacing if largest >= spacing else spacing / math.ceil(spacing / largest)
 
 

@@ -1,41 +1,76 @@
 """Accuracy of the schemes: errors of trajectory, phase, period, amplitude and energy against exact solutions."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
+from typing_extensions import TypedDict
 
 from study import io
 from study.analysis.comparison import against, flagged, uncertainties
+from study.analysis.duration import step_exponent
 from study.declaration.checks import unlisted
 from study.declaration.experiment import Options, experiment, progress, references
-from study.declaration.options import RisingCounts, Schemes, Springs
+from study.declaration.options import Count, RisingCounts, Schemes, Springs, Tolerance, section
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import sweep
 from study.observer.diagnostics import Evaluations, NewtonIterations
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.problem.named import problems as problems_by_name
+from study.scheme.named import schemes as schemes_by_name
+
+
+@section
+class _Growth(TypedDict):
+    """Steps and lengths of long runs, and the lengths in periods between which steps are extrapolated for an error."""
+
+    steps_per_period: RisingCounts
+    periods: RisingCounts
+    known: Count
+    extrapolated: Count
+    error: Tolerance
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse numbers of steps per period whose phases the references do not contain."""
-    sampled = configuration["references"]["steps_per_period"]
-    return unlisted("steps_per_period", options["steps_per_period"], "references.steps_per_period", sampled)
+    """Refuse numbers of steps per period whose phases the references do not contain, and lengths that are not run."""
+    sampled, growth = configuration["references"]["steps_per_period"], options["growth"]
+    if growth["known"] not in options["periods"] or growth["known"] > growth["extrapolated"]:
+        return f"growth.known: {growth['known']} must be one of the periods, and at most growth.extrapolated."
+    return unlisted(
+        "steps_per_period", options["steps_per_period"], "references.steps_per_period", sampled
+    ) or unlisted("growth.steps_per_period", growth["steps_per_period"], "references.steps_per_period", sampled)
 
 
 @experiment(
     "accuracy",
+    "error_growth",
     split=lambda options: {problem: {**options, "problems": [problem]} for problem in options["problems"]},
     along="problem",
     reads=references,
     check=_check,
 )
-def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts, periods: RisingCounts) -> xr.Dataset:
+def accuracy(
+    problems: Springs, schemes: Schemes, steps_per_period: RisingCounts, periods: RisingCounts, growth: _Growth
+) -> tuple[xr.Dataset, xr.Dataset]:
     """Measure the errors of every scheme against the exact solution, by step size and length of the run.
 
     :mod:`study.analysis.comparison` defines the measures. The step size is Δt = T/N, with T the exact period and
     N the number of steps per period. Each measure has the shape (problem, scheme, steps_per_period, periods).
+
+    Parameters
+    ----------
+    growth
+        ``steps_per_period`` and ``periods`` of the dataset ``error_growth``; the lengths ``known`` and
+        ``extrapolated`` in periods, and the allowed ``error`` of the displacement.
+
+    Returns
+    -------
+    accuracy, error_growth : xarray.Dataset
+        The same measures of fewer steps and longer runs in the second dataset. Also in the second, of shape (problem,
+        scheme): ``needed``, the fewest steps per period that keep the error over ``known`` periods, as all finer steps
+        do; and ``run``, the steps per period over ``extrapolated`` periods by :mod:`study.analysis.duration`, at the
+        next number of which the reference has the phases, with its ``extrapolated_error``.
 
     Raises
     ------
@@ -44,13 +79,62 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
     ValueError
         If a reference does not contain the phases of a number of steps per period.
     """
+    finest = steps_per_period[-1]
+    measured = _measured(problems, schemes, steps_per_period, periods, finest)
+    longer = _measured(problems, schemes, growth["steps_per_period"], growth["periods"], finest)
+    needed = _needed(measured.sel(periods=growth["known"]), growth["error"])
+    exponents = np.array([step_exponent(schemes_by_name[name]) for name in schemes])
+    wanted = needed * (growth["extrapolated"] / growth["known"]) ** exponents
+    sampled = np.array(steps_per_period)
+    run, error = np.full((2, *needed.shape), np.nan)
+    for p, s in np.argwhere(wanted <= finest):
+        run[p, s] = sampled[sampled >= wanted[p, s] * (1 - 1e-9)][0]
+        one = _measured([problems[p]], [schemes[s]], [int(run[p, s])], [growth["extrapolated"]], finest)
+        error[p, s] = one.max_trajectory_error.item()
+    along = ("problem", "scheme")
+    allowed = f"{100 * growth['error']:g} % of the displacement"
+    longer = longer.assign(
+        needed=(along, needed, {"long_name": f"fewest steps that keep {allowed}, as all finer ones do", "units": "1"}),
+        run=(along, run, {"long_name": "extrapolated steps per period", "units": "1"}),
+        extrapolated_error=(
+            along,
+            error,
+            {"long_name": "largest error of the displacement with the extrapolated steps, relative", "units": "1"},
+        ),
+    ).assign_coords(
+        exponent=("scheme", exponents, {"long_name": "a in: step size proportional to periods^(-a)", "units": "1"}),
+        known=((), growth["known"], {"long_name": "periods of the runs that are extrapolated", "units": "1"}),
+        extrapolated=((), growth["extrapolated"], {"long_name": "periods that are extrapolated to", "units": "1"}),
+        allowed_error=((), growth["error"], {"long_name": "allowed error of the displacement", "units": "1"}),
+    )
+    return (
+        measured.assign_attrs(title="Accuracy of the schemes against the exact solution"),
+        longer.assign_attrs(title="Growth of the errors of the schemes with the length of the run"),
+    )
+
+
+def _needed(measured: xr.Dataset, allowed: float) -> np.ndarray:
+    """Fewest steps per period that keep an error, as all finer ones do, or NaN, over (problem, scheme)."""
+    finest_first = measured.isel(steps_per_period=slice(None, None, -1))
+    kept = (finest_first.max_trajectory_error <= allowed).cumprod("steps_per_period").astype(bool)
+    return finest_first.steps_per_period.where(kept).min("steps_per_period").transpose("problem", "scheme").values
+
+
+def _measured(
+    problems: Sequence[str],
+    schemes: Sequence[str],
+    steps_per_period: Sequence[int],
+    periods: Sequence[int],
+    finest: int,
+) -> xr.Dataset:
+    """The measures of error; one compilation of a scheme serves all steps up to ``finest``."""
     motions = [(problems_by_name[problem], io.open_dataset(f"reference/{problem}")) for problem in problems]
     dims = ("problem", "scheme", "steps_per_period", "periods")
     shape = (len(motions), len(schemes), len(steps_per_period), len(periods))
     measured: dict[str, np.ndarray] = {}
     attributes: dict[str, dict] = {"status": STATUS_ATTRIBUTES, "failed_at_step": FAILED_AT_STEP_ATTRIBUTES}
     for p, (problem, reference) in enumerate(motions):
-        compared = [against(reference, steps, max(steps_per_period)) for steps in steps_per_period]
+        compared = [against(reference, steps, finest) for steps in steps_per_period]
         for s, scheme in enumerate(schemes):
             progress(f"accuracy of {scheme} on {problem.title}")
             for k, (steps, (dt, observers)) in enumerate(zip(steps_per_period, compared, strict=True)):
@@ -86,5 +170,4 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
                 {"long_name": "description of the measure"},
             ),
         },
-        attrs={"title": "Accuracy of the schemes against the exact solution"},
     )

@@ -8,7 +8,9 @@ import xarray as xr
 
 from study import io
 from study.algebra.scalars import is_number
-from study.analysis.recommendation import Recommended, chosen, of_assessment
+from study.analysis.duration import FREE
+from study.analysis.recommendation import Recommended, chosen, of_assessment, over_duration
+from study.problem.named import approximate_periods
 from study.registry import UnknownName, did_you_mean
 from study.runs.needs import NO_VALUE, ranked
 from study.words import percent, step_with_unit
@@ -18,14 +20,20 @@ _FIRST = ("displacement", "peak drift")
 
 
 def recommend(
-    what: str | xr.Dataset, *, error: float, quantity: str | None = None, folder: str | Path = io.RESULTS
+    what: str | xr.Dataset,
+    *,
+    error: float,
+    quantity: str | None = None,
+    duration: float | None = None,
+    folder: str | Path = io.RESULTS,
 ) -> pd.DataFrame:
-    """List the schemes of an assessment, the fastest first, with the step size at which each keeps an allowed error.
+    r"""List the schemes of an assessment, the fastest first, with the step size at which each keeps an allowed error.
 
     For a problem of the study, the answer is that of the datasets ``needs`` and ``decisions``: the first scheme of each
-    kind is the decision, with the fewest evaluations of the force. No number is interpolated: step sizes, errors and
-    numbers of force evaluations are taken from runs. A recommended step size has two digits; with a record of ground
-    motion it is an integer fraction or multiple of the time between samples. All smaller step sizes that were tried
+    kind is the decision, with the fewest evaluations of the force. Unless ``duration`` exceeds that of the runs, no
+    number is interpolated or extrapolated: step sizes, errors and numbers of force evaluations are taken from runs. A
+    recommended step size has two digits; with a record of ground motion it is an integer fraction or multiple of the
+    time between samples. All smaller step sizes that were tried
     keep the error too. Except for a program or more than 1,000 unknowns, the recommended step size also keeps the error
     if initial values and load are one percent smaller or larger.
 
@@ -42,6 +50,19 @@ def recommend(
         Quantity that must keep the error. The default is the first quantity of the assessment, which is
         ``displacement`` if the assessment was given no quantities. For a problem of the study it is the displacement,
         or the peak drift under records.
+    duration
+        Duration in s over which the error must be kept, by default that of the runs, which also covers shorter ones.
+        Over a longer duration the step follows from that of the runs by the law
+
+        .. math::
+
+            \Delta t(n) = \Delta t(n_0)\,(n_0/n)^a
+
+        with the number n of periods and the order p of the scheme. For the motion, a = 1/p if the scheme keeps the
+        energy, as symplectic, symmetric and conserving schemes do. If it dissipates, a is the larger of 1/p and 2/q,
+        with the smallest odd number q ≥ p. For the energy, a = 0 or 1/q. No run confirms such a step, and the verdict
+        is ``extrapolated``. The law holds for free vibration without damping, load, memory and kinks that is not
+        chaotic.
     folder
         Folder of the results, which contains the dataset of a named assessment, and ``needs.nc``.
 
@@ -92,6 +113,10 @@ def recommend(
         by kind, and in each kind the cheapest scheme first. The columns are ``kind``, ``step_size``, ``omega_step``,
         ``steps_per_period``, ``error``, ``forces_per_time``, ``steps_tried``, ``worst_error`` and ``verdict``.
 
+        Over a longer duration than that of the runs, the columns are ``kind``, ``step_size``, ``omega_step``,
+        ``number_of_steps``, ``force_evaluations``, ``exponent`` a, ``step_of_runs``, the step size that was run, and
+        ``verdict``. The scheme with the fewest evaluations is first.
+
     Raises
     ------
     FileNotFoundError
@@ -99,7 +124,8 @@ def recommend(
     KeyError
         If the assessment has no such quantity.
     TypeError, ValueError
-        If an argument is invalid, or the error is not one that was assessed.
+        If an argument is invalid, the error is not one that was assessed, or ``duration`` exceeds that of the runs and
+        the law does not hold for the problem.
 
     Examples
     --------
@@ -114,10 +140,23 @@ def recommend(
             "recommend takes the dataset that study.assess returns, or the name of an assessment in the configuration, "
             f"not a {type(what).__name__}."
         )
+    if duration is not None and not (is_number(duration) and 0 < duration < np.inf):
+        raise ValueError(f"duration must be a positive number of seconds, not {duration!r}.")
     dataset = _opened(what, Path(folder)) if isinstance(what, str) else what
     if "condition" in dataset.dims:
-        return _of_needs(dataset, error, quantity)
-    return of_assessment(dataset, error, quantity)
+        table, known = _of_needs(dataset, error, quantity), (dataset.decided * dataset.time_scale).item()
+        free = dataset.problem.item() in approximate_periods
+    else:
+        table, known = of_assessment(dataset, error, quantity), dataset.attrs["duration"]
+        free = dataset.attrs.get("free_vibration") and known == dataset.attrs["duration_requested"]
+    if duration is None or duration <= known:
+        return table
+    if not free:
+        raise ValueError(
+            f"the runs last {known:.4g} s, and steps are extrapolated to {duration:.4g} s only for {FREE} that is not "
+            "chaotic: assess the problem with this duration."
+        )
+    return over_duration(table, table.attrs["quantity"], error, known, duration)
 
 
 def _opened(name: str, folder: Path) -> xr.Dataset:
@@ -169,6 +208,7 @@ def _of_needs(needed: xr.Dataset, error: float, quantity: str | None) -> pd.Data
     ]
     starts = one.starts.item()
     table.attrs = {
+        "quantity": quantity,
         "answer": answer or [f"{percent(error)} of {quantity}: no scheme was found"],
         "notes": [
             f"Runs on the {one.problem_title.item()} last {one.decided.item():g} times {one.time_scale.item():.4g} s, "

@@ -84,6 +84,14 @@ class Scheme(KeywordsOnly, eqx.Module):
         """
 
     @property
+    def keeps_energy(self) -> bool:
+        """Whether the energy error of free vibration without damping does not grow with the number of periods.
+
+        Symplectic, symmetric and energy-conserving schemes keep it. Schemes that do not state it count as dissipative.
+        """
+        return False
+
+    @property
     def is_exact_for_stiffness(self) -> bool:
         """Whether the stiffness K of a problem is integrated exactly, so that it sets no limit to the step."""
         return False
@@ -233,6 +241,10 @@ class Wrapper(Scheme):
     @property
     def explicit(self) -> bool:
         return self.scheme.explicit
+
+    @property
+    def keeps_energy(self) -> bool:
+        return self.scheme.keeps_energy
 
     @property
     def is_exact_for_stiffness(self) -> bool:

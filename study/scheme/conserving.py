@@ -48,6 +48,7 @@ class ImplicitMidpoint(OneStep):
     order = 2
     explicit = False
     stability_limit = math.inf
+    keeps_energy = True
 
     def increment(self, problem, state, t, dt):
         u, v, guess = state
@@ -155,6 +156,7 @@ class EnergyMomentum(OneStep):
     explicit = False
     force_at_end = True
     stability_limit = math.inf
+    keeps_energy = True
 
     def refusal(self, problem):
         if problem.dissipative:
@@ -228,6 +230,7 @@ class AverageVectorField(OneStep):
     order = 2
     explicit = False
     stability_limit = math.inf
+    keeps_energy = True
 
     def __check_init__(self):
         if not is_whole(self.points, 1):

@@ -80,6 +80,7 @@ class ChenRicles(OneStep):
     explicit = True
     acceleration_offset = 0.0
     stability_limit = math.inf
+    keeps_energy = True
 
     def increment(self, problem, state, t, dt):
         u, v, a = state
@@ -123,6 +124,7 @@ class Chang(OneStep):
     explicit = True
     force_at_end = True
     stability_limit = math.inf
+    keeps_energy = True
 
     def increment(self, problem, state, t, dt):
         u, v, a = state

@@ -104,6 +104,10 @@ class Newmark(OneStep):
         check_ranges(self, beta=(0.0, 0.5), gamma=(0.0, 1.0))
 
     @property
+    def keeps_energy(self) -> bool:
+        return self.gamma == 0.5
+
+    @property
     def order(self) -> int:
         if isinstance(self.beta, float) and self.beta == 1 / 12 and self.gamma == 0.5:
             return 4

@@ -216,6 +216,7 @@ class Gauss4(OneStep):
     order = 4
     explicit = False
     stability_limit = math.inf
+    keeps_energy = True
 
     def refusal(self, problem):
         if isinstance(problem.tangent, SparseTangent):

@@ -36,6 +36,7 @@ class Alternating(OneStep):
 
     family: ClassVar[str] = "Splitting"
     explicit = True
+    keeps_energy = True
 
     def __check_init__(self):
         name = type(self).__name__
@@ -173,6 +174,7 @@ class Composition(OneStep):
 
     family: ClassVar[str] = "Splitting"
     explicit = True
+    keeps_energy = True
     force_at_end = True
 
     def __check_init__(self):

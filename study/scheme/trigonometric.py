@@ -104,6 +104,7 @@ class Trigonometric(OneStep):
     doi: ClassVar[str] = "10.1007/BF01386037"
     order = 2
     explicit = True
+    keeps_energy = True
     is_exact_for_stiffness = True
     needs_equal_steps = True
 

@@ -92,6 +92,7 @@ class Relaxed(Wrapper):
     family: ClassVar[str] = "Relaxed"
     source: ClassVar[str] = "Ketcheson (2019)"
     doi: ClassVar[str] = "10.1137/19M1263662"
+    keeps_energy = True
 
     def __check_init__(self):
         if not isinstance(self.scheme, OneStep):

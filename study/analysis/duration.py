@@ -1,0 +1,56 @@
+r"""The step that keeps an error of free vibration over another duration.
+
+A scheme of order p delays the motion by the same time in each period, so the phase error grows with the number n of
+periods, as :math:`n\,\Delta t^p`. A scheme that dissipates also loses energy, as :math:`n\,\Delta t^q` with the
+smallest odd number q ≥ p: terms of even power in the modified equation are reversible in time, and cause no loss. The
+loss changes the period, so that the phase error has a second part, :math:`n^2 \Delta t^q`. The step that keeps an error
+is
+
+.. math::
+
+    \Delta t(n) = \Delta t(n_0)\,(n_0/n)^a, \quad
+    a = \begin{cases} 1/p & \text{the scheme keeps the energy} \\ \max(1/p,\ 2/q) & \text{it dissipates} \end{cases}
+
+for the motion, and a = 0 or 1/q for the energy.
+
+References
+----------
+E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, chapters IX and XI.
+"""
+
+import math
+
+from study.mechanics.definition import Problem
+from study.scheme.base import Scheme
+
+#: Quantity whose step follows the law of the energy.
+ENERGY = "energy"
+#: Motions to which the law applies, in words.
+FREE = "free vibration without damping, load, memory and kinks"
+
+
+def is_free(problem: Problem) -> bool:
+    """Whether the law applies to the motion of a problem, if that is not chaotic."""
+    return problem.conservative and not problem.kinked
+
+
+def step_exponent(scheme: Scheme, quantity: str = "displacement") -> float:
+    """The exponent a in Δt ∝ n^(−a), with which the step that keeps an error of a quantity falls over n periods."""
+    loss = scheme.order + 1 - scheme.order % 2
+    if quantity == ENERGY:
+        return 0.0 if scheme.keeps_energy else 1 / loss
+    return 1 / scheme.order if scheme.keeps_energy else max(1 / scheme.order, 2 / loss)
+
+
+def step_over(step: float, exponent: float, known: float, duration: float) -> float:
+    """The step that keeps an error over ``duration``, from the step that keeps it over ``known``, both in s.
+
+    A shorter duration keeps the step.
+    """
+    return step * min(known / duration, 1.0) ** exponent
+
+
+def round_down(step: float) -> float:
+    """The largest step with two digits that is not larger."""
+    unit = 10.0 ** (math.floor(math.log10(step)) - 1)
+    return float(f"{math.floor(step / unit * (1 + 1e-9)) * unit:.1e}")
