@@ -1,0 +1,31 @@
+"""Numbers of the text: ratio of frequencies up to which an explicit scheme is the faster one."""
+
+import numpy as np
+import xarray as xr
+
+from paper.products import numbers
+from study.words import number, span
+
+
+def _two_digits(values: xr.DataArray) -> np.ndarray:
+    return np.array([float(f"{one:.2g}") for one in values.values])
+
+
+@numbers()
+def of_mesh(mesh: xr.Dataset) -> dict:
+    """Crossovers, steps and iterations of the implicit scheme, and the saving by leaving the stiff row out."""
+    explicit = mesh.sel(scheme="central_difference")
+    frames, meshes = (mesh.crossover.isel(case=(mesh.columns > 1).values == wide) for wide in (False, True))
+    by_panel = explicit.steps.groupby(["rows", "columns"]).max() / explicit.steps.groupby(["rows", "columns"]).min()
+    implicit = mesh.sel(scheme="average_acceleration")
+    return {
+        "mesh_error": f"{100 * mesh.allowed_error.item():g}",
+        "mesh_unknowns": span(mesh.unknowns, ",.0f"),
+        "mesh_stiffest": number(mesh.stiffening.max().item()),
+        "mesh_steps": span(implicit.steps, ".0f"),
+        "mesh_iterations": span(implicit.newton_iterations, ".1f"),
+        "mesh_crossover_frame": span(_two_digits(frames), ",.0f"),
+        "mesh_crossover_panel": span(_two_digits(meshes), ",.0f"),
+        "mesh_saved": span(by_panel.stack(panel=["rows", "columns"]).dropna("panel"), ".2g"),
+        "mesh_explicit_at_limit": bool((explicit.error <= mesh.allowed_error).all()),
+    }

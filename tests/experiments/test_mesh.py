@@ -1,0 +1,32 @@
+"""Panels of masses, and the times that two schemes need on them."""
+
+import numpy as np
+import pytest
+
+from study.experiments.mesh import SCHEMES, mesh, panel
+from study.marching.run import run
+
+
+def test_the_frequencies_are_those_of_the_chain_in_closed_form():
+    # masses 1 joined by springs n², fixed at one end: ωₖ = 2 n sin((2k − 1) π / (4n + 2))
+    _, lowest, highest = panel(10, 1, 1.0)
+    angles = np.pi / (4 * 10 + 2) * np.array([1, 19])
+    assert [lowest, highest] == pytest.approx(20 * np.sin(angles))
+    # the columns move alike in the lowest mode
+    assert panel(10, 3, 1.0)[1] == pytest.approx(lowest)
+
+
+def test_the_row_is_stiffer_and_the_springs_yield():
+    soft, _, highest = panel(4, 3, 1.0)
+    assert panel(4, 3, 100.0)[2] > 5 * highest
+    small = run(soft, "central_difference", dt=0.01, steps=400, observe=["trajectory"]).u
+    large = run(soft, "central_difference", dt=0.01, steps=400, v0=4 * soft.v0, observe=["trajectory"]).u
+    assert abs(large).max() > 4.5 * abs(small).max()
+
+
+def test_the_explicit_scheme_follows_the_mesh_and_the_implicit_one_the_motion():
+    ds = mesh([[4, 1]], [1.0, 400.0], [20, 40, 80], 2.0, 0.02, 1)
+    steps = dict(zip(SCHEMES, ds.steps.values.T, strict=True))
+    assert steps["central_difference"] == pytest.approx(np.ceil(1.02 * np.pi * ds.mesh_ratio.values), abs=1)
+    assert steps["average_acceleration"][1] <= 40 and ds.mesh_ratio[1] > 10 * ds.mesh_ratio[0]
+    assert (ds.reference_difference < 0.005).all() and (ds.error <= 0.02).all()
