@@ -124,26 +124,28 @@ class _Ladder:
             made = self._made(start, counts, self.periods[[self.decided]])
             self.varied = pd.concat([self.varied, made], ignore_index=True)
 
+    def _errors(self) -> tuple[pd.DataFrame, pd.DataFrame]:
+        """Errors from the own start, and the largest from all starts, in ascending (steps_per_period, periods)."""
+        names, index = self.motion.names, ["steps_per_period", "periods"]
+        error = self.rows.set_index(index)[names].sort_index()
+        if not len(self.varied):
+            return error, error * np.nan
+        worst = self.varied.fillna(dict.fromkeys(names, np.inf)).groupby(index)[names].max().reindex(error.index)
+        return error, np.maximum(worst, error.fillna(np.inf))
+
     def dataset(self) -> xr.Dataset:
         """The runs over (steps_per_period, periods), and ``error`` and ``largest_error`` also over quantity."""
-        names, index = self.motion.names, ["steps_per_period", "periods"]
-        ds = self.rows.set_index(index).to_xarray()
-        error = ds[names].to_dataarray("quantity")
-        largest = xr.full_like(error, np.nan)
-        if len(self.varied):
-            worst = self.varied.fillna(dict.fromkeys(names, np.inf)).groupby(index)[names].max()
-            largest = worst.to_xarray().to_dataarray("quantity").reindex_like(error)
-            largest = np.maximum(largest, error.fillna(np.inf))
-        ds = ds.drop_vars([*names, "step_size", "duration"])
-        order = ("steps_per_period", "quantity", "periods")
-        return ds.assign(error=error.transpose(*order), largest_error=largest.transpose(*order))
+        names, order = self.motion.names, ("steps_per_period", "quantity", "periods")
+        ds = self.rows.drop(columns=[*names, "step_size", "duration"]).set_index([order[0], order[2]]).to_xarray()
+        error, largest = (one.to_xarray().to_dataarray("quantity").transpose(*order) for one in self._errors())
+        return ds.assign(error=error, largest_error=largest)
 
     def needed(self, limits: list[Limit]) -> list[tuple[float, float]]:
         """The number of steps that each limit needs, infinite if there is none, and the next smaller number tried."""
-        ds = self.dataset().sortby("steps_per_period", ascending=False)
-        fine_first, found = ds.steps_per_period.values, []
+        errors, shape = self._errors(), (-1, len(self.periods))
+        fine_first, found = np.unique(errors[0].index.get_level_values("steps_per_period"))[::-1], []
         for quantity, allowed in limits:
-            error, largest = (ds[name].sel(quantity=quantity).values for name in ("error", "largest_error"))
+            error, largest = (one[quantity].values.reshape(shape)[::-1] for one in errors)
             place = int(unbroken(keeps(error, largest, self.periods, allowed)[:, self.decided]).sum())
             coarser = fine_first[place] if place < len(fine_first) else 0.0
             found.append((fine_first[place - 1] if place else math.inf, coarser))
