@@ -9,8 +9,9 @@
     print(ds.status)
 
 Arrays for ``dt``, ``u0``, ``v0`` or ``steps`` run an ensemble. ``over`` runs an ensemble of problems: it maps
-the arguments of a function that makes a problem to arrays. ``final_state`` returns the state at the end of a run. It is
-a pure function, so that JAX can differentiate it. ``run`` warns with ``RunFailedWarning`` if a run fails.
+the arguments of a function that makes a problem to arrays. The argument ``save`` writes an ensemble in parts, which may
+exceed the memory; ``Parts`` is their folder and number. ``final_state`` returns the state at the end of a run. It is a
+pure function, so that JAX can differentiate it. ``run`` warns with ``RunFailedWarning`` if a run fails.
 ``help(study.run)`` describes all arguments, and ``help()`` describes each of the names below.
 
 Steps of controlled size

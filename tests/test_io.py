@@ -209,3 +209,15 @@ def test_parts_that_cannot_be_read_are_not_gathered(dataset, tmp_path, damage):
     )
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "two.nc" in done.stderr
     assert not (tmp_path / "whole.nc").exists()
+
+
+def test_files_opened_together_give_any_selection_of_their_rows(tmp_path):
+    values = np.arange(30.0).reshape(10, 3)
+    whole = xr.Dataset({"u": (("lane", "t"), values, {"units": "m"})}, {"lane": np.arange(10), "t": [0.0, 0.5, 1.0]})
+    for k, rows in enumerate((slice(4), slice(4, 5), slice(5, 10))):
+        io.write(whole.isel(lane=rows), tmp_path / f"{k}.nc")
+    joined = io.opened_together([io.opened(tmp_path / f"{k}.nc") for k in range(3)], "lane")
+    for chosen in (7, -1, [8, 0, 5, 0], slice(None, None, -2), slice(3, 3), slice(2, 6)):
+        xr.testing.assert_identical(joined.isel(lane=chosen), whole.isel(lane=chosen))
+        xr.testing.assert_identical(joined.isel(lane=chosen, t=[2, 0]), whole.isel(lane=chosen, t=[2, 0]))
+    xr.testing.assert_identical(joined.load(), whole)

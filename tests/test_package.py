@@ -30,7 +30,7 @@ def test_the_help_is_short_and_starts_with_run():
 def test_the_help_names_all_that_is_public():
     public = {n for n in dir(study) if not n.startswith("_") and not inspect.ismodule(getattr(study, n))}
     named = set(re.findall(r"``(\w+)``", study.__doc__))
-    assert named - public == {"study", "building", "materials", "dt", "u0", "v0", "steps", "over"} | {
+    assert named - public == {"study", "building", "materials", "dt", "u0", "v0", "steps", "over", "save"} | {
         "tolerance",
         "duration",
     }
