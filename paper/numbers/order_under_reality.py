@@ -28,7 +28,7 @@ def of_order_under_reality(orders: xr.Dataset) -> dict:
     failed = orders.status.sel(quantity="displacement") == meanings.index("failed")
     loose = [name for name in orders.circumstance.values if name.startswith("tolerance_")]
     early = (plain - displacement.sel(circumstance=loose)).max()
-    lost = failed.sel(circumstance=f"support_{orders.stiffness_ratio.argmax().item()}")
+    lost = failed.sel(circumstance=f"support_{np.argmax(orders.stiffness_ratio.values)}")
     return {
         "reality_schemes": orders.sizes["scheme"],
         "reality_reaches_round_off": bool((orders.status == meanings.index("exact")).any()),

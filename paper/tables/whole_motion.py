@@ -4,31 +4,33 @@ import pandas as pd
 import xarray as xr
 
 from paper.products import table
-from paper.tables.decision import sentence, steps_of
-from paper.tables.models import ERROR
-from study.words import number
+from paper.tables.decision import sentence
+
+#: Allowed error of the displacement.
+ERROR = 0.1
+#: Schemes whose steps are compared.
+SHOWN = ["central_difference", "average_acceleration", "generalized_alpha", "bathe"]
 
 
-def _cheapest(decisions: xr.Dataset) -> xr.Dataset:
-    """The decision of the kind with the fewest evaluations of the force."""
-    return decisions.isel(kind=decisions.force_evaluations.fillna(float("inf")).argmin("kind").item())
+def _steps(need: xr.Dataset) -> str:
+    return f"{need.steps_per_period.item():,.0f}" if need.step_size > 0 else "–"
 
 
-@table("What the whole motion costs")
-def tabulate(decisions: xr.Dataset) -> pd.DataFrame:
-    """One row per problem on which :data:`study.runs.needs.WHOLE_MOTION` needs another scheme or step."""
-    at = decisions.sel(allowed_error=ERROR, method="nearest").sel(quantity="displacement")
+@table("Steps for the displacement and for the whole motion", requires={"runs.schemes": SHOWN[:2]})
+def tabulate(needs: xr.Dataset) -> pd.DataFrame:
+    """One row per problem on which a scheme needs other steps for :data:`study.runs.needs.WHOLE_MOTION`.
+
+    A cell has the steps in a period for the displacement alone and for the whole motion.
+    """
+    at = needs.sel(allowed_error=ERROR, method="nearest").sel(quantity="displacement")
+    at = at.sel(scheme=[name for name in SHOWN if name in at.scheme.values])
     rows = []
     for problem in at.problem.values:
-        alone, whole = (_cheapest(at.sel(problem=problem, filter=name)) for name in ("all", "whole_motion"))
-        ratio = (whole.force_evaluations / alone.force_evaluations).item()
-        if not alone.step_size > 0 or ratio == 1:
-            continue
-        row = {"Problem": sentence(alone.problem_title.item())}
-        for one, name in ((alone, "displacement"), (whole, "whole motion")):
-            known = bool(one.step_size > 0)
-            row[sentence(name)] = one.scheme_title.item() if known else "–"
-            row[f"Steps, {name}"] = steps_of(one) if known else ""
-            row[f"Forces, {name}"] = f"{one.force_evaluations.item() * one.time_scale.item():,.0f}" if known else ""
-        rows.append(row | {"Ratio": number(ratio, 2) if ratio > 0 else "–"})
-    return pd.DataFrame(rows)
+        one = at.sel(problem=problem)
+        row = {"Problem": sentence(one.problem_title.item())}
+        for name in one.scheme.values:
+            alone, whole = (_steps(one.sel(scheme=name, condition=of)) for of in ("practice", "whole_motion"))
+            row[one.scheme_title.sel(scheme=name).item()] = alone if alone == whole else f"{alone} / {whole}"
+        if any("/" in cell for cell in row.values()):
+            rows.append(row)
+    return pd.DataFrame(rows, columns=["Problem", *at.scheme_title.values])

@@ -48,8 +48,13 @@ def test_a_row_in_which_the_whole_motion_needs_other_steps_is_marked(datasets):
     assert remarks == ["the whole motion needs other steps", "", "", ""]
 
 
-def test_the_price_of_the_whole_motion_is_the_ratio_of_the_fewest_forces():
+def test_the_price_of_the_whole_motion_is_stated_where_it_differs(monkeypatch):
+    monkeypatch.setattr(whole_motion, "SHOWN", ["cheap", "dear"])
     # the displacement is within 10 % at 16 steps, the velocity within 75 % at 32 only
-    (row,) = _rows(whole_motion.tabulate(_decided().sel(problem=["swing"], allowed_error=[0.1])))
-    assert row["Displacement"] == row["Whole motion"] == "Cheap"
-    assert (row["Steps, displacement"], row["Steps, whole motion"], row["Ratio"]) == ("16", "32", "2")
+    accurate, swinging = (
+        [[0.2, 0.05, 0.005, 0.0005], [0.05] * 4, [0.2] * 4],
+        [[0.8, 0.8, 0.1, 0.1], [0.1] * 4, [0.1] * 4],
+    )
+    needed = with_kinds(of_problems([needs(runs(accurate, velocity=swinging), [0.1])]))
+    (row,) = whole_motion.tabulate(needed).to_dict("records")
+    assert row == {"Problem": "Swinging thing", "Cheap": "16 / 32", "Dear": "8"}
