@@ -59,7 +59,7 @@ def test_the_scheme_of_the_examples_has_its_order():
 
 @pytest.mark.pipeline
 def test_the_parts_of_a_snakefile_are_the_ensemble(tmp_path):
-    command = [sys.executable, "-m", "snakemake", "--snakefile", FOLDER / "parts.smk", "--cores", "1", "--config"]
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(FOLDER / "parts.smk"), "--cores", "1", "--config"]
     subprocess.run([*command, "lanes=600", "parts=2"], cwd=tmp_path, check=True)
     drift = load(f"{FOLDER / 'intensities.py'}:fragility", (FunctionType,))(600).drift
     parts = [xr.load_dataset(path) for path in sorted((tmp_path / "runs").iterdir())]

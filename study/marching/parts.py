@@ -33,7 +33,7 @@ class Parts(NamedTuple):
     ----------
     folder
         Folder of the files.
-    count
+    number
         Number of parts. By default a part has at most 65,536 lanes, and results of at most 256 MiB.
     only
         Number of a part, from 0, that alone is run; its dataset is returned. A job on a cluster runs one part.
@@ -52,7 +52,7 @@ class Parts(NamedTuple):
     """
 
     folder: str | Path
-    count: int | None = None
+    number: int | None = None
     only: int | None = None
 
     def written(self, marched: Callable[[slice], xr.Dataset], lanes: int, of_lane: "Lane") -> xr.Dataset:
@@ -74,7 +74,7 @@ class Parts(NamedTuple):
         NotRead, NotWritten
             If a file is damaged or cannot be written.
         """
-        count = self.count
+        count = self.number
         if count is None:
             count = max(math.ceil(lanes / MOST_LANES), math.ceil(lanes * of_lane.size / MOST_BYTES))
         if not 1 <= count <= lanes:
@@ -167,5 +167,5 @@ class Lane(NamedTuple):
         for name, value in jax.tree.leaves_with_path(self.given):
             array = np.ascontiguousarray(value)
             digest.update(repr((jax.tree_util.keystr(name), array.shape, array.dtype.str)).encode())
-            digest.update(array)
+            digest.update(array.tobytes())
         return digest.hexdigest()

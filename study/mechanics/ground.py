@@ -114,7 +114,7 @@ class GroundMotion(eqx.Module):
         return GroundMotion(factor * self.acceleration, self.dt, title=self.title, source=self.source)
 
     @staticmethod
-    def padded(motions: Sequence["GroundMotion"]) -> tuple[Samples, Vector]:
+    def padded(motions: Sequence["GroundMotion"]) -> tuple[np.ndarray, np.ndarray]:
         """The accelerations of motions of unequal length, for an ensemble over records.
 
         A problem of the ensemble selects its record by number, so that all lanes share one table of the records::

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -15,7 +16,13 @@ import study
 from study.io import NotRead
 from study.marching import parts
 
-RUN = {"dt": 0.0075, "steps": 40, "observe": ["trajectory", "peak"], "every": 10, "u0": np.linspace(0.5, 1.5, 150)}
+RUN: dict[str, Any] = {
+    "dt": 0.0075,
+    "steps": 40,
+    "observe": ["trajectory", "peak"],
+    "every": 10,
+    "u0": np.linspace(0.5, 1.5, 150),
+}
 
 
 def _hardening(folder, **changed):
@@ -89,7 +96,7 @@ def test_a_run_that_was_killed_goes_on_with_the_first_missing_part(tmp_path):
     assert 2 <= len(before) < 12
     leftover = tmp_path / f".part_{len(before):02}.nc.1.ab.unfinished"  # as if it was killed while it wrote
     leftover.write_bytes(b"CDF")
-    arguments = {"dt": 0.0075, "steps": 2000, "observe": "peak", "u0": np.linspace(0.5, 1.5, 600)}
+    arguments: dict[str, Any] = {"dt": 0.0075, "steps": 2000, "observe": "peak", "u0": np.linspace(0.5, 1.5, 600)}
     saved = study.run("hardening", "rk4", **arguments, save=study.Parts(tmp_path, 12))
     assert {path: path.stat().st_mtime_ns for path in before} == before
     assert len(list(tmp_path.iterdir())) == len(finished()) == 12
