@@ -12,9 +12,9 @@ multiplications too. In a loop or a branch whose condition differs from lane to 
 those that have ended keep their values, as with ``jax.vmap``.
 
 What does not depend on the lane, such as a load at the time that all lanes share, is computed once for all lanes. An
-operation on more than ``MOST_ENTRIES`` entries, or at an index that depends on the lane, is computed for arrays of all
-lanes. A program with an operation that has no rule here, such as a call of LAPACK, is mapped by ``jax.vmap``; one line
-in the log (``logging``, level ``INFO``) names the operation.
+operation on more than ``MOST_ENTRIES`` entries, or at an index that depends on the lane, and a sort are computed for
+arrays of all lanes. A program with an operation that has no rule here, such as a call of LAPACK, is mapped by
+``jax.vmap``; one line in the log (``logging``, level ``INFO``) names the operation.
 
 The operations of a lane, and their order, are those of a single run. XLA may merge a multiplication and an addition in
 one program and not in the other, so that results agree with single runs to round-off.
@@ -62,11 +62,15 @@ CALLS = {
 
 #: Operations that compute each entry of their result from one entry of each operand.
 ELEMENTWISE = frozenset(
-    "abs acos acosh add add_any and asin asinh atan atan2 atanh cbrt ceil clamp convert_element_type copy cos cosh "
-    "digamma div eq erf erf_inv erfc exp exp2 expm1 floor ge gt integer_pow is_finite le le_to lgamma log log1p "
-    "logistic lt lt_to max min mul ne neg nextafter not or pow reduce_precision rem round rsqrt select_n sign sin sinh "
-    "sqrt square stop_gradient sub tan tanh xor".split()
+    "abs acos acosh add add_any and asin asinh atan atan2 atanh bitcast_convert_type cbrt ceil clamp "
+    "convert_element_type copy cos cosh digamma div eq erf erf_inv erfc exp exp2 expm1 floor ge gt integer_pow "
+    "is_finite le le_to lgamma log log1p logistic lt lt_to max min mul ne neg nextafter not or pow "
+    "reduce_precision rem round rsqrt select_n shift_left shift_right_arithmetic shift_right_logical sign sin "
+    "sinh sqrt square stop_gradient sub tan tanh xor".split()
 )
+
+#: Operations on arrays of all lanes only, which are seldom in a step.
+TOGETHER = frozenset("argmax argmin cumlogsumexp cummax cummin cumprod sort top_k".split())
 
 #: Operations that join all entries along some axes, each with the operation of two entries.
 REDUCTIONS = {
@@ -211,8 +215,11 @@ class _Lanes:
             return _alone(operation, values)
         if name in _LOOPS:
             return _LOOPS[name](self, operation, values)
-        if all(_is_small(of.aval.shape) for of in (*operation.invars, *operation.outvars)):
-            if name in _SUMS or name in ELEMENTWISE:
+        shapes = [of.aval.shape for of in operation.invars]
+        if all(map(_is_small, (*shapes, *(of.aval.shape for of in operation.outvars)))):
+            if name in _SUMS or (
+                name in ELEMENTWISE and np.broadcast_shapes(*shapes) == operation.outvars[0].aval.shape
+            ):
                 return [_SUMS.get(name, _Lanes._elementwise)(self, operation, *map(_entries, values))]
             if name in _MOVES:
                 moved = _MOVES[name](operation, *map(_entries, values))
@@ -221,7 +228,7 @@ class _Lanes:
                 rule, places = _AT_PLACES[name]
                 if not any(isinstance(x, jax.core.Tracer) or _varies(x) for x in values[places]):
                     return [rule(operation, values)]
-        if not (name in ELEMENTWISE or name in _SUMS or name in _MOVES or name in _AT_PLACES):
+        if not any(name in known for known in (ELEMENTWISE, TOGETHER, _SUMS, _MOVES, _AT_PLACES)):
             raise _NoRule(name)
         return self._together(operation, values)
 
