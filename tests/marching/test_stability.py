@@ -10,6 +10,7 @@ import scipy
 from jax.experimental.sparse import BCOO
 
 import study
+from study.marching import stability
 from study.marching.run import sweep
 
 #: Positive solution z of z⁴/24 − z³/6 + z²/2 − z + 1 = 1: rk4 is stable on u̇ = −c u up to cΔt = z.
@@ -131,6 +132,22 @@ def test_the_worst_lane_is_named():
     text = warned(oscillator, "central_difference", over={"k": [1.0, 9.0, 4.0]}, dt=1.1)
     assert text.startswith("ωΔt = 3.3 at the start in lane 1 exceeds 2,") and "up to 0.6666;" in text
     assert not warned(oscillator, "central_difference", over={"k": [1.0, 3.0]}, dt=1.1)
+
+
+def test_no_mode_exceeds_the_bound_that_saves_its_computation():
+    """Modes of random structures, from SciPy."""
+    random = np.random.default_rng(3)
+    for n in (2, 3, 5):
+        roots = random.normal(size=(3, n, n))
+        stiffness, damping, mass = roots[0] @ roots[0].T, roots[1] @ roots[1].T, np.eye(n) + 0.1 * roots[2] @ roots[2].T
+        omega = np.sqrt(scipy.linalg.eigh(stiffness, mass, eigvals_only=True)[-1])
+        heaviest = scipy.linalg.eigh(damping, mass, eigvals_only=True)[-1]
+        motion = stability.SmallMotion(*(x[None] for x in (mass, stiffness, damping)))
+        assert stability._highest_bound(motion) >= omega + heaviest
+        dt = np.array([1e-3, 0.9, 1.1]) * 2 / omega  # without damping, central difference is stable up to ωΔt = 2
+        lanes = stability.SmallMotion(*(np.broadcast_to(x, (3, 1, n, n)) for x in (mass, stiffness)))
+        excess = stability.excess(study.schemes["central_difference"], lanes, dt, 10)
+        np.testing.assert_allclose(excess, [0.0, 0.0, 2.2], rtol=1e-10)
 
 
 def test_a_force_that_is_bounded_bounds_the_run_but_not_its_error():
