@@ -3,17 +3,15 @@
 import numpy as np
 import xarray as xr
 
-from paper.claims.ledger import PRACTICE, STUDY, Finding, by_name, claim, when
-from paper.claims.terms import FAITHFUL, GREATLY, REASONABLE, ROUND_OFF, RULE
-from paper.claims.wording import listed, number
+from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
+from paper.claims.terms import GREATLY, REASONABLE, ROUND_OFF
+from paper.claims.wording import number
 from paper.data import fewest
 
 #: Small parameter ε of van der Pol's oscillator, its shortest time scale.
 FASTEST = 1e-6
 #: Largest relative error of the displacement at the end of an orbit that counts as closed.
 CLOSED = 0.01
-#: Largest difference from two of an observed order that counts as second order.
-NEARLY_TWO = 0.3
 
 
 @claim(
@@ -86,74 +84,3 @@ def beyond_the_fastest_time(published_numbers):
     most = np.nanmax([0.0, *steps.values()])
     reason = when(most <= GREATLY, "its jumps last about ε, and equal steps must resolve them")
     return Finding(number(most, ".2g", "none"), bool(most > GREATLY), reason)
-
-
-def _onwards(kept: xr.DataArray) -> xr.DataArray:
-    """Whether a condition holds at a number of steps and at all larger ones."""
-    finest_first = {"steps_per_period": slice(None, None, -1)}
-    return kept.isel(finest_first).cumprod("steps_per_period").astype(bool).isel(finest_first)
-
-
-def fewest_steps(ueda: xr.Dataset) -> dict[str, float]:
-    """Fewest steps per period, by scheme, from which on the Lyapunov exponent stays close to the printed one.
-
-    The value is NaN if the exponent with the most steps is not close.
-    """
-    onwards = _onwards(100 * abs(ueda.exponent / ueda.printed_exponent - 1) <= REASONABLE)
-    return {name: onwards.steps_per_period.where(onwards.sel(scheme=name)).min().item() for name in ueda.scheme.values}
-
-
-@claim(
-    "structures",
-    "Twenty steps per period of the load preserve the chaos of an oscillator.",
-    "fewest steps at and above which the Lyapunov exponent of Ueda's oscillator is within "
-    f"{REASONABLE:g} % of the printed one",
-    whose=PRACTICE,
-)
-def twenty_steps_keep_chaos(ueda):
-    steps = fewest_steps(ueda)
-    holds = all(value <= RULE for value in steps.values())
-    regular = ueda.scheme.values[(ueda.exponent < 0).any("steps_per_period").values]
-    reason = "at long steps the motion is regular" if len(regular) else "some schemes need more"
-    return Finding(listed(steps, {"ueda": ueda}, ".0f", "none"), holds, when(not holds, reason))
-
-
-def orders_of_means(ueda: xr.Dataset) -> dict[str, tuple[float, float]]:
-    """Order with which the mean square of Ueda's oscillator converges, and its standard error, by scheme.
-
-    The exact mean square is that of the Runge-Kutta method at the finest step. The order is a weighted fit over the
-    steps from which on the motion is chaotic, where the mean differs by more than two standard errors; NaN for fewer
-    than three such steps.
-    """
-    exact = ueda.sel(scheme="rk4").isel(steps_per_period=-1)
-    difference = abs(ueda.mean_square - exact.mean_square)
-    error = (ueda.mean_square_uncertainty**2 + exact.mean_square_uncertainty**2) ** 0.5
-    known = _onwards(ueda.exponent > 0) & (difference > 2 * error)
-    orders = {}
-    for name in ueda.scheme.values:
-        at = known.sel(scheme=name)
-        steps = ueda.steps_per_period.values[at.values]
-        values, errors = (one.sel(scheme=name).values[at.values] for one in (difference, error))
-        orders[name] = (np.nan, np.nan)
-        if len(steps) > 2:
-            fit, covariance = np.polyfit(np.log(steps), np.log(values), 1, w=values / errors, cov="unscaled")
-            orders[name] = (-fit[0], float(np.sqrt(covariance[0, 0])))
-    return orders
-
-
-@claim(
-    "structures",
-    "Statistics of a chaotic motion converge with the order of the scheme, although its orbits are lost.",
-    "order of the mean square of Ueda's oscillator, with its standard error",
-    whose=STUDY,
-    requires={"ueda.schemes": ["rk4", *FAITHFUL]},
-)
-def statistics_converge(ueda):
-    orders = {name: orders_of_means(ueda)[name] for name in FAITHFUL}
-    titles = dict(zip(ueda.scheme.values, ueda.scheme_title.values, strict=True))
-    ours = "; ".join(
-        f"{titles[name]}: " + (f"{order:.1f} ± {error:.1f}" if np.isfinite(order) else "none")
-        for name, (order, error) in orders.items()
-    )
-    holds = all(abs(order - 2) < max(NEARLY_TWO, 2 * error) for order, error in orders.values())
-    return Finding(ours, holds, when(not holds, "steps with regular motion break the convergence"))

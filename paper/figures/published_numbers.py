@@ -36,27 +36,14 @@ def _errors(ax: Axes, one: xr.Dataset, styles: dict) -> None:
     ax.minorticks_off()
 
 
-def _exponents(ax: Axes, ueda: xr.Dataset, styles: dict) -> None:
-    """Draw the exponent of each scheme against the steps in a period of the load, and the printed exponent."""
-    for name, style in styles.items():
-        if name in ueda.scheme.values:
-            ax.plot(ueda.steps_per_period, ueda.exponent.sel(scheme=name), **style)
-    ax.axhline(ueda.printed_exponent.item(), color="0.7", linewidth=1.5, zorder=0)
-    ends = ueda.steps_per_period.values[[0, -1]]
-    ax.set(xscale="log", xlabel="steps per period", ylim=(-1.5 * ueda.printed_exponent, 1.5 * ueda.printed_exponent))
-    ax.set_xticks(ends, [f"{n:,}" for n in ends])
-    ax.minorticks_off()
-
-
 @figure(
-    "Error of the displacement against the number of steps, relative to published or exact displacements, and "
-    "the largest Lyapunov exponent of Ueda's oscillator; grey: as printed. A point is missing where a run failed or "
-    "its error exceeds 3; an error of zero is drawn at 1e-16.",
+    "Error of the displacement against the number of steps, relative to published or exact displacements. A point is "
+    "missing where a run failed or its error exceeds 3; an error of zero is drawn at 1e-16.",
 )
-def draw(published_numbers: xr.Dataset, ueda: xr.Dataset) -> Figure:
-    """One panel per problem for the error, and a last panel for the Lyapunov exponent of Ueda's oscillator."""
+def draw(published_numbers: xr.Dataset) -> Figure:
+    """One panel per problem."""
     shown = of_kinds(published_numbers, SHOWN)
-    number = shown.sizes["problem"] + 1
+    number = shown.sizes["problem"]
     columns = min(number, COLUMNS)
     rows = -(-number // columns)
     figure, axes = panels(rows, columns, PAGE, 4.0 * rows + 1.2)
@@ -67,9 +54,6 @@ def draw(published_numbers: xr.Dataset, ueda: xr.Dataset) -> Figure:
         letter(ax, index, wrapped(one.problem_title.item(), 16))
         if index + columns >= number:
             ax.set_xlabel("steps")
-    last = axes.flat[number - 1]
-    _exponents(last, ueda, styles)
-    letter(last, number - 1, wrapped("Ueda's oscillator", 16))
-    figure.supylabel("error of the displacement; exponent", fontsize="medium")
+    figure.supylabel("error of the displacement", fontsize="medium")
     legend_in_gap(figure, axes, number, columns=4)
     return figure

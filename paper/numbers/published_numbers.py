@@ -1,12 +1,11 @@
-"""Numbers of the text: problems with known displacements, and chaos of Ueda's oscillator."""
+"""Numbers of the text: problems with known displacements."""
 
 import numpy as np
 import xarray as xr
 
-from paper.claims.published_numbers import fewest_steps, largest_step, orders_of_means, steps_of_orbit
-from paper.claims.terms import FAITHFUL, ROUND_OFF
+from paper.claims.published_numbers import largest_step, steps_of_orbit
+from paper.claims.terms import ROUND_OFF
 from paper.products import numbers
-from study.words import listed, span
 
 _NEEDED = ["arenstorf", "van_der_pol", "loaded_bar"]
 
@@ -18,19 +17,11 @@ _NEEDED = ["arenstorf", "van_der_pol", "loaded_bar"]
         "published_numbers.schemes": ["average_acceleration", "central_difference", "rk4"],
     }
 )
-def of_published_numbers(published_numbers: xr.Dataset, ueda: xr.Dataset) -> dict:
-    """Steps that schemes need for the known displacements and for the Lyapunov exponent of Ueda's oscillator."""
+def of_published_numbers(published_numbers: xr.Dataset) -> dict:
+    """Steps that schemes need for the known displacements."""
     orbit = steps_of_orbit(published_numbers)
     bar = published_numbers.sel(problem="loaded_bar", scheme="central_difference")
     stiff = np.array(list(largest_step(published_numbers).values()))
-    fewest = np.array(list(fewest_steps(ueda).values()))
-    last = ueda.where(ueda.exponent > 0).isel(steps_per_period=-1)
-    exact = last.sel(scheme="rk4")
-    orders = {name: orders_of_means(ueda)[name] for name in FAITHFUL}
-
-    def regular(name: str) -> list[int]:
-        return ueda.steps_per_period.values[(ueda.exponent.sel(scheme=name) < 0).values].tolist()
-
     plate = None
     if "thin_plate" in published_numbers.problem.values:
         fine = published_numbers.error.sel(problem="thin_plate").isel(refinement=-1)
@@ -46,22 +37,4 @@ def of_published_numbers(published_numbers: xr.Dataset, ueda: xr.Dataset) -> dic
         "bar_fine_error": f"{100 * bar.error[-1].item():.2g}",
         "stiff_largest_step": f"{np.nanmax(stiff):.2g}" if np.isfinite(stiff).any() else None,
         "plate_differs": plate,
-        "ueda_printed": f"{ueda.printed_exponent.item():.4f}",
-        "ueda_steps": span(fewest[np.isfinite(fewest)], ".0f") if np.isfinite(fewest).any() else None,
-        "ueda_finest": span(last.exponent, ".3f"),
-        "ueda_uncertainty": f"{last.uncertainty.max().item():.0e}",
-        "ueda_periods": f"{ueda.attrs['periods']:,}",
-        "ueda_mean_square": f"{exact.mean_square.item():.4g}",
-        "ueda_mean_square_uncertainty": f"{exact.mean_square_uncertainty.item():.0e}",
-        **{
-            f"ueda_order_{name}": f"{order:.1f} ± {error:.1f}" if np.isfinite(order) else None
-            for name, (order, error) in orders.items()
-        },
-        "ueda_converges": all(np.isfinite(order) for order, _ in orders.values()),
-        "ueda_regular": ", ".join(
-            f"{ueda.scheme_title.sel(scheme=name).item()} with {listed(map(str, regular(name)))} steps"
-            for name in ueda.scheme.values
-            if len(regular(name))
-        )
-        or "none",
     }

@@ -102,6 +102,11 @@ def accuracy(
             {"long_name": "largest error of the displacement with the extrapolated steps, relative", "units": "1"},
         ),
     ).assign_coords(
+        keeps_energy=(
+            "scheme",
+            [int(schemes_by_name[name].keeps_energy) for name in schemes],
+            {"long_name": "1 if the energy error does not grow with the length of the run", "units": "1"},
+        ),
         exponent=("scheme", exponents, {"long_name": "a in: step size proportional to periods^(-a)", "units": "1"}),
         known=((), growth["known"], {"long_name": "periods of the runs that are extrapolated", "units": "1"}),
         extrapolated=((), growth["extrapolated"], {"long_name": "periods that are extrapolated to", "units": "1"}),

@@ -1,0 +1,128 @@
+"""Claims on chaotic motions under a periodic load."""
+
+import numpy as np
+import xarray as xr
+
+from paper.claims.ledger import PRACTICE, STUDY, Finding, claim, when
+from paper.claims.terms import FAITHFUL, REASONABLE, RULE
+from paper.claims.wording import listed, number
+
+#: Largest difference from two of an observed order that counts as second order.
+NEARLY_TWO = 0.3
+
+
+def _onwards(kept: xr.DataArray) -> xr.DataArray:
+    """Whether a condition holds at a number of steps and at all larger ones."""
+    finest_first = {"steps_per_period": slice(None, None, -1)}
+    return kept.isel(finest_first).cumprod("steps_per_period").astype(bool).isel(finest_first)
+
+
+def ueda_of(chaos: xr.Dataset) -> xr.Dataset:
+    """The dataset of Ueda's oscillator, with its largest exponents."""
+    return chaos.sel(problem="ueda").isel(place=0)
+
+
+def fewest_steps(chaos: xr.Dataset) -> dict[str, float]:
+    """Fewest steps per period, by scheme, from which on the exponent of Ueda's oscillator is close to the printed one.
+
+    The value is NaN if the exponent with the most steps is not close.
+    """
+    ueda = ueda_of(chaos)
+    onwards = _onwards(100 * abs(ueda.exponent / ueda.printed_exponent - 1) <= REASONABLE)
+    return {name: onwards.steps_per_period.where(onwards.sel(scheme=name)).min().item() for name in ueda.scheme.values}
+
+
+@claim(
+    "structures",
+    "Twenty steps per period of the load preserve the chaos of an oscillator.",
+    "fewest steps at and above which the Lyapunov exponent of Ueda's oscillator is within "
+    f"{REASONABLE:g} % of the printed one",
+    whose=PRACTICE,
+)
+def twenty_steps_keep_chaos(chaos):
+    steps, ueda = fewest_steps(chaos), ueda_of(chaos)
+    holds = all(value <= RULE for value in steps.values())
+    regular = (ueda.regular == 1).any()
+    reason = "at long steps the motion is regular" if regular else "some schemes need more"
+    return Finding(listed(steps, {"chaos": chaos}, ".0f", "none"), holds, when(not holds, reason))
+
+
+def orders_of_means(chaos: xr.Dataset, problem: str = "ueda") -> dict[str, tuple[float, float]]:
+    """Order with which the mean square of a problem converges, and its standard error, by scheme.
+
+    The exact mean square is that of the Runge-Kutta method at the finest step. The order is a weighted fit over the
+    steps from which on all runs are chaotic, where the mean differs by more than two standard errors; NaN for fewer
+    than three such steps.
+    """
+    one = chaos.sel(problem=problem)
+    exact = one.sel(scheme="rk4").isel(steps_per_period=-1)
+    difference = abs(one.mean_square - exact.mean_square)
+    error = (one.mean_square_uncertainty**2 + exact.mean_square_uncertainty**2) ** 0.5
+    known = _onwards(one.regular == 0) & (difference > 2 * error)
+    orders = {}
+    for name in one.scheme.values:
+        at = known.sel(scheme=name)
+        steps = one.steps_per_period.values[at.values]
+        values, errors = (part.sel(scheme=name).values[at.values] for part in (difference, error))
+        orders[name] = (np.nan, np.nan)
+        if len(steps) > 2:
+            fit, covariance = np.polyfit(np.log(steps), np.log(values), 1, w=values / errors, cov="unscaled")
+            orders[name] = (-fit[0], float(np.sqrt(covariance[0, 0])))
+    return orders
+
+
+@claim(
+    "structures",
+    "Statistics of a chaotic motion converge with the order of the scheme, although its orbits are lost.",
+    "order of the mean square of Ueda's oscillator, with its standard error",
+    whose=STUDY,
+    requires={"chaos.schemes": ["rk4", *FAITHFUL]},
+)
+def statistics_converge(chaos):
+    orders = {name: orders_of_means(chaos)[name] for name in FAITHFUL}
+    titles = dict(zip(chaos.scheme.values, chaos.scheme_title.values, strict=True))
+    ours = "; ".join(
+        f"{titles[name]}: " + (f"{order:.1f} ± {error:.1f}" if np.isfinite(order) else "none")
+        for name, (order, error) in orders.items()
+    )
+    holds = all(abs(order - 2) < max(NEARLY_TWO, 2 * error) for order, error in orders.values())
+    return Finding(ours, holds, when(not holds, "steps with regular motion break the convergence"))
+
+
+def contraction_ratio(chaos: xr.Dataset) -> xr.DataArray:
+    """Rate at which volumes of states contract, over that of the motion, (problem, scheme, steps_per_period)."""
+    return chaos.contraction / chaos.damping
+
+
+@claim(
+    "structures",
+    "The Lyapunov exponents of a scheme add up to minus the damping of the motion, as those of the motion do.",
+    f"largest ratio of their sum to the sum of the motion at the finest step; {REASONABLE:g} % are reasonable",
+    whose=STUDY,
+)
+def exponents_add_up(chaos):
+    ratio = contraction_ratio(chaos).isel(steps_per_period=-1)
+    far = ratio.isel(problem=abs(ratio - 1).max("scheme").argmax("problem").item())
+    wrong = far.scheme_title.values[(abs(far - 1) > REASONABLE / 100).values]
+    ours = "; ".join(f"{one.scheme_title.item()}: {number(one.item(), '.2f')}" for one in far)
+    holds = not len(wrong)
+    return Finding(ours, holds, when(not holds, f"numerical damping adds to it with {', '.join(wrong)}"))
+
+
+def lost_again(chaos: xr.Dataset) -> xr.DataArray:
+    """Whether all runs are chaotic at some step and all are regular at a finer one, (problem, scheme)."""
+    chaotic_at_coarser = (chaos.regular == 0).cumsum("steps_per_period") > 0
+    return ((chaos.regular == 1) & chaotic_at_coarser).any("steps_per_period")
+
+
+@claim(
+    "structures",
+    "A scheme that keeps a chaotic motion chaotic at one step keeps it so at all finer steps.",
+    "schemes and problems with regular motion at a finer step than one with chaotic motion",
+    whose=PRACTICE,
+)
+def finer_steps_keep_chaos(chaos):
+    lost = lost_again(chaos).stack(case=["problem", "scheme"])
+    cases = [f"{one.scheme_title.item()} on {one.problem_title.item()}" for one in lost[lost.values]]
+    holds = not cases
+    return Finding("; ".join(cases) or "none", holds, when(not holds, "windows of regular motion lie between"))

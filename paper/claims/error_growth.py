@@ -1,0 +1,64 @@
+"""Claims on the growth of errors with the length of a run."""
+
+import numpy as np
+import xarray as xr
+
+from paper.claims.ledger import STUDY, Finding, claim, when
+from paper.claims.wording import number
+from study.words import span
+
+#: Smallest relative error above round-off, and largest errors of displacement and of the energy of a motion that is not
+#: lost.
+FLOOR, SATURATED, LOST = 1e-9, 0.5, 50.0
+#: Length in periods from which on errors follow a law; the last crossing of a shorter run comes well before its end.
+FROM = 10
+#: Largest difference of an exponent from one that counts as linear growth.
+NEARLY_ONE = 0.05
+
+
+def exponents(error_growth: xr.Dataset, measure: str) -> xr.DataArray:
+    """Exponent k of error ~ periods^k between neighbouring lengths, at the longer one; NaN where the motion is lost.
+
+    The measure ``amplitude_decay`` is per period; its exponent is that of the loss over the whole run.
+    """
+    error = abs(error_growth[measure])
+    error = error * error.periods if measure == "amplitude_decay" else error
+    known = (error_growth.flagged.sel(measure=measure) == 0) & (error > FLOOR) & (error_growth.max_energy_error < LOST)
+    if measure == "max_trajectory_error":
+        known &= error < SATURATED
+    error = np.log(error.where(known & (error.periods >= FROM)))
+    lengths = np.log(error.periods.astype(float))
+    return error.diff("periods") / lengths.diff("periods")
+
+
+@claim(
+    "stability",
+    "The phase error grows with the number of periods if a scheme keeps the energy, and faster if it dissipates.",
+    "exponent of growth of the phase error, of schemes that keep the energy and of dissipative ones",
+    whose=STUDY,
+)
+def phase_error_grows(error_growth):
+    growth, keeps = exponents(error_growth, "phase_error"), error_growth.keeps_energy
+    kept, lost = (growth.isel(scheme=np.flatnonzero(keeps == one)) for one in (1, 0))
+    if not kept.notnull().any() or not lost.notnull().any():
+        return Finding("no growth was measured", False, "the runs are too short, or one kind of scheme is missing")
+    ours = f"{span(kept.values[kept.notnull().values])} and {span(lost.values[lost.notnull().values])}"
+    linear, mean = bool((abs(kept - 1) < NEARLY_ONE).where(kept.notnull(), True).all()), float(lost.mean())
+    holds = linear and mean > 1 + NEARLY_ONE
+    return Finding(ours, holds, when(not holds, "at some steps the growth is another"))
+
+
+@claim(
+    "stability",
+    "A step extrapolated to a longer duration by the order of the scheme keeps the error of the displacement.",
+    "number of cases, of springs and schemes, in which it does, and the largest error over the allowed one",
+    whose=STUDY,
+)
+def extrapolated_steps_keep(error_growth):
+    ratio = (error_growth.extrapolated_error / error_growth.allowed_error).stack(case=["problem", "scheme"])
+    ratio = ratio[error_growth.run.stack(case=["problem", "scheme"]).notnull().values].fillna(np.inf)
+    beyond = ratio[ratio.values > 1]
+    ours = f"{int((ratio <= 1).sum())} of {ratio.size}; {number(ratio.max().item(), '.2f') if ratio.size else 'none'}"
+    cases = "; ".join(f"{one.scheme_title.item()} on {one.problem_title.item()}" for one in beyond)
+    holds = bool(ratio.size) and not cases
+    return Finding(ours, holds, when(not holds, f"parts of the phase error cancel in the known run: {cases}"))
