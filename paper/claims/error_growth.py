@@ -17,18 +17,21 @@ NEARLY_ONE = 0.05
 
 
 def exponents(error_growth: xr.Dataset, measure: str) -> xr.DataArray:
-    """Exponent k of error ~ periods^k between neighbouring lengths, at the longer one; NaN where the motion is lost.
+    """Exponent k of error ~ periods^k at the finest step, between the last two lengths before the motion is lost.
 
-    The measure ``amplitude_decay`` is per period; its exponent is that of the loss over the whole run.
+    The measure ``amplitude_decay`` is per period; its exponent is that of the loss over the whole run. The result is
+    over (problem, scheme), and NaN for fewer than two lengths.
     """
+    error_growth = error_growth.isel(steps_per_period=-1)
     error = abs(error_growth[measure])
     error = error * error.periods if measure == "amplitude_decay" else error
     known = (error_growth.flagged.sel(measure=measure) == 0) & (error > FLOOR) & (error_growth.max_energy_error < LOST)
     if measure == "max_trajectory_error":
         known &= error < SATURATED
     error = np.log(error.where(known & (error.periods >= FROM)))
-    lengths = np.log(error.periods.astype(float))
-    return error.diff("periods") / lengths.diff("periods")
+    slopes = error.diff("periods") / np.log(error.periods.astype(float)).diff("periods")
+    last = xr.where(slopes.notnull(), slopes.periods, 0).argmax("periods")
+    return slopes.isel(periods=last).drop_vars("periods")
 
 
 @claim(

@@ -36,15 +36,19 @@ def draw(chaos: xr.Dataset) -> Figure:
         if np.isfinite(one.printed_exponent):
             above.axhline(one.printed_exponent.item(), color="0.7", linewidth=1.5, zorder=0)
         below.axhline(1, color="0.6", linewidth=0.6, zorder=0)
-        below.set(yscale="log", xlabel="steps in a period of the load")
+        below.set_xlabel("steps in a period of the load")
         steps = one.steps_per_period.values
         ticks = steps[:: -(-len(steps) // 5)]
         for ax in (above, below):
             ax.set(xscale="log")
             ax.set_xticks(ticks, [str(tick) for tick in ticks])
             ax.minorticks_off()
-        ratios = [tick for tick in (0.2, 0.5, 1, 2, 5, 10) if below.get_ylim()[0] < tick < below.get_ylim()[1]]
-        below.set_yticks(ratios, [f"{tick:g}" for tick in ratios])
+        low, high = below.get_ylim()
+        if high > 2:
+            below.set_yscale("log")
+            ratios = [tick for tick in (0.2, 0.5, 1, 2, 5, 10) if low < tick < high]
+            below.set_yticks(ratios, [f"{tick:g}" for tick in ratios])
+            below.minorticks_off()
         letter(above, column, one.problem_title.item())
         letter(below, column + len(problems), "contraction")
     axes[0, 0].set_ylabel("largest exponent (1/s)")

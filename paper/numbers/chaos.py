@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from paper.claims.chaos import contraction_ratio, fewest_steps, lost_again, orders_of_means, ueda_of
+from paper.claims.chaos import NEARLY_TWO, contraction_ratio, fewest_steps, lost_again, orders_of_means, ueda_of
 from paper.claims.terms import FAITHFUL
 from paper.products import numbers
 from study.words import listed, span
@@ -22,7 +22,9 @@ def of_chaos(chaos: xr.Dataset) -> dict:
     orders = {name: orders_of_means(chaos)[name] for name in FAITHFUL}
     ratio = contraction_ratio(chaos)
     fine = chaos.sel(scheme="rk4").isel(steps_per_period=-1, place=0)
-    dissipative = chaos.sel(scheme="newmark_dissipative")
+    most = chaos.steps_per_period.values[chaos.regular.sel(scheme="newmark_dissipative", problem="ueda").values == 1]
+    others = [name for name in chaos.problem.values if name != "ueda"]
+    lost = lost_again(chaos).stack(case=["problem", "scheme"])
 
     def regular(problem: str, scheme: str) -> str | None:
         one = chaos.sel(problem=problem, scheme=scheme)
@@ -60,11 +62,19 @@ def of_chaos(chaos: xr.Dataset) -> dict:
         "chaos_contraction": span(ratio.sel(scheme="newmark_dissipative", problem="ueda"), ".1f"),
         "chaos_beam_contraction": span(ratio.sel(scheme="newmark_dissipative", problem="buckled_beam"), ".1f"),
         "chaos_beam_regular": regular("buckled_beam", "newmark_dissipative"),
-        "chaos_lost_again": bool(lost_again(chaos).sel(scheme="newmark_dissipative", problem="ueda")),
-        "chaos_finest": dissipative.steps_per_period.values[-1].item(),
+        "chaos_regular_most": most.max().item() if most.size else 0,
+        "chaos_windows": "; ".join(
+            f"{case.scheme_title.item()} on {case.problem_title.item()} with {regular(*case.case.item())} steps"
+            for case in lost[lost.values]
+        )
+        or None,
+        "chaos_no_order_elsewhere": not any(
+            abs(order - 2) < max(NEARLY_TWO, ERRORS * error)
+            for name in others
+            for order, error in (orders_of_means(chaos, name)[scheme] for scheme in FAITHFUL)
+        ),
         "chaos_orders": "; ".join(
             f"{chaos.problem_title.sel(problem=name).item()}: " + listed(ordered(name, scheme) for scheme in FAITHFUL)
-            for name in chaos.problem.values
-            if name != "ueda"
+            for name in others
         ),
     }

@@ -24,6 +24,8 @@ def of_error_growth(growth: xr.Dataset) -> dict:
             values = exponents(of_kind, measure).values
             values = values[np.isfinite(values)]
             found[f"growth_{name}_{kind}"] = span(values) if values.size else None
+    energy = exponents(growth.isel(scheme=np.flatnonzero(growth.keeps_energy == 0)), "max_energy_error")
+    found["growth_energy_lost_most"] = f"{energy.max().item():.2f}" if energy.notnull().any() else None
     ratio = (growth.extrapolated_error / growth.allowed_error).values[growth.run.notnull().values]
     return found | {
         "growth_schemes": growth.sizes["scheme"],

@@ -112,8 +112,8 @@ def _marched(problem, scheme, u0, dt, steps_per_period, periods, skipped):
 
         state, basis, more = lax.fori_loop(0, steps_per_period, one, (state, basis, jnp.zeros_like(squares)))
         basis, growth = jax.vmap(orthogonal)(basis)
-        counts = k >= skipped
-        return state, basis, logarithms + counts * growth, squares + counts * more
+        growth, more = (jnp.where(k >= skipped, one, 0.0) for one in (growth, more))
+        return state, basis, logarithms + growth, squares + more
 
     state, basis = jax.vmap(started_basis)(u0)
     sums = jnp.zeros((len(u0), 2 * n)), jnp.zeros_like(u0)
