@@ -162,7 +162,9 @@ def over_duration(table: Recommended, quantity: str, error: float, known: float,
     ValueError
         If no scheme of the table with a step is a named one of the study.
     """
-    law = pd.Series({name: step_exponent(schemes[name], quantity) for name in table.index if name in schemes}, float)
+    law = pd.Series(
+        {name: step_exponent(schemes[name], quantity) for name in table.index if name in schemes}, dtype=float
+    )
     law = law.reindex(table.index)
     if not (law.notna() & table.step_size.notna()).any():
         raise ValueError(f"no step is known for a duration of {duration:g} s: assess the problem with this duration.")

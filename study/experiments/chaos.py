@@ -9,7 +9,7 @@ from typing_extensions import TypedDict
 
 from study.analysis.lyapunov import statistics
 from study.declaration.experiment import Options, experiment, progress
-from study.declaration.options import Count, RisingCounts, Schemes, section
+from study.declaration.options import Count, ProblemName, RisingCounts, Schemes, section
 from study.experiments import coordinates
 from study.problem.named import problems as problems_by_name
 from study.problem.named import time_scales
@@ -51,7 +51,9 @@ def _jobs(options: Options) -> dict[str, Options]:
 
 
 @experiment("chaos", model=_Chaos, split=_jobs, along="problem")
-def chaos(problem: str, schemes: Schemes, steps_per_period: RisingCounts, periods: Count, runs: Count) -> xr.Dataset:
+def chaos(
+    problem: ProblemName, schemes: Schemes, steps_per_period: RisingCounts, periods: Count, runs: Count
+) -> xr.Dataset:
     """Measure Lyapunov exponents and the mean square displacement of the numerical map of a chaotic motion.
 
     The runs start from displacements of the first unknown that are larger by up to one, and their first quarter is left

@@ -125,6 +125,37 @@ def test_a_problem_of_the_study_has_the_decisions_as_its_first_rows(tmp_path):
     pd.testing.assert_frame_equal(table, study.recommend(needed.sel(problem="softening"), error=0.1))
 
 
+def test_a_longer_duration_extrapolates_the_steps_of_a_free_vibration(assessed):
+    """The step of both schemes, of second order, falls with the root of the duration, from 10 s to 90 s."""
+    assessed.attrs |= {"free_vibration": 1, "duration_requested": 10.0}
+    known = study.recommend(assessed, error=0.01)
+    table = study.recommend(assessed, error=0.01, duration=90)
+    assert table.step_size.to_dict() == {"average_acceleration": 0.0033, "central_difference": 0.0016}
+    assert table.step_of_runs.to_dict() == known.step_size.to_dict() and set(table.verdict) == {"extrapolated"}
+    assert table.number_of_steps.tolist() == [27273, 56250] and table.exponent.tolist() == [0.5, 0.5]
+    assert table.force_evaluations["central_difference"] == pytest.approx(200 * 0.005 / 0.0016 * 90)
+    assert str(table).startswith(
+        "1 % of displacement over 90 s, implicit: Average acceleration, 3.3 ms (extrapolated)\n"
+    )
+    assert "No run of 90 s confirms them." in str(table)
+    pd.testing.assert_frame_equal(study.recommend(assessed, error=0.01, duration=5), known)
+    energy = study.recommend(assessed, error=0.1, quantity="energy", duration=90)
+    assert energy.step_size.to_dict() == energy.step_of_runs.to_dict()
+
+
+def test_a_problem_of_the_study_is_extrapolated_if_it_is_a_spring(tmp_path):
+    needed = small_results.needed().sel(problem="softening").assign_coords(scheme=["rk4", "bathe", "houbolt"])
+    table = study.recommend(needed, error=0.1, duration=80)
+    # 4 times the 20 s of the runs: 4^(2/5) with Runge-Kutta and 4^(2/3) with a dissipative scheme of second order
+    assert table.step_size.to_dict() == {
+        "rk4": np.floor(1000 * 0.125 / 4**0.4) / 1000,
+        "bathe": np.floor(1000 * 0.25 / 4 ** (2 / 3)) / 1000,
+        "houbolt": np.floor(1000 * 0.125 / 4 ** (2 / 3)) / 1000,
+    }
+    with pytest.raises(ValueError, match="the runs last 20 s, and steps are extrapolated to 80 s only for free vib"):
+        study.recommend(needed.assign_coords(problem="records"), error=0.1, duration=80)
+
+
 def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):
     small_results.write_to(tmp_path)
     with pytest.raises(KeyError, match="no assessment and no problem 'softning' in .*; did you mean 'softening'?"):
@@ -138,6 +169,12 @@ def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):
         ({"error": 0.05}, ValueError, "error must be one that was assessed, 0.1, 0.01, not 0.05; assess"),
         ({"error": float("nan")}, ValueError, "error must be one that was assessed, 0.1, 0.01, not nan; assess"),
         ({"error": "0.1"}, TypeError, "error must be a number, not '0.1'."),
+        ({"duration": 0}, ValueError, "duration must be a positive number of seconds, not 0."),
+        (
+            {"duration": 11},
+            ValueError,
+            "the runs last 10 s, and steps are extrapolated to 11 s only for free vibration",
+        ),
         ({"what": None}, TypeError, "recommend takes the dataset that study.assess returns, or the name"),
         ({"what": small_results.energy_error()}, ValueError, "recommend takes a dataset of study.assess."),
     ],

@@ -1,7 +1,6 @@
 """Claims on problems whose solution is known: each check is tested where it holds and where it fails."""
 
 import numpy as np
-import pytest
 import xarray as xr
 
 from paper.claims import published_numbers as claims
@@ -50,35 +49,6 @@ def test_the_step_of_an_implicit_scheme_is_bound_or_not():
     found = claims.beyond_the_fastest_time(_errors([1e-2, 1e-3, 1e-4]))
     assert found.holds
     assert not claims.beyond_the_fastest_time(_errors(np.nan)).holds
-
-
-def _ueda(exponents):
-    """A dataset like ueda.nc, with the given exponents by number of steps for both schemes."""
-    data = filled(0.0, scheme=SCHEMES, steps_per_period=[16, 32, 64]).to_dataset(name="exponent")
-    data["exponent"][:] = exponents
-    data["printed_exponent"] = xr.DataArray(0.1)
-    return data
-
-
-def test_twenty_steps_keep_chaos_or_not():
-    assert claims.twenty_steps_keep_chaos(_ueda([0.1, 0.1, 0.1])).holds
-    late = claims.twenty_steps_keep_chaos(_ueda([0.1, -0.02, 0.105]))
-    assert not late.holds and "64" in late.ours and "regular" in late.qualification
-    assert claims.fewest_steps(_ueda([0.1, -0.02, 0.105])) == dict.fromkeys(SCHEMES, 64.0)
-    assert not claims.twenty_steps_keep_chaos(_ueda(np.nan)).holds
-
-
-@pytest.mark.parametrize("order, holds", [(2, True), (1, False)])
-def test_statistics_converge_or_not(order, holds):
-    steps = np.array([24, 32, 48, 64])
-    data = filled(0.1, scheme=["rk4", *claims.FAITHFUL], steps_per_period=steps).to_dataset(name="exponent")
-    data["mean_square"] = 2.5 + (data.scheme != "rk4") * 10.0 / data.steps_per_period**order
-    data["mean_square_uncertainty"] = xr.full_like(data.exponent, 1e-6)
-    data.coords["scheme_title"] = data.scheme
-    finding = claims.statistics_converge(data)
-    assert finding.holds == holds and f"{order:.1f} ± 0.0" in finding.ours
-    data["exponent"][1, :2] = -0.1  # regular motion does not count, and two steps are not enough
-    assert np.isnan(claims.orders_of_means(data)[claims.FAITHFUL[0]]).all()
 
 
 def test_a_run_that_is_accurate_by_accident_does_not_count():

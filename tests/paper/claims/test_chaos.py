@@ -1,0 +1,55 @@
+"""Claims on chaotic motions: each check is tested where it holds and where it fails."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from paper.claims import chaos as claims
+from tests.paper.claims.made_up import filled
+
+SCHEMES = ["rk4", *claims.FAITHFUL]
+
+
+def _chaos(exponents=0.1, steps=(16, 32, 64)):
+    """A dataset like chaos.nc, with the given largest exponents by number of steps."""
+    data = filled(0.0, problem=["ueda"], scheme=SCHEMES, steps_per_period=list(steps), place=[0, 1])
+    data = data.to_dataset(name="exponent")
+    data["exponent"][..., 0] = exponents
+    data["regular"] = (data.exponent.isel(place=0) < 0).astype(float)
+    data["contraction"] = 0.05 * xr.ones_like(data.regular)
+    data["printed_exponent"], data["damping"] = ("problem", [0.1]), ("problem", [0.05])
+    return data.assign_coords(scheme_title=data.scheme, problem_title=data.problem)
+
+
+def test_twenty_steps_keep_chaos_or_not():
+    assert claims.twenty_steps_keep_chaos(_chaos()).holds
+    late = claims.twenty_steps_keep_chaos(_chaos([0.1, -0.02, 0.105]))
+    assert not late.holds and "64" in late.ours and "regular" in late.qualification
+    assert claims.fewest_steps(_chaos([0.1, -0.02, 0.105])) == dict.fromkeys(SCHEMES, 64.0)
+    assert not claims.twenty_steps_keep_chaos(_chaos(np.nan)).holds
+
+
+@pytest.mark.parametrize("order, holds", [(2, True), (1, False)])
+def test_statistics_converge_or_not(order, holds):
+    data = _chaos(steps=(24, 32, 48, 64))
+    data["mean_square"] = 2.5 + (data.scheme != "rk4") * 10.0 / data.steps_per_period**order + 0 * data.regular
+    data["mean_square_uncertainty"] = xr.full_like(data.regular, 1e-6)
+    finding = claims.statistics_converge(data)
+    assert finding.holds == holds and f"{order:.1f} ± 0.0" in finding.ours
+    data["regular"][0, 1, :2] = 0.5  # a step with regular runs does not count, and two steps are not enough
+    assert np.isnan(claims.orders_of_means(data)[SCHEMES[1]]).all()
+
+
+def test_exponents_add_up_or_numerical_damping_adds_to_them():
+    data = _chaos()
+    assert claims.exponents_add_up(data).holds
+    data["contraction"][0, 1, -1] = 0.1
+    found = claims.exponents_add_up(data)
+    assert not found.holds and found.qualification == f"numerical damping adds to it with {SCHEMES[1]}"
+    assert "2.00" in found.ours
+
+
+def test_finer_steps_keep_chaos_or_not():
+    assert claims.finer_steps_keep_chaos(_chaos([-0.1, 0.1, 0.1])).holds
+    lost = claims.finer_steps_keep_chaos(_chaos([0.1, -0.1, 0.1]))
+    assert not lost.holds and lost.ours.count("on ueda") == 3
