@@ -84,14 +84,8 @@ def _options(configuration: Mapping) -> Options:
     return {"problems": configuration["references"]["problems"], **configuration["agreement"]}
 
 
-@experiment(
-    "reference_agreement",
-    section="agreement",
-    model=_Agreement,
-    options=_options,
-    split=lambda options: {problem: {**options, "problems": [problem]} for problem in options["problems"]},
-    along="problem",
-)
+# one job for all springs, because the tracing of diffrax takes longer than its runs
+@experiment("reference_agreement", section="agreement", model=_Agreement, options=_options)
 def agreement(problems: Springs, tolerances: Sequence[float]) -> xr.Dataset:
     """Measure the true errors and the effort of every reference solver at every tolerance.
 

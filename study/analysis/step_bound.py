@@ -4,13 +4,14 @@ import math
 from functools import partial
 from typing import NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from study.algebra.arrays import ScalarLike
+from study.algebra.jit import jit
 from study.mechanics.definition import Problem
 from study.observer.outcome import OutcomeObserver
 from study.problem.named import problems
@@ -119,18 +120,44 @@ class Orbit(NamedTuple):
         )
 
 
+@partial(jit, compiler=eqx.filter_jit)
+def _at(problem: Problem, places) -> tuple:
+    """Potential, force and tangent at each place."""
+    return tuple(
+        jnp.vectorize(one)(places)
+        for one in (problem.stored_energy, problem.static_force, jax.grad(problem.static_force))
+    )
+
+
+@partial(jit, compiler=eqx.filter_jit)
+def _integrals(problem: Problem, energy, mass, ends, cosine, sine) -> tuple:
+    """T and S, their derivatives by the energy, and displacement, velocity and force at the points of the orbit."""
+    stored, force = jax.vmap(problem.stored_energy), jax.vmap(problem.static_force)
+    stored_there, force_there = stored(ends), force(ends)
+
+    def integrals(energy):
+        # one step of Newton's method carries the derivative by the energy to the turning points
+        low, high = ends - (stored_there - energy) / force_there
+        u = (low + high) / 2 + (high - low) / 2 * cosine
+        v, forces = jnp.sqrt(2 / mass * (energy - stored(u))), force(u)
+        weights = np.pi / len(sine) * (high - low) * sine / v
+        return (jnp.sum(weights), jnp.sum(weights * forces**2) / mass), (u, v, forces)
+
+    return jax.jvp(integrals, (energy,), (jnp.ones(()),), has_aux=True)
+
+
 def _turning_point(problem: Problem, energy: float, rest: float, scale: float) -> float:
     """Nearest displacement beyond rest, in the direction of ``scale``, at which the potential reaches the energy."""
     from scipy import optimize  # here, as this import takes a third of the time of importing the study
 
     places = rest + scale * GROWTH ** np.arange(-DISTANCES / 4, 3 * DISTANCES / 4)
-    height = np.asarray(jax.vmap(problem.stored_energy)(places)) - energy
+    height = np.asarray(_at(problem, places)[0]) - energy
     beyond = np.nonzero(~(height < 0))[0]
     if not len(beyond) or not np.isfinite(height[beyond[0]]):
         raise ValueError(f"'{problem.title}' does not oscillate: no turning point is found on one side of rest.")
     inner = places[beyond[0] - 1] if beyond[0] else rest
     return optimize.brentq(
-        lambda u: float(problem.stored_energy(u)) - energy, inner, places[beyond[0]], xtol=1e-15 * abs(scale)
+        lambda u: float(_at(problem, np.float64(u))[0]) - energy, inner, places[beyond[0]], xtol=1e-15 * abs(scale)
     )
 
 
@@ -153,31 +180,21 @@ def orbit(problem: Problem) -> Orbit:
     at_start = float(problem.energy(problem.u0, problem.v0))
     if not at_start > float(well.rest):
         raise ValueError(f"'{problem.title}' rests at the start: a step bound needs a motion.")
-    force, stored = jax.vmap(problem.static_force), jax.vmap(problem.stored_energy)
     scale = abs(float(problem.u0) - rest) or 1.0
     ends = np.array([_turning_point(problem, at_start, rest, side * scale) for side in (-1, 1)])
-    potential_there, force_there = stored(ends), force(ends)
-
-    def integrals(energy: ScalarLike, cosine: np.ndarray, sine: np.ndarray):
-        # one step of Newton's method carries the derivative by the energy to the turning points
-        low, high = ends - (potential_there - energy) / force_there
-        u = (low + high) / 2 + (high - low) / 2 * cosine
-        v, forces = jnp.sqrt(2 / mass * (energy - stored(u))), force(u)
-        weights = np.pi / len(sine) * (high - low) * sine / v
-        return (jnp.sum(weights), jnp.sum(weights * forces**2) / mass), (u, v, forces)
 
     before = math.nan
     for points in POINTS:
         angles = (np.arange(points) + 0.5) * np.pi / points
-        (period, _), by_energy, (u, v, forces) = jax.jvp(
-            partial(integrals, cosine=np.cos(angles), sine=np.sin(angles)), (at_start,), (1.0,), has_aux=True
+        (period, _), by_energy, (u, v, forces) = _integrals(
+            problem, np.float64(at_start), np.float64(mass), ends, np.cos(angles), np.sin(angles)
         )
         if abs(period - before) <= CONVERGED * period:
             places = np.concatenate([[float(problem.u0), ends[0], rest, ends[1]], u])
             fastest = math.sqrt(2 / mass * (at_start - float(well.rest)))
             v = np.concatenate([[abs(float(problem.v0)), 0.0, fastest, 0.0], v])
-            forces = np.concatenate([force(places[:4]), forces])
-            tangent = np.asarray(jax.vmap(jax.grad(problem.static_force))(places))
+            forces = np.concatenate([_at(problem, places[:4])[1], forces])
+            tangent = np.asarray(_at(problem, places)[2])
             return Orbit(places, v, forces, tangent, mass, float(period), *map(float, by_energy))
         before = float(period)
     raise ValueError(
