@@ -10,6 +10,7 @@ import xarray as xr
 from annotated_types import Ge, Le
 from typing_extensions import TypedDict
 
+from study.algebra.jit import short_runs
 from study.analysis.linear_theory import LinearTheory, oscillator
 from study.declaration.experiment import experiment, progress
 from study.declaration.options import IN_ORDER, DampingRatios, Schemes, section
@@ -49,6 +50,7 @@ class _Exponents(TypedDict):
 
 
 @experiment("spectral")
+@short_runs()
 def spectral(
     schemes: Schemes,
     exponents: Annotated[_Exponents, IN_ORDER],
