@@ -10,6 +10,7 @@ import xarray as xr
 from jax.flatten_util import ravel_pytree
 from scipy.integrate import solve_ivp
 
+from study.algebra.jit import short_runs
 from study.analysis.eigenvalues import eigenvalues
 from study.analysis.forces import forces_of
 from study.analysis.linear_theory import LinearTheory
@@ -223,6 +224,7 @@ def _radius_of_mixed_pade(terms: int) -> float:
 
 
 @experiment("later_schemes")
+@short_runs()
 def later_schemes(
     omega_steps: Sizes, steps: RisingCounts, courant: Sizes, elements: Length, long_steps: Sizes, forces: Counts
 ) -> xr.Dataset:
