@@ -35,6 +35,15 @@ def test_linear_theory(scheme, energy, period):
     assert (ds.step_size * 2).values == pytest.approx(ds.omega_step.values)
 
 
+def test_a_potential_may_read_a_value_that_changes():
+    """A compiled quadrature of the first stiffness is not used for the second."""
+    stiffness = {"k": 1.0}
+    problem = study.Problem(potential=lambda u: stiffness["k"] * u**2 / 2, u0=0.3, title="changing")
+    for k in (1.0, 4.0):
+        stiffness["k"] = k
+        assert step_bound(problem, "central_difference").period == pytest.approx(2 * np.pi / np.sqrt(k))
+
+
 def test_the_period_of_the_pendulum():
     exact = 4 * mpmath.ellipk(mpmath.sin(1.25) ** 2)
     assert step_bound(PENDULUM, "central_difference").period == pytest.approx(float(exact), rel=1e-12)
