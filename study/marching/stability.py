@@ -29,7 +29,7 @@ from jax.flatten_util import ravel_pytree
 
 from study.algebra.elimination import solve
 from study.algebra.jit import jit
-from study.algebra.matrices import MatrixFree, dense, times
+from study.algebra.matrices import Banded, MatrixFree, dense, times
 from study.marching.program import unlabelled
 from study.mechanics.definition import Problem
 from study.mechanics.state import Phase
@@ -64,6 +64,10 @@ HEAVY = 100.0
 
 #: Number of squarings of an amplification matrix, from whose size its spectral radius follows.
 SQUARINGS = 30
+
+#: Numbers of halvings of an interval of eigenvalues, and of inverse iterations of the vector. The vector is refined to
+#: round-off: its error shrinks by the distance of the shift, over that of the next eigenvalue, in each iteration.
+BISECTIONS, INVERSE_ITERATIONS = 50, 4
 
 #: Numbers of oscillators in one call of the compiled function, for few and for many.
 TILES = (64, 2048)
@@ -194,8 +198,44 @@ def _highest(problem: Problem, product, n: int):
 
     start = jnp.asarray(np.random.default_rng(0).normal(size=n))
     _, (basis, a, b) = lax.scan(one, (jnp.zeros_like(start), unit(start)[0], jnp.zeros(())), length=min(n, PRODUCTS))
-    _, ritz = jnp.linalg.eigh(jnp.diag(a) + jnp.diag(b[:-1], 1) + jnp.diag(b[:-1], -1))
-    return unit(ritz[:, -1] @ basis)[0]
+    return unit(_highest_of_tridiagonal(a, b[:-1]) @ basis)[0]
+
+
+def _highest_of_tridiagonal(a, b):
+    """Eigenvector of the largest eigenvalue of the symmetric matrix with the diagonal a and b next to it.
+
+    The eigenvalue is found by bisection, the vector by inverse iteration. LAPACK would be called for each lane, and
+    many calls in several threads wait for one another.
+    """
+    apart = jnp.abs(jnp.append(b, 0.0)) + jnp.abs(jnp.append(0.0, b))
+    high = (a + apart).max()
+    scale = jnp.maximum(jnp.abs(a) + apart, 1e-300).max()
+
+    def is_above(x):
+        """Whether x is above all eigenvalues: all pivots of the matrix minus x are negative."""
+
+        def pivot(before, of_row):
+            diagonal, square = of_row
+            now = diagonal - x - square / before
+            return now, now < 0
+
+        return lax.scan(pivot, jnp.full_like(x, -jnp.inf), (a, jnp.append(0.0, b) ** 2))[1].all()
+
+    def halved(i, ends):
+        low, high = ends
+        middle = (low + high) / 2
+        above = is_above(middle)
+        return jnp.where(above, low, middle), jnp.where(above, middle, high)
+
+    _, above = lax.fori_loop(0, BISECTIONS, halved, (a.max(), high))
+    shift = above + 1e-9 * scale
+    bands = Banded(jnp.stack([jnp.append(0.0, -b), shift - a, jnp.append(-b, 0.0)]))
+
+    def inverse(i, x):
+        x = solve(bands, x)
+        return x / jnp.linalg.norm(x)
+
+    return lax.fori_loop(0, INVERSE_ITERATIONS, inverse, jnp.ones_like(a))
 
 
 def amplification_matrix(scheme: Scheme, problem: Problem, dt) -> jax.Array:

@@ -150,6 +150,16 @@ def test_no_mode_exceeds_the_bound_that_saves_its_computation():
         np.testing.assert_allclose(excess, [0.0, 0.0, 2.2], rtol=1e-10)
 
 
+def test_the_vector_of_the_largest_eigenvalue_of_a_tridiagonal_matrix():
+    random = np.random.default_rng(5)
+    for n in (2, 7, 24):
+        a, b = random.normal(size=n), np.abs(random.normal(size=n - 1))
+        values, vectors = scipy.linalg.eigh_tridiagonal(a, b)
+        vector = np.asarray(stability._highest_of_tridiagonal(jnp.asarray(a), jnp.asarray(b)))
+        np.testing.assert_allclose(np.abs(vector @ vectors[:, -1]), 1.0, rtol=1e-12)
+        assert vector @ (np.diag(a) + np.diag(b, 1) + np.diag(b, -1)) @ vector == pytest.approx(values[-1], rel=1e-12)
+
+
 def test_a_force_that_is_bounded_bounds_the_run_but_not_its_error():
     softening = warned("softening", "central_difference", dt=0.9, steps=1000)
     # about u = 0 the spring 100 tanh(u) has ω = 10
