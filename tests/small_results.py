@@ -43,6 +43,8 @@ def assessment() -> xr.Dataset:
             "scheme": ["average_acceleration", "central_difference"],
             "scheme_title": ("scheme", ["Average acceleration", "Central difference"]),
             "kind": ("scheme", ["implicit", "explicit"]),
+            "order": ("scheme", [2, 2]),
+            "keeps_energy": ("scheme", [1, 1]),
             "quantity": ["displacement", "energy"],
             "allowed_error": [0.1, 0.01],
             "dt": tried,

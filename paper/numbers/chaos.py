@@ -5,6 +5,7 @@ import xarray as xr
 
 from paper.claims.chaos import NEARLY_TWO, contraction_ratio, fewest_steps, lost_again, orders_of_means, ueda_of
 from paper.claims.terms import FAITHFUL
+from paper.claims.wording import number
 from paper.products import numbers
 from study.words import listed, span
 
@@ -39,7 +40,7 @@ def of_chaos(chaos: xr.Dataset) -> dict:
         "ueda_steps": span(fewest[np.isfinite(fewest)], ".0f") if np.isfinite(fewest).any() else None,
         "ueda_periods": f"{ueda.periods.item():,}",
         "ueda_mean_square": f"{exact.mean_square.item():.4g}",
-        "ueda_mean_square_uncertainty": f"{exact.mean_square_uncertainty.item():.0e}",
+        "ueda_mean_square_uncertainty": number(exact.mean_square_uncertainty.item(), ".0e"),
         **{
             f"ueda_order_{name}": f"{order:.1f} ± {ERRORS * error:.1f}" if np.isfinite(order) else None
             for name, (order, error) in orders.items()

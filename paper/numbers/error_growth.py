@@ -8,24 +8,24 @@ from paper.claims.wording import number
 from paper.products import numbers
 from study.words import span
 
+#: Measure of each number, and whether it is that of the schemes that keep the energy.
+EXPONENTS = {
+    "growth_phase_kept": ("phase_error", 1),
+    "growth_phase_lost": ("phase_error", 0),
+    "growth_displacement_kept": ("max_trajectory_error", 1),
+    "growth_energy_kept": ("max_energy_error", 1),
+    "growth_energy_lost": ("max_energy_error", 0),
+    "growth_amplitude_lost": ("amplitude_decay", 0),
+}
+
 
 @numbers(growth="error_growth")
 def of_error_growth(growth: xr.Dataset) -> dict:
     """Exponents of growth, and the cases in which an extrapolated step keeps the error."""
     found = {}
-    for kind, keeps in (("kept", 1), ("lost", 0)):
-        of_kind = growth.isel(scheme=np.flatnonzero(growth.keeps_energy == keeps))
-        for name, measure in (
-            ("phase", "phase_error"),
-            ("displacement", "max_trajectory_error"),
-            ("energy", "max_energy_error"),
-            ("amplitude", "amplitude_decay"),
-        ):
-            values = exponents(of_kind, measure).values
-            values = values[np.isfinite(values)]
-            found[f"growth_{name}_{kind}"] = span(values) if values.size else None
-    energy = exponents(growth.isel(scheme=np.flatnonzero(growth.keeps_energy == 0)), "max_energy_error")
-    found["growth_energy_lost_most"] = f"{energy.max().item():.2f}" if energy.notnull().any() else None
+    for name, (measure, keeps) in EXPONENTS.items():
+        values = exponents(growth.isel(scheme=np.flatnonzero(growth.keeps_energy == keeps)), measure).values
+        found[name] = span(values[np.isfinite(values)]) if np.isfinite(values).any() else None
     ratio = (growth.extrapolated_error / growth.allowed_error).values[growth.run.notnull().values]
     return found | {
         "growth_schemes": growth.sizes["scheme"],
@@ -35,5 +35,7 @@ def of_error_growth(growth: xr.Dataset) -> dict:
         "growth_allowed": f"{100 * growth.allowed_error.item():g}",
         "growth_cases": ratio.size,
         "growth_cases_kept": int((ratio <= 1).sum()),
-        "growth_most": number(100 * (growth.allowed_error.item() * np.nanmax(ratio)), ".3g") if ratio.size else None,
+        "growth_most": number(100 * (growth.allowed_error.item() * np.nanmax(ratio)), ".3g")
+        if (ratio > 0).any()
+        else None,
     }

@@ -20,26 +20,18 @@ E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Sprin
 
 import math
 
-from study.mechanics.definition import Problem
-from study.scheme.base import Scheme
-
 #: Quantity whose step follows the law of the energy.
 ENERGY = "energy"
 #: Motions to which the law applies, in words.
 FREE = "free vibration without damping, load, memory and kinks"
 
 
-def is_free(problem: Problem) -> bool:
-    """Whether the law applies to the motion of a problem, if that is not chaotic."""
-    return problem.conservative and not problem.kinked
-
-
-def step_exponent(scheme: Scheme, quantity: str = "displacement") -> float:
+def step_exponent(order: int, keeps_energy: bool, quantity: str = "displacement") -> float:
     """The exponent a in Δt ∝ n^(−a), with which the step that keeps an error of a quantity falls over n periods."""
-    loss = scheme.order + 1 - scheme.order % 2
+    loss = order + 1 - order % 2
     if quantity == ENERGY:
-        return 0.0 if scheme.keeps_energy else 1 / loss
-    return 1 / scheme.order if scheme.keeps_energy else max(1 / scheme.order, 2 / loss)
+        return 0.0 if keeps_energy else 1 / loss
+    return 1 / order if keeps_energy else max(1 / order, 2 / loss)
 
 
 def step_over(step: float, exponent: float, known: float, duration: float) -> float:

@@ -10,7 +10,6 @@ import xarray as xr
 
 from study.analysis.duration import FREE, round_down, step_exponent, step_over
 from study.registry import UnknownName, did_you_mean
-from study.scheme.named import schemes
 from study.words import number, percent, step_size, step_with_unit, text_of, typed
 
 #: Columns of step sizes, which are never printed larger than they are, and columns of whole numbers.
@@ -147,27 +146,23 @@ def _ranked(table: pd.DataFrame) -> list:
     return ranked
 
 
-def over_duration(table: Recommended, quantity: str, error: float, known: float, duration: float) -> Recommended:
+def over_duration(
+    table: Recommended, dataset: xr.Dataset, quantity: str, error: float, known: float, duration: float
+) -> Recommended:
     """The table for a longer duration than that of the runs, with steps by the law of :mod:`study.analysis.duration`.
 
     Parameters
     ----------
     table
         Table with the columns ``kind``, ``step_size``, ``omega_step`` and ``forces_per_time`` of runs over ``known``.
+    dataset
+        Dataset of the table, with the titles, the orders and ``keeps_energy`` of the schemes.
     known, duration
         Durations in s.
-
-    Raises
-    ------
-    ValueError
-        If no scheme of the table with a step is a named one of the study.
     """
-    law = pd.Series(
-        {name: step_exponent(schemes[name], quantity) for name in table.index if name in schemes}, dtype=float
-    )
-    law = law.reindex(table.index)
-    if not (law.notna() & table.step_size.notna()).any():
-        raise ValueError(f"no step is known for a duration of {duration:g} s: assess the problem with this duration.")
+    of = dataset.sel(scheme=table.index.values)
+    law = [step_exponent(p, bool(e), quantity) for p, e in zip(of.order.values, of.keeps_energy.values, strict=True)]
+    titles = of.scheme_title.to_series()
     steps = [step_over(step, a, known, duration) for step, a in zip(table.step_size, law, strict=True)]
     rounded = table.step_size.copy()
     rounded[:] = [round_down(step) if step > 0 else np.nan for step in steps]
@@ -187,7 +182,7 @@ def over_duration(table: Recommended, quantity: str, error: float, known: float,
     best = found.dropna(subset="step_size").groupby("kind", sort=False).head(1)
     found.attrs = {
         "answer": [
-            f"{percent(error)} of {quantity} over {number(duration)} s, {row.kind}: {schemes[name].title}, "
+            f"{percent(error)} of {quantity} over {number(duration)} s, {row.kind}: {titles[name]}, "
             f"{step_with_unit(row.step_size)} (extrapolated)"
             for name, row in best.iterrows()
         ],

@@ -13,7 +13,6 @@ import xarray as xr
 from study.algebra.deadline import until
 from study.algebra.reads import reading
 from study.algebra.scalars import is_number
-from study.analysis.duration import is_free
 from study.assessment import failures, large, oscillation, search
 from study.assessment.arguments import checked_errors, chosen_schemes, refusal, remarks_on_stability, wanted_quantities
 from study.assessment.certified import KINKS, cases_of, certified, undeclared
@@ -287,7 +286,7 @@ def assess(
         "starts": search.sentence_on_starts(cases),
         "duration": length,
         "duration_requested": requested,
-        "free_vibration": int(is_free(equation)),
+        "free_vibration": int(equation.conservative and not equation.kinked),
         "problem": equation.title,
         "command": f"study.assess(problem, {list(chosen)}, duration={requested:.17g}, errors={allowed}, maps={maps}"
         + (", quantities=quantities)" if quantities else ")"),

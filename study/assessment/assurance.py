@@ -4,7 +4,6 @@ import numpy as np
 import xarray as xr
 
 from study.analysis.duration import step_exponent
-from study.scheme.named import schemes
 from study.words import listed, number
 
 #: Largest number of components of a quantity whose reference values a page shows.
@@ -71,14 +70,12 @@ def other_durations(assessed: xr.Dataset) -> str:
     if not assessed.attrs.get("free_vibration"):
         return f"{held} A longer duration needs an assessment of its own."
     laws: dict[float, list[str]] = {}
-    for name, title in assessed.scheme_title.to_series().items():
-        if name in schemes:
-            laws.setdefault(step_exponent(schemes[name]), []).append(title)
+    for one in assessed.scheme:
+        laws.setdefault(step_exponent(one.order.item(), one.keeps_energy.item()), []).append(one.scheme_title.item())
     steps = "; ".join(f"n^(−{number(exponent, 2)}) with {listed(titles)}" for exponent, titles in sorted(laws.items()))
     return (
         f"{held} Over n periods of a free vibration that is not chaotic, the step that keeps an error of the motion "
-        f"falls with {steps or 'a power of n that is not known for these schemes'}. study.recommend(..., duration=) "
-        "extrapolates by this law."
+        f"falls with {steps}. study.recommend(..., duration=) extrapolates by this law."
     )
 
 

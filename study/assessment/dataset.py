@@ -50,6 +50,8 @@ ATTRIBUTES = {
     "scheme": {"long_name": "time integration scheme"},
     "scheme_title": {"long_name": "name of the scheme"},
     "kind": {"long_name": "explicit or implicit"},
+    "order": {"long_name": "order of accuracy", "units": "1"},
+    "keeps_energy": {"long_name": "1 if the energy error of free vibration does not grow", "units": "1"},
     "dt": {"long_name": "step size", "units": "s"},
     "steps": {"long_name": "number of steps", "units": "1"},
     "quantity": {"long_name": "quantity whose error is measured"},
@@ -153,6 +155,8 @@ def dataset_of(
     ds = ds.assign_coords(
         scheme_title=("scheme", [schemes[name].title for name in found]),
         kind=("scheme", ["explicit" if schemes[name].explicit else "implicit" for name in found]),
+        order=("scheme", [schemes[name].order for name in found]),
+        keeps_energy=("scheme", [int(schemes[name].keeps_energy) for name in found]),
         steps=tried.steps.max("scheme").astype(int),
     )
     for name, attributes in ATTRIBUTES.items():

@@ -83,7 +83,7 @@ def accuracy(
     measured = _measured(problems, schemes, steps_per_period, periods, finest)
     longer = _measured(problems, schemes, growth["steps_per_period"], growth["periods"], finest)
     needed = _needed(measured.sel(periods=growth["known"]), growth["error"])
-    exponents = np.array([step_exponent(schemes_by_name[name]) for name in schemes])
+    exponents = np.array([step_exponent(schemes_by_name[n].order, schemes_by_name[n].keeps_energy) for n in schemes])
     wanted = needed * (growth["extrapolated"] / growth["known"]) ** exponents
     sampled = np.array(steps_per_period)
     run, error = np.full((2, *needed.shape), np.nan)
@@ -102,11 +102,6 @@ def accuracy(
             {"long_name": "largest error of the displacement with the extrapolated steps, relative", "units": "1"},
         ),
     ).assign_coords(
-        keeps_energy=(
-            "scheme",
-            [int(schemes_by_name[name].keeps_energy) for name in schemes],
-            {"long_name": "1 if the energy error does not grow with the length of the run", "units": "1"},
-        ),
         exponent=("scheme", exponents, {"long_name": "a in: step size proportional to periods^(-a)", "units": "1"}),
         known=((), growth["known"], {"long_name": "periods of the runs that are extrapolated", "units": "1"}),
         extrapolated=((), growth["extrapolated"], {"long_name": "periods that are extrapolated to", "units": "1"}),

@@ -21,7 +21,8 @@ def problem_coordinates(names: Sequence[str]) -> dict:
 def scheme_coordinates(names: Sequence[str]) -> dict:
     """Names of schemes along ``scheme``, with their properties.
 
-    The properties are title, family, place in the family, order of accuracy, kind (explicit or implicit), and source.
+    The properties are title, family, place in the family, order of accuracy, whether the energy is kept, kind (explicit
+    or implicit), and source.
     """
     families = [[name for name, s in schemes.items() if s.family == schemes[one].family] for one in names]
     chosen = [schemes[name] for name in names]
@@ -39,6 +40,11 @@ def scheme_coordinates(names: Sequence[str]) -> dict:
             "scheme",
             [s.order_with_damping for s in chosen],
             {"long_name": "order of accuracy with damping or a load", "units": "1"},
+        ),
+        "keeps_energy": (
+            "scheme",
+            [int(s.keeps_energy) for s in chosen],
+            {"long_name": "1 if the energy error of free vibration does not grow", "units": "1"},
         ),
         "explicit": ("scheme", [int(s.explicit) for s in chosen], {"long_name": "1 where explicit", "units": "1"}),
         "scheme_source": ("scheme", [s.source for s in chosen], {"long_name": "source of the scheme"}),

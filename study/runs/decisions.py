@@ -50,6 +50,7 @@ def of_records(spectrum: xr.Dataset) -> xr.Dataset:
         highest_frequency=highest,
         unknowns=1,
         starts=int(np.prod([spectrum.sizes[one] for one in each])),
+        free_vibration=0,
         problem=RECORDS,
         problem_title=f"oscillators of {scale:g} to {spectrum.period.max().item():g} s under records",
     )

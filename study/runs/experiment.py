@@ -279,6 +279,7 @@ def _described(
         unknowns=np.size(motion.problem.u0),
         decided=decided,
         starts=1 + starts,
+        free_vibration=int(problem in approximate_periods),
         problem=problem,
         problem_title=problems[problem].title,
     )

@@ -74,6 +74,7 @@ ATTRIBUTES = {
     "unknowns": {"long_name": "number of unknowns", "units": "1"},
     "decided": {"long_name": "duration for which steps are decided, in time scales", "units": "1"},
     "starts": {"long_name": "number of starts of a step that is needed", "units": "1"},
+    "free_vibration": {"long_name": "1 if steps may be extrapolated to longer durations", "units": "1"},
 }
 
 #: Errors of runs over some numbers of periods, and these numbers in ascending order.

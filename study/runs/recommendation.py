@@ -10,7 +10,6 @@ from study import io
 from study.algebra.scalars import is_number
 from study.analysis.duration import FREE
 from study.analysis.recommendation import Recommended, chosen, of_assessment, over_duration
-from study.problem.named import approximate_periods
 from study.registry import UnknownName, did_you_mean
 from study.runs.needs import NO_VALUE, ranked
 from study.words import percent, step_with_unit
@@ -145,10 +144,10 @@ def recommend(
     dataset = _opened(what, Path(folder)) if isinstance(what, str) else what
     if "condition" in dataset.dims:
         table, known = _of_needs(dataset, error, quantity), (dataset.decided * dataset.time_scale).item()
-        free = dataset.problem.item() in approximate_periods
+        free = bool(dataset.free_vibration)
     else:
         table, known = of_assessment(dataset, error, quantity), dataset.attrs["duration"]
-        free = dataset.attrs.get("free_vibration") and known == dataset.attrs["duration_requested"]
+        free = bool(dataset.attrs.get("free_vibration")) and known == dataset.attrs["duration_requested"]
     if duration is None or duration <= known:
         return table
     if not free:
@@ -156,7 +155,7 @@ def recommend(
             f"the runs last {known:.4g} s, and steps are extrapolated to {duration:.4g} s only for {FREE} that is not "
             "chaotic: assess the problem with this duration."
         )
-    return over_duration(table, table.attrs["quantity"], error, known, duration)
+    return over_duration(table, dataset, table.attrs["quantity"], error, known, duration)
 
 
 def _opened(name: str, folder: Path) -> xr.Dataset:

@@ -30,7 +30,7 @@ def test_errors_below_the_uncertainty_of_the_reference_are_flagged(cosine, monke
     trajectory = ds.flagged.sel(measure="max_trajectory_error", scheme="rk4")
     np.testing.assert_array_equal(trajectory, [0, 1, 1])
     assert (ds.flagged.sel(measure="max_energy_error", scheme="rk4") == 0).all()
-    # the delay of average acceleration is n (ωΔt)²/12 periods at the last crossing, and the error of the displacement 2π times that
+    # after n periods average acceleration is n (ωΔt)²/12 periods late, and its displacement wrong by 2π times that
     late = longer.phase_error.sel(scheme="average_acceleration").squeeze()
     np.testing.assert_allclose(late, (longer.periods - 1 / 4) * (2 * np.pi / 64) ** 2 / 12, rtol=0.01)
     assert longer.needed.values.tolist() == [[64, 64]] and longer.run.values.tolist() == [[512, 512]]

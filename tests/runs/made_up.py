@@ -45,6 +45,7 @@ def runs(error, problem: str = "swing", **others) -> xr.Dataset:
             "time_scale": 2.0,
             "decided": 10.0,
             "starts": 1,
+            "free_vibration": 1,
             "unknowns": 1,
             "highest_frequency": 3.0,
             "problem": problem,
@@ -58,5 +59,7 @@ def with_kinds(needed: xr.Dataset) -> xr.Dataset:
     return needed.assign_coords(
         explicit=("scheme", [1, 1, 0]),
         in_codes=("scheme", [0, 1, 1]),
+        order=("scheme", [4, 2, 2]),
+        keeps_energy=("scheme", [0, 0, 0]),
         scheme_title=("scheme", ["Cheap", "Dear", "Stiff"]),
     )
