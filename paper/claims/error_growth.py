@@ -28,8 +28,9 @@ def exponents(error_growth: xr.Dataset, measure: str) -> xr.DataArray:
     known = (error_growth.flagged.sel(measure=measure) == 0) & (error > FLOOR) & (error_growth.max_energy_error < LOST)
     if measure == "max_trajectory_error":
         known &= error < SATURATED
-    error = np.log(error.where(known & (error.periods >= FROM)))
-    slopes = error.diff("periods") / np.log(error.periods.astype(float)).diff("periods")
+    error = error.where(known & (error.periods >= FROM))
+    size, length = (xr.apply_ufunc(np.log, one).diff("periods") for one in (error, error.periods.astype(float)))
+    slopes = size / length
     last = xr.where(slopes.notnull(), slopes.periods, 0).argmax("periods")
     return slopes.isel(periods=last).drop_vars("periods")
 

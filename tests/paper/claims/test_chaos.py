@@ -12,8 +12,8 @@ SCHEMES = ["rk4", *claims.FAITHFUL]
 
 def _chaos(exponents=0.1, steps=(16, 32, 64)):
     """A dataset like chaos.nc, with the given largest exponents by number of steps."""
-    data = filled(0.0, problem=["ueda"], scheme=SCHEMES, steps_per_period=list(steps), place=[0, 1])
-    data = data.to_dataset(name="exponent")
+    along = {"problem": ["ueda"], "scheme": SCHEMES, "steps_per_period": list(steps), "place": [0, 1]}
+    data = filled(0.0, **along).to_dataset(name="exponent")
     data["exponent"][..., 0] = exponents
     data["regular"] = (data.exponent.isel(place=0) < 0).astype(float)
     data["contraction"] = 0.05 * xr.ones_like(data.regular)
