@@ -199,36 +199,59 @@ def answer_line(assessed: xr.Dataset, table: pd.DataFrame, quantity: str, error:
     best = table.iloc[0]
     if not best.step_size > 0:
         return f"{percent(error)} of {quantity}: no scheme was found ({', '.join(sorted(set(table.verdict)))})"
-    title = assessed.scheme_title.sel(scheme=best.name).item()
-    return f"{percent(error)} of {quantity}: {title}, {step_with_unit(best.step_size, assessed.attrs.get('spacing'))}"
+    return f"{percent(error)} of {quantity}: {best_of(assessed, best)}"
+
+
+def best_of(assessed: xr.Dataset, row: pd.Series) -> str:
+    """Scheme and step of a row of the table, such as ``Bathe, 5 ms``."""
+    title = assessed.scheme_title.sel(scheme=row.name).item()
+    return f"{title}, {step_with_unit(row.step_size, assessed.attrs.get('spacing'))}"
+
+
+def firsts(table: pd.DataFrame) -> pd.DataFrame:
+    """The first row of each kind of scheme that has a step."""
+    return table[table["step_size"] > 0].groupby("kind", sort=False).head(1)
+
+
+def asked_for(assessed: xr.Dataset) -> list[str]:
+    """Names of your own schemes, for which the assessment was asked."""
+    return [name for name in assessed.attrs.get("asked_for", "").split("; ") if name in assessed.scheme.values]
+
+
+def of_own(assessed: xr.Dataset, table: pd.DataFrame, name: str) -> str:
+    """The step of your own scheme, and the ratio of its cost to the least cost of the others; or why it has none."""
+    if not table.step_size[name] > 0:
+        return f"no step was found ({table.verdict[name]})"
+    counts, own = _counts(table), asked_for(assessed)
+    others = counts[[name for name in table.index if name not in own and table.step_size[name] > 0]].dropna()
+    step = step_with_unit(table.step_size[name], assessed.attrs.get("spacing"))
+    if others.empty:
+        return step
+    title = assessed.scheme_title.sel(scheme=others.idxmin()).item()
+    of = "forces" if counts.name == "force_evaluations" else "steps"
+    return f"{step}, {number(counts[name] / others.min(), 2)} times the {of} of {title}"
+
+
+def of_controller(assessed: xr.Dataset, table: pd.DataFrame) -> str:
+    """The scheme and tolerance with the fewest forces, and their ratio to those of equal steps, in words."""
+    controlled = table["controlled_force_evaluations"].dropna()
+    if controlled.empty:
+        return "no tolerance was found"
+    row = table.loc[controlled.idxmin()]
+    title = assessed.scheme_title.sel(scheme=row.name).item()
+    ratio = f", {number(row.control_over_equal, 2)} times the forces of equal steps"
+    return f"{title} with tolerance {typed(row.tolerance)}{ratio if row.control_over_equal > 0 else ''}"
 
 
 def _asked(assessed: xr.Dataset, table: pd.DataFrame) -> list[str]:
     """Sentences on your own schemes and on the controller that were asked for."""
-    titles, counts, sentences = assessed.scheme_title.to_series(), _counts(table), list[str]()
-    own = [name for name in assessed.attrs.get("asked_for", "").split("; ") if name in table.index]
-    others = counts[[name for name in table.index if name not in own and table.step_size[name] > 0]]
-    of = "forces" if counts.name == "force_evaluations" else "steps"
+    titles, sentences = assessed.scheme_title.to_series(), list[str]()
     remarks = assessed.attrs.get("remarks", "").split("; ")
-    for name in own:
+    for name in asked_for(assessed):
         sentences += [one for one in remarks if one.startswith(f"{titles[name]} is")]
-        if not table.step_size[name] > 0:
-            sentences.append(f"{titles[name]}: no step was found ({table.verdict[name]})")
-        else:
-            step = step_with_unit(table.step_size[name], assessed.attrs.get("spacing"))
-            ratio = f", {number(counts[name] / others.min(), 2)} times the {of} of {titles[others.idxmin()]}"
-            sentences.append(f"{titles[name]}: {step}{ratio if others.notna().any() else ''}")
+        sentences.append(f"{titles[name]}: {of_own(assessed, table, name)}")
     if "tolerance" in table:
-        controlled = table["controlled_force_evaluations"].dropna()
-        what = f"Controlled steps ({assessed.attrs['controller']})"
-        if controlled.empty:
-            return [*sentences, f"{what}: no tolerance was found"]
-        row = table.loc[controlled.idxmin()]
-        ratio = f", {number(row.control_over_equal, 2)} times the forces of equal steps"
-        sentences.append(
-            f"{what}: {titles[row.name]} with tolerance {typed(row.tolerance)}"
-            + (ratio if row.control_over_equal > 0 else "")
-        )
+        sentences.append(f"Controlled steps ({assessed.attrs['controller']}): {of_controller(assessed, table)}")
     return sentences
 
 

@@ -124,8 +124,9 @@ def assess(
         ``reference_uncertainty``, and the coordinates ``relative_to``, the value to which errors are relative, and
         ``quantity_units``. Over ``quantity`` and ``component``: ``reference_value``, the reduced value of the reference
         or its largest value along time, ``reference_value_uncertainty`` in the same unit, and ``reference_time``, at
-        which the value is reached. ``highest_frequency`` is the highest circular frequency of small motions about
-        points of the reference.
+        which the value is reached. Over ``quantity`` and ``reference_t``, parts of the duration: ``reference_low`` and
+        ``reference_high``, the lowest and highest value of the reference in the part, of the component with the largest
+        value. ``highest_frequency`` is the highest circular frequency of small motions about points of the reference.
 
         With a controller: ``tolerance``, the largest round tolerance (1, 2 or 5 times a power of ten) that keeps the
         error, as all smaller tolerances tried do, down to a hundredth of it; ``tolerance_error``, ``controlled_steps``
@@ -248,7 +249,7 @@ def assess(
         if control is None or scheme.needs_equal_steps:
             return Assessed(runs.runs, verdicts, map_of_failures)
         with_control = ToleranceSearch(scheme, control, cases, length, of_energy, budget.end)
-        along = [limit for limit in limits if limit[0] not in oscillation.QUANTITIES]
+        along = [limit for limit in limits if limit[0] in wanted or limit[0] == ENERGY]
         with_control.late = not budget.allows("compiling control")
         with until(budget.end):
             with_control.search(along, lambda top: progress.report(f"{scheme.title}: tolerances up to {top:.3g}"))

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from study.analysis.duration import step_exponent
-from study.words import listed, number
+from study.words import listed, number, printed
 
 #: Largest number of components of a quantity whose reference values a page shows.
 SHOWN = 6
@@ -95,13 +95,18 @@ def reference_of(assessed: xr.Dataset) -> str:
 
 
 def values_of_reference(assessed: xr.Dataset) -> list[tuple[str, ...]]:
-    """Rows of a table of the reference values: the components of each quantity, at most the ``SHOWN`` largest."""
+    """Rows of a table of the reference values: the components of each quantity, at most the ``SHOWN`` largest.
+
+    A row has the quantity with its component, the value with its uncertainty and unit, and the time.
+    """
     rows: list[tuple[str, ...]] = []
     for name in assessed.quantity.values:
         one = assessed[["reference_value", "reference_value_uncertainty", "reference_time"]].sel(quantity=name)
         table = one.to_dataframe().dropna(subset="reference_value")
+        unit = assessed.quantity_units.sel(quantity=name).item()
         for row in table.loc[table.reference_value.abs().nlargest(SHOWN).index].itertuples():
             when = "–" if np.isnan(row.reference_time) else f"{row.reference_time:.4g}"
-            unit, off = assessed.quantity_units.sel(quantity=name).item(), f"{row.reference_value_uncertainty:.1g}"
-            rows.append((name, str(row.Index), f"{row.reference_value:.7g}", off, unit, when))
+            numbers = printed(f"{row.reference_value:.7g} ± {row.reference_value_uncertainty:.1g}")
+            value = numbers if unit == "1" else f"{numbers} {unit}"
+            rows.append((f"{name}, component {row.Index}" if len(table) > 1 else name, value, when))
     return rows

@@ -104,14 +104,16 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
 def _measured(curve: Curve) -> Measured:
     """How a quantity is measured, and its value in the reference."""
     if curve.values.ndim:
-        sizes = np.abs(curve.values).reshape(len(curve.t), -1)
-        value, reached = curve.sizes, curve.t[sizes.argmax(axis=0)]
+        flat = curve.values.reshape(len(curve.t), -1)
+        sizes = np.abs(flat)
+        one = Measured("", value=curve.sizes, time=curve.t[sizes.argmax(axis=0)], along=(curve.t, flat))
     else:
-        value, reached = np.atleast_1d(curve.values), np.full(1, np.nan)
+        one = Measured("", value=np.atleast_1d(curve.values))
+    one = one._replace(scale=curve.scale)
     if curve.quantity is not None:
-        return Measured(curve.quantity.relative_to(len(value)), curve.quantity.units, value, reached, curve.scale)
-    words = relative_to(components=len(value)) if curve.values.ndim else "relative to the value itself"
-    return Measured(words, "1", value, reached, curve.scale)
+        return one._replace(relative_to=curve.quantity.relative_to(len(one.value)), units=curve.quantity.units)
+    along = relative_to(components=len(one.value))
+    return one._replace(relative_to=along if curve.values.ndim else "relative to the value itself")
 
 
 def _remarks_on_components(search: Search) -> list[str]:

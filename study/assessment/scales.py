@@ -20,6 +20,9 @@ from study.mechanics.definition import Problem
 #: remark. Components below ``ROUND_OFF`` of the largest count as zero.
 SPREAD, ROUND_OFF = 100.0, 1e-9
 
+#: Number of parts of the duration for each of which the lowest and highest value of a quantity are kept.
+PARTS = 400
+
 #: Smallest ratio of the energy at the start to the largest kinetic energy. Below this ratio, the balance of energies is
 #: not assessed for a problem without a load.
 LEAST_ENERGY = 0.01
@@ -37,6 +40,8 @@ class Measured(NamedTuple):
     value, time, scale
         Reduced value of each component, or its largest absolute value along time, the time in s at which it is reached,
         and the scale of its errors, each of shape (components,); NaN where there is none.
+    along
+        Times in s of shape (t,), and the quantity at these times, of shape (t, components); empty where there are none.
     """
 
     relative_to: str
@@ -44,6 +49,21 @@ class Measured(NamedTuple):
     value: np.ndarray = np.full(1, np.nan)
     time: np.ndarray = np.full(1, np.nan)
     scale: np.ndarray = np.full(1, np.nan)
+    along: tuple[np.ndarray, np.ndarray] = (np.empty(0), np.empty((0, 1)))
+
+
+def _band(one: Measured, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest value between each two edges, of the component with the largest ``value``; NaN without any."""
+    t, values = one.along
+    if not len(t):
+        return (np.full(len(edges) - 1, np.nan),) * 2
+    grid = np.union1d(t, edges)
+    x = np.interp(grid, t, values[:, np.abs(one.value).argmax()], left=np.nan, right=np.nan)
+    places = np.searchsorted(grid, edges)
+    # both edges belong to a part, so that neighbouring parts touch
+    ends = [x[places[:-1]], x[places[1:]]]
+    low, high = (join.reduceat(x, places[:-1]) for join in (np.fmin, np.fmax))
+    return np.fmin.reduce([low, *ends]), np.fmax.reduce([high, *ends])
 
 
 def with_reference(ds: xr.Dataset, found: dict[str, Measured]) -> xr.Dataset:
@@ -56,12 +76,18 @@ def with_reference(ds: xr.Dataset, found: dict[str, Measured]) -> xr.Dataset:
 
     dims, off = ("quantity", "component"), ds.reference_uncertainty.values[:, None] * padded("scale")
     of_each = [found[name] for name in ds.quantity.values]
+    edges = np.linspace(0.0, max((one.along[0][-1] for one in of_each if len(one.along[0])), default=1.0), PARTS + 1)
+    low, high = np.array([_band(one, edges) for one in of_each]).swapaxes(0, 1)
+    of_band = ("quantity", "reference_t"), "value of the reference within a part of the duration, largest component"
     value = "value of the quantity in the reference, its largest along time if it is not reduced"
     return ds.assign(
         reference_value=(dims, padded("value"), {"long_name": f"{value}; quantity_units has its unit"}),
         reference_value_uncertainty=(dims, off, {"long_name": "uncertainty of this value, in the same unit"}),
         reference_time=(dims, padded("time"), {"long_name": "time at which this value is reached", "units": "s"}),
+        reference_low=(of_band[0], low, {"long_name": f"lowest {of_band[1]}; quantity_units has its unit"}),
+        reference_high=(of_band[0], high, {"long_name": f"highest {of_band[1]}; quantity_units has its unit"}),
     ).assign_coords(
+        reference_t=("reference_t", (edges[:-1] + edges[1:]) / 2, {"long_name": "middle of the part", "units": "s"}),
         component=("component", np.arange(most), {"long_name": "component of a quantity", "units": "1"}),
         relative_to=("quantity", [one.relative_to for one in of_each], {"long_name": "value that scales the error"}),
         quantity_units=("quantity", [one.units for one in of_each], {"long_name": "unit of the quantity"}),
@@ -71,7 +97,14 @@ def with_reference(ds: xr.Dataset, found: dict[str, Measured]) -> xr.Dataset:
 def measured(reference: Certified, of_energy: bool) -> dict[str, Measured]:
     """How each quantity is measured, and its value in the reference."""
     found = {
-        name: Measured(one.quantity.relative_to(len(one.scale)), one.quantity.units, one.own, one.reached, one.scale)
+        name: Measured(
+            one.quantity.relative_to(len(one.scale)),
+            one.quantity.units,
+            one.own,
+            one.reached,
+            one.scale,
+            (one.times, one.values),
+        )
         for name, one in reference.targets.items()
     }
     found |= {ENERGY: Measured("relative to the energy that was put in")} if of_energy else {}

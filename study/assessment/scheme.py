@@ -9,7 +9,8 @@ import xarray as xr
 from study import io
 from study.analysis.linear_theory import LinearTheory
 from study.assessment.assess import assess
-from study.assessment.report import COLOURS, MARKERS, figure_of, judgement, made_by, svg_of
+from study.assessment.drawing import COLOURS, MARKERS, figure_of, svg_of
+from study.assessment.report import judgement, made_by
 from study.assessment.style import STYLE
 from study.assessment.tables import table_of
 from study.io import processor

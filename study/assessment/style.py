@@ -8,13 +8,22 @@ h1 { font-size: 1.6rem; line-height: 1.2; }
 h2 { font-size: 1.2rem; margin-top: 2rem; }
 details { margin-top: .5rem; }
 .answer { border-left: .4rem solid #0072b2; padding: .3rem 1rem; background: #f2f7fb; }
+.answer table { font-size: 1.1rem; }
+.answer td:nth-child(2) { font-weight: 700; }
+.answer td.text { min-width: 15rem; }
+.tight, .pair table { font-size: .85rem; }
+.tight th, .tight td { padding: .2rem .4rem; }
+.tight td:nth-child(2) { text-align: left; color: #555; }
+.answer th, .answer td { border-bottom: 0; }
+summary { cursor: pointer; color: #333; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .7rem; text-align: right; border-bottom: 1px solid #ccc; white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; }
 th.text, td.text { text-align: left; }
 td.text { white-space: normal; min-width: 14rem; }
-.pair { display: grid; gap: 0 1.5rem; grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); }
+.pair { display: grid; gap: 0 1.5rem; align-items: start;
+  grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); }
 figure { margin: 1rem 0; min-width: 0; }
 figure svg { width: 100%; max-width: 40rem; height: auto; }
 figure .wide { min-width: 36rem; max-width: none; }
@@ -28,8 +37,10 @@ dd { margin: 0; overflow-wrap: anywhere; }
   dl { grid-template-columns: 1fr; }
   dd { margin-bottom: .5rem; }
 }
+@page { size: A4; margin: 14mm; }
 @media print {
-  body { max-width: none; }
+  body { max-width: none; font-size: 10pt; padding: 0; }
+  details { display: none; }
   figure, tr { break-inside: avoid; }
   h2 { break-after: avoid; }
   .pair { grid-template-columns: 1fr 1fr; }

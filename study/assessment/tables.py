@@ -7,10 +7,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from study.analysis.recommendation import asked_for, best_of, firsts, of_controller, of_own
 from study.assessment.assurance import percent
 from study.scheme.codes import names_in_codes
 from study.scheme.named import schemes
-from study.words import number, step_size, text_of
+from study.words import listed, number, step_size, text_of
 
 
 def time_in_words(seconds: float) -> str:
@@ -34,12 +35,11 @@ def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[
     return f'<div class="scroll" tabindex="0"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
-def input_lines(assessed: xr.Dataset) -> list[str]:
-    """Heading and table of the recommended schemes' input in other codes; empty if no code has such a scheme."""
-    recommended = assessed.recommended_dt.notnull().any(["quantity", "allowed_error"]).values
-    titles = set(assessed.scheme_title.values[recommended])
+def input_lines(titles: Iterable[str]) -> list[str]:
+    """Heading and table of the input of schemes in other codes; empty if no code has a scheme with these titles."""
+    wanted = set(titles)
     named = ((schemes[one.scheme].title, one.code, one.name, one.note) for one in names_in_codes())
-    rows = [row for row in named if row[0] in titles]
+    rows = [row for row in named if row[0] in wanted]
     return ["<h2>In other codes</h2>", table_of(("", "code", "input", ""), rows, text=(1, 2, 3))] if rows else []
 
 
@@ -69,7 +69,7 @@ def needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
     return "".join(parts)
 
 
-def controlled(table: pd.DataFrame, titles: dict[str, str]) -> str:
+def controlled(table: pd.DataFrame, titles: dict[str, str], error: str) -> str:
     """A table of the tolerances that keep an error; empty if there is no such tolerance."""
     found = table[table["tolerance"] > 0] if "tolerance" in table else table[:0]
     rows = [
@@ -81,5 +81,56 @@ def controlled(table: pd.DataFrame, titles: dict[str, str]) -> str:
         )
         for row in found.itertuples()
     ]
-    head = ("controlled steps", "tolerance", "forces", "forces over forces with equal steps")
+    head = (f"controlled steps, {error}", "tolerance", "forces", "forces over forces with equal steps")
     return table_of(head, rows) if rows else ""
+
+
+def answers(assessed: xr.Dataset, tables: list[pd.DataFrame], quantity: str, titles: dict[str, str]) -> str:
+    """A table with a line for each allowed error: what was asked for first, then the best scheme and step.
+
+    Parameters
+    ----------
+    tables
+        Table of :func:`study.recommend` for each allowed error.
+    """
+    own = asked_for(assessed)
+    head = [f"error of {quantity}", *(titles[name] for name in own)]
+    head += [f"controlled steps, {assessed.attrs['controller']}"] if "controller" in assessed.attrs else []
+    rows = []
+    for limit, table in zip(assessed.allowed_error.values, tables, strict=True):
+        asked = [of_own(assessed, table, name) for name in own]
+        asked += [of_controller(assessed, table)] if "tolerance" in table else []
+        best = [f"{best_of(assessed, row)} ({row.kind})" for _, row in firsts(table).iterrows()]
+        none = [f"no scheme was found ({listed(sorted(set(table.verdict)))})"]
+        rows.append((percent(limit), *asked, *[*(best or none), ""][:2]))
+    return table_of([*head, "best", "best of the other kind"], rows, text=tuple(range(1, len(head) + 2)))
+
+
+def _cells(table: pd.DataFrame, name: str, counts: str) -> tuple[str, str, str]:
+    """Step, number of forces or steps, and time of a scheme."""
+    row = table.loc[name]
+    time = "–" if np.isnan(row.time) else time_in_words(row.time)
+    return step_size(row.step_size, table.attrs.get("spacing")), number(row[counts], 4), time
+
+
+def summary(tables: list[pd.DataFrame], limits: Iterable[float], titles: dict[str, str]) -> str:
+    """A table of steps, forces and times of all schemes for all allowed errors, the fastest scheme of each kind first.
+
+    Where forces are not counted, the number of steps stands in their place. A sentence states why steps are missing.
+    """
+    counted = any(table["force_evaluations"].notna().any() for table in tables)
+    counts, of_counts = ("force_evaluations", "forces") if counted else ("number_of_steps", "steps")
+    head = [one for limit in limits for one in (f"{percent(limit)}: Δt, s", of_counts, "time")]
+    rows = [
+        [titles[name], kind, *(cell for table in tables for cell in _cells(table, name, counts))]
+        for kind, of_kind in tables[len(tables) // 2].groupby("kind", sort=False)
+        for name in of_kind.index
+    ]
+    table = table_of(["", "", *head], rows).replace("<table>", '<table class="tight">')
+    missing = [
+        f"{titles[row.Index]} for {percent(limit)} ({row.verdict})"
+        for limit, table in zip(limits, tables, strict=True)
+        for row in table.itertuples()
+        if not row.step_size > 0
+    ]
+    return table + (f"<p>No step was found for {text_of('; '.join(missing))}.</p>" if missing else "")

@@ -7,7 +7,7 @@ from typing import Any
 import xarray as xr
 
 from study.assessment.assess import assess
-from study.assessment.report import curves, times_of_runs
+from study.assessment.drawing import curves, times_of_runs
 from study.io import write
 from study.mechanics.definition import Problem
 from study.program.definition import Program

@@ -5,11 +5,14 @@ import io
 import re
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 import xarray as xr
+from scipy.integrate import solve_ivp
 
 import study
 from study.__main__ import main
+from study.assessment.report import emphasised, page, tables_of
 from study.mechanics.definition import Problem
 from study.user_files import Unloadable, load
 from tests.browser import WIDTHS, check_page, set_width
@@ -69,11 +72,34 @@ def test_the_command_writes_a_dataset_and_a_page_of_its_own(assessed):
     text = re.sub("<svg.*?</svg>", "", page, flags=re.DOTALL)
     assert "a &lt;swing&gt; &amp; more" in text and "<swing>" not in text
     assert not re.search(r"(src|href)=(?!.data:,)|@import|url\(", text) and "http" not in text
-    assert text.index("For 5\u00a0% of displacement") < text.index("<h2>")
-    assert "relative to the largest value along time. Dashed" in text and "four times the duration needs half" in text
-    assert "<b>5\u00a0% of displacement: Runge-Kutta, " in text and "1 unknown, period of small motion 6.28 s" in text
+    answer = text.index('<td>5\u00a0%</td><td class="text">Runge-Kutta, ')
+    model = text.index("period of small motion 6.28 s")
+    assert answer < text.index("<h2>") < model < text.index("<h2>Error of displacement")
+    assert "relative to the largest value along time. Dashed" in text and "n^(−0.4) with Runge-Kutta" in text
+    # the largest speed of a pendulum follows from its energy
+    assert f"<td>velocity</td><td>{2 * np.sin(0.5):.7g} ± " in text
     assert "heyoka" in text and study.__version__ in text
     assert "integrator Newmark 0.5 0.25" in text and "frequencies up to ω = " in text
+
+
+def test_your_own_scheme_stands_before_the_best_and_its_curve_is_emphasised(assessed):
+    ds = xr.load_dataset(assessed[0].with_suffix(".nc")).assign_attrs(asked_for="newmark")
+    title = ds.scheme_title.sel(scheme="newmark").item()
+    assert f'<th>error of displacement</th><th class="text">{title}</th><th class="text">best</th>' in page(ds)
+    tables = tables_of(ds, "displacement")
+    assert emphasised(ds, tables) == ["newmark", "rk4"]
+    assert emphasised(ds.assign_attrs(asked_for=""), tables)[0] == "rk4"
+
+
+def test_the_drawn_motion_is_the_motion(assessed):
+    """The lowest and the highest value in each part of the duration are those of a solution by SciPy."""
+    ds = xr.load_dataset(assessed[0].with_suffix(".nc")).sel(quantity="displacement")
+    solved = solve_ivp(lambda t, y: [y[1], -np.sin(y[0])], (0, 12), [1.0, 0.0], "DOP853", dense_output=True, rtol=1e-10)
+    half = np.diff(ds.reference_t).mean() / 2
+    times = ds.reference_t.values[:, None] + half * np.linspace(-1, 1, 33)
+    within = solved.sol(times.ravel())[0].reshape(times.shape)
+    np.testing.assert_allclose(ds.reference_low, within.min(axis=1), atol=2e-4)
+    np.testing.assert_allclose(ds.reference_high, within.max(axis=1), atol=2e-4)
 
 
 def test_the_page_fits_screens_and_paper(assessed, browser):

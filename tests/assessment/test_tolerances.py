@@ -6,7 +6,7 @@ import pytest
 import study
 from reference import taylor
 from study.assessment.report import page
-from study.assessment.tolerances import EQUAL_ONLY, FOUND, round_tolerance
+from study.assessment.tolerances import COARSEST_KEEPS, EQUAL_ONLY, FOUND, round_tolerance
 
 DURATION, ALLOWED = 20.0, 0.01
 
@@ -65,7 +65,15 @@ def test_recommend_states_whether_equal_steps_are_cheaper(assessed):
 
 
 def test_the_report_lists_the_tolerances(assessed):
-    assert page(assessed).count("controlled steps") == 4  # once for each of u, u̇, ü and energy
+    # once for each of u, u̇, ü and energy
+    assert page(assessed).count("<th>controlled steps") == 4 and "controlled steps, PI</th>" in page(assessed)
+
+
+def test_your_own_quantity_may_have_the_name_of_a_default_one(duffing):
+    own = {"amplitude": study.Quantity(lambda u: u, reduce="peak")}
+    options = {"duration": 10.0, "errors": [0.1], "maps": False, "controller": "pi"}
+    ds = study.assess(duffing, "average_acceleration", quantities=own, **options)
+    assert (ds.tolerance_verdict <= COARSEST_KEEPS).all() and (ds.tolerance > 0).all()
 
 
 @pytest.mark.parametrize("largest, expected", [(0.1, 0.1), (0.0999, 0.05), (3e-4, 2e-4), (5e-7, 5e-7), (1.01e-3, 1e-3)])

@@ -1,0 +1,177 @@
+"""Figures of the page of an assessment, as SVG."""
+
+import io
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from study.analysis.outcomes import Outcome
+from study.words import text_of
+
+#: Colours of curves, which differ in greyscale and for the colour-blind.
+COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+#: Markers of curves. With seven colours and ten markers, each of 70 curves has its own pair of colour and marker.
+MARKERS = "osD^vPX<>*"
+#: Colour of the curves that are not emphasised.
+PALE = "0.75"
+
+#: Largest error that is drawn.
+WORST = 10.0
+
+#: Number of points of a curve per octave of steps or times; each point is the largest error in its part of the octave.
+IN_OCTAVE = 8
+
+#: Grey level of each outcome in a map, from the best to the worst outcome.
+SHADES = np.linspace(1.0, 0.25, len(Outcome))
+#: Colour of the letter of each outcome.
+INK = np.where(SHADES > 0.5, "black", "white")
+#: Letter of each outcome.
+LETTERS = ("", "b", "r", "w", "c", "g", "s", "N", "∞")
+
+
+def svg_of(figure) -> str:
+    """A figure of matplotlib as SVG for a page."""
+    text = io.StringIO()
+    figure.draw_without_rendering()  # a constrained layout takes two passes where labels of ticks change their width
+    figure.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()[text.getvalue().index("<svg") :]
+
+
+def figure_of(svg: str, caption: str) -> str:
+    """A figure of HTML with its caption, or a sentence if ``svg`` is empty."""
+    if not svg:
+        return "<p>No run has an error above zero.</p>"
+    return f'<figure><div class="scroll">{svg}</div><figcaption>{text_of(caption)}</figcaption></figure>'
+
+
+def times_of_runs(assessed: xr.Dataset) -> xr.DataArray:
+    """Times of all runs: ``run_time`` if the dataset has it, otherwise the number of steps times the time of a step."""
+    return assessed.run_time if "run_time" in assessed else assessed.time_per_step * assessed.steps
+
+
+def motion(one: xr.Dataset) -> str:
+    """The reference of a quantity along time, with its value as a point, as SVG; empty if it has no motion."""
+    from matplotlib.figure import Figure
+
+    low, high = one.reference_low.values, one.reference_high.values
+    if not np.isfinite(low).any():
+        return ""
+    figure = Figure(figsize=(5.4, 2.2), layout="constrained")
+    axes = figure.subplots()
+    axes.fill_between(one.reference_t, low, high, color="black", lw=0.9)
+    largest = one.isel(component=int(abs(one.reference_value).fillna(0).argmax("component")))
+    if largest.reference_time.notnull():
+        at = np.abs(one.reference_t.values - largest.reference_time.item()).argmin()
+        axes.plot(largest.reference_time, max(low[at], high[at], key=abs), "o", color=COLOURS[2], ms=6)
+    unit = "" if one.quantity_units.item() == "1" else f", {one.quantity_units.item()}"
+    axes.set(xlabel="t, s", ylabel=f"{one.quantity.item()}{unit}", xlim=(0, None))
+    axes.grid(color="0.9")
+    axes.set_axisbelow(True)
+    return svg_of(figure)
+
+
+def _label(axis) -> None:
+    """Label a logarithmic axis at powers of ten, and at twice and five times these on less than two decades."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    low, high = axis.get_view_interval()
+    close = high < 100 * low
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if close else (1.0,)))
+    axis.set_minor_formatter(NullFormatter())
+    if close:
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def curves(
+    assessed: xr.Dataset,
+    along: xr.DataArray,
+    label: str,
+    values: xr.DataArray,
+    ylabel: str,
+    limits: Sequence[float] = (),
+    emphasised: Sequence[str] | None = None,
+    stable: xr.DataArray | None = None,
+) -> str:
+    """Values of every scheme against the step sizes or times of its runs, as SVG; empty if there is nothing to draw.
+
+    Schemes that are not ``emphasised`` are grey; by default none is. A dotted line marks the step of each emphasised
+    scheme in ``stable``, its limit of stability.
+    """
+    from matplotlib.figure import Figure
+
+    names = assessed.scheme.values.tolist()
+    strong = names if emphasised is None else list(emphasised)
+    # narrow, so that a phone does not shrink the letters
+    figure = Figure(figsize=(5.4, 3.6 + 0.1 * len(strong)), layout="constrained")
+    axes = figure.subplots()
+    drawn = 0
+    for name in [*(one for one in names if one not in strong), *strong]:
+        one = assessed.sel(scheme=name)
+        x = along.broadcast_like(values).sel(scheme=name).values
+        y = values.sel(scheme=name).values
+        tried = np.isfinite(y) & (y > 0) & np.isfinite(x)
+        drawn += int(tried.sum())
+        worst = pd.DataFrame({"x": x[tried], "y": y[tried]})
+        worst = worst.loc[worst.groupby(np.floor(IN_OCTAVE * np.log2(worst.x))).y.idxmax()]
+        if name not in strong:
+            axes.plot(worst.x, worst.y, color=PALE, lw=0.8)
+            continue
+        s = strong.index(name)
+        colour = COLOURS[s % len(COLOURS)]
+        style: dict[str, Any] = {"color": colour, "marker": MARKERS[s % len(MARKERS)], "mfc": "none"}
+        axes.plot(worst.x, worst.y, **style, ms=5, lw=1.4, markevery=IN_OCTAVE, label=str(one.scheme_title.values))
+        if stable is not None and 0 < stable.sel(scheme=name) < np.inf:
+            axes.axvline(stable.sel(scheme=name).item(), color=colour, ls=":", lw=1.4)
+    for limit in limits:
+        axes.axhline(limit, color="0.4", lw=0.8, ls="--")
+    if not drawn:  # every run failed, or was exact
+        return ""
+    axes.set(xscale="log", yscale="log", xlabel=label, ylabel=ylabel)
+    axes.set_ylim(top=min(axes.get_ylim()[1], WORST))
+    _label(axes.xaxis)
+    _label(axes.yaxis)
+    axes.grid(color="0.9")
+    if len(strong) < len(names):
+        axes.plot([], [], color=PALE, lw=0.8, label="other schemes")
+    if stable is not None and bool(((stable > 0) & np.isfinite(stable)).sel(scheme=strong).any()):
+        axes.plot([], [], color="black", ls=":", lw=1.4, label="limit of stability")
+    figure.legend(loc="outside lower center", ncols=2, fontsize="small", frameon=False)
+    return svg_of(figure)
+
+
+def maps(assessed: xr.Dataset) -> str:
+    """Maps of the outcome over step size and excitation, a panel for each scheme, as SVG."""
+    from matplotlib.figure import Figure
+
+    columns = min(4, assessed.sizes["scheme"])
+    rows = -(-assessed.sizes["scheme"] // columns)
+    figure = Figure(figsize=(2.5 * columns + 1, 2.2 * rows), layout="constrained")
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
+    for axes, name in zip(panels, assessed.scheme.values, strict=False):
+        outcome = assessed.outcome.sel(scheme=name).values
+        axes.imshow(SHADES[outcome], cmap="gray", vmin=0, vmax=1, aspect="auto", origin="lower")
+        for e, row in enumerate(outcome):
+            ends = np.flatnonzero(np.diff(row, prepend=-1, append=-1))  # a letter for each stretch of equal outcomes
+            for first, end in itertools.pairwise(ends):
+                one, middle = row[first], (first + end - 1) / 2
+                axes.text(middle, e, LETTERS[one], color=INK[one], ha="center", va="center", fontsize=8)
+        # the steps of a map descend in geometric progression; a limit of zero or infinity is not drawn
+        stable = assessed.stable_dt.sel(scheme=name)
+        at_limit = -np.log(stable.where((stable > 0) & np.isfinite(stable)).values)
+        steps = np.arange(assessed.sizes["map_dt"])
+        place = np.interp(at_limit, -np.log(assessed.map_dt.values), steps, left=np.nan, right=np.nan)
+        for e, at in enumerate(place):
+            axes.plot([at, at], [e - 0.5, e + 0.5], color="black", lw=1.2, ls="--")
+        axes.set_title(str(assessed.scheme_title.sel(scheme=name).values), fontsize=9)
+    for axes in panels[assessed.sizes["scheme"] :]:
+        axes.remove()
+    every = range(0, assessed.sizes["map_dt"], max(1, assessed.sizes["map_dt"] // 4))
+    panels[0].set_xticks(list(every), [f"{assessed.map_dt.values[i]:.2g}" for i in every])
+    panels[0].set_yticks(range(assessed.sizes["excitation"]), [f"{x:g}" for x in assessed.excitation.values])
+    figure.supxlabel("step size, s", fontsize=10)
+    figure.supylabel("multiple of start and load", fontsize=10)
+    return svg_of(figure).replace("<svg", '<svg class="wide"', 1) if columns > 2 else svg_of(figure)
