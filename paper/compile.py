@@ -1,11 +1,11 @@
-"""Compile the texts: ``python -m paper.compile RESULTS FOLDER`` writes the PDF of each."""
+"""Compile the texts: ``python -m paper.compile RESULTS FOLDER`` writes the PDF of each, and README.md."""
 
 import sys
 from pathlib import Path
 
 import typst
 
-from paper.manuscript import TEXTS, check_uses
+from paper.manuscript import TEXTS, check_uses, listing
 from study.io import one_sentence, read, write
 
 
@@ -14,8 +14,8 @@ def main(results: Path, folder: Path) -> None:
     """Compile article, supplement and replication with the numbers, tables and figures of a folder of results.
 
     Typst reads only below its root. Results may lie anywhere, so the root is the root of the file system. With the
-    fixed time stamp the same inputs give the same bytes. Facts of the text that the data contradict are printed; their
-    sentences are omitted.
+    fixed time stamp the same inputs give the same bytes. README.md lists the files of figures and tables. Facts of the
+    text that the data contradict are printed; their sentences are omitted.
 
     Raises
     ------
@@ -40,6 +40,7 @@ def main(results: Path, folder: Path) -> None:
             timestamp=0,
         )
         write(pdf, folder / f"{text.stem}.pdf")
+    write(listing(), folder / "README.md")
 
 
 if __name__ == "__main__":

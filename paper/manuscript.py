@@ -14,6 +14,8 @@ TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ",
 #: Files that the texts include.
 SHARED = [LAYOUT, *(LAYOUT.with_name(name) for name in ("energy_errors.typ", "metadata.yaml"))]
 
+#: Pattern of a numbered figure, with its name, or table.
+_NUMBERED = re.compile(r'\bpicture\("(?P<figure>[^"]+)"|#(?:tabular|choices)\(')
 _COMMENT = re.compile(r"^[ \t]*//.*$", re.MULTILINE)
 #: Patterns of the uses of numbers, figures and tables in a text, by kind.
 _USES = {
@@ -32,6 +34,44 @@ def uses(text: str) -> dict[str, dict[str, int]]:
             name = next(filter(None, match.groups()))
             found[kind].setdefault(name, code.count("\n", 0, match.start()) + 1)
     return found
+
+
+def numbered(text: Path) -> list[tuple[str, str]]:
+    """The figures and tables of a text in their order: ``Figure 1`` or ``Table S2``, and the name of its file.
+
+    The name of a table without a file is empty.
+    """
+    code = _COMMENT.sub("", text.read_text(encoding="utf-8"))
+    prefix = "S" if text.stem == "supplement" else ""
+    places = list(_NUMBERED.finditer(code))
+    ends = [place.start() for place in places[1:]] + [len(code)]
+    found, counts = [], {"Figure": 0, "Table": 0}
+    for place, end in zip(places, ends, strict=True):
+        kind = "Figure" if place["figure"] else "Table"
+        data = _USES["table"].search(code, place.start(), end)
+        # the next table may be used in the text between the two
+        held = data if data and "\n\n" not in code[place.start() : data.start()] else None
+        counts[kind] += 1
+        found.append((f"{kind} {prefix}{counts[kind]}", place["figure"] or (held[1] if held else "")))
+    return found
+
+
+def listing() -> str:
+    """The files of all figures and tables of the texts, as Markdown."""
+    titles = {"manuscript": "Article", "supplement": "Supplement", "replication": "Replication"}
+    parts = ["# Figures and tables"]
+    parts.append(
+        "Which file is which figure and table of the texts. A figure is there as `.pdf`, as `.svg` whose text stays "
+        "text, as `.png` with 300 dots per inch, and its points as `.csv`. A table is there as `.csv`, and as `.tex` "
+        "for the package `booktabs`."
+    )
+    for text in TEXTS:
+        rows = [
+            f"| {label} | {f'`{label.split()[0].lower()}s/{name}`' if name else 'in the text only'} |"
+            for label, name in numbered(text)
+        ]
+        parts.append("\n".join([f"## {titles[text.stem]}\n", "| number | file |", "| --- | --- |", *rows]))
+    return "\n\n".join(parts) + "\n"
 
 
 def check_uses(text: Path, results: Path) -> None:

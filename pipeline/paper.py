@@ -9,7 +9,7 @@ from pipeline.sources import Sources
 from pipeline.step import Step, job
 
 #: Folder and file formats of the kinds whose products have one job each; the report shows the last format.
-_FILES = {"figure": ("results/figures", ("pdf", "png", "svg")), "page": ("results", ("html",))}
+_FILES = {"figure": ("results/figures", ("pdf", "png", "csv", "svg")), "page": ("results", ("html",))}
 #: Module that makes all products of a kind in one job, and its output: a file, or a folder of files in some formats.
 _WHOLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "table": ("tables", "results/tables", ("csv", "tex")),
@@ -65,11 +65,13 @@ def steps_of(products: list[Product], root: Path, sources: Sources) -> list[Step
     steps = [_of_each(kind, of_kind[kind], sources) for kind in _FILES]
     steps += [_of_all(kind, of_kind[kind], sources) for kind in _WHOLES]
     included = [file for step in steps for file in step.products if file.endswith(_INCLUDED)]
+    included = [file for file in included if not (file.endswith(".csv") and file.startswith("results/figures/"))]
     names = ["paper/references.bib", "CITATION.cff", *(f"paper/text/{path.name}" for path in (*TEXTS, *SHARED))]
     texts = [root / name for name in names]
     one = job(["paper.compile", "results", "results"], [*included, *texts, *sources.of(["paper.compile"])])
     outputs = tuple(f"results/{path.stem}.pdf" for path in TEXTS)
     listed = {file: {"": ("Article", Path(file).stem)} for file in outputs}
+    outputs += ("results/README.md",)
     return [
         *steps,
         Step("manuscript", "Article, supplement and replication", outputs, {"": one}, quick=True, report=listed),

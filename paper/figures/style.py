@@ -23,6 +23,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from paper.data import families
+from paper.points import points
 from study.io import write
 
 plt.style.use("paper.figures.style")
@@ -182,7 +183,7 @@ def legend_in(place: Axes, axes: Axes) -> None:
 
 
 def save(figure: Figure, output: Path) -> None:
-    """Save a figure as PDF, PNG and SVG next to ``output``, with equal bytes for equal data."""
+    """Save a figure as PDF, PNG and SVG, and its points as CSV, next to ``output``, with equal bytes for equal data."""
     # The layout takes as long as drawing, so all three files share one layout. Each canvas prints directly, because
     # figure.savefig would draw twice.
     figure.draw_without_rendering()
@@ -198,6 +199,7 @@ def save(figure: Figure, output: Path) -> None:
         content = BytesIO()
         printer(content)
         write(content.getvalue(), output.with_suffix(suffix))
+    write(points(figure).to_csv(index=False, float_format="%.7g"), output.with_suffix(".csv"))
 
 
 def at_width(figure: Figure, millimetres: float) -> Figure:

@@ -9,7 +9,7 @@ import pytest
 import typst
 
 import study
-from paper.manuscript import LAYOUT, TEXTS, check_uses, uses
+from paper.manuscript import LAYOUT, TEXTS, check_uses, numbered, uses
 from paper.products import discover
 from study.problem.named import makers, printed_periods
 
@@ -45,6 +45,19 @@ def test_what_is_missing_is_named_with_its_line(tmp_path, kind, name, line):
         shutil.rmtree(tmp_path / f"{kind}s")
     with pytest.raises(SystemExit, match=rf"article\.typ, line {line}: there is no {kind} '{name}' in the results"):
         check_uses(tmp_path / "article.typ", tmp_path)
+
+
+def test_the_files_of_figures_and_tables_have_their_numbers(tmp_path):
+    text = tmp_path / "supplement.typ"
+    text.write_text(
+        '#picture("atlas")[A.] <a>\n// #picture("no")[]\n#tabular(\n  ruled(table-of("orders")),\n)[B.] <b>\n\n'
+        '#tabular(ruled(symbols))[C.] <c>\n\nOf #limits-of(table-of("needs")).\n'
+        '#pair(picture("one")[], picture("two")[])'
+    )
+    of_figures = [("Figure S1", "atlas"), ("Figure S2", "one"), ("Figure S3", "two")]
+    found = numbered(text)
+    assert [one for one in found if one[0].startswith("Figure")] == of_figures
+    assert [one for one in found if one[0].startswith("Table")] == [("Table S1", "orders"), ("Table S2", "")]
 
 
 def _used(kind):

@@ -8,11 +8,13 @@ import sys
 from pathlib import Path
 
 import pytest
+import typst
 import xarray as xr
 import yaml
 from snakemake.utils import update_config
 
 import study
+from paper.manuscript import TEXTS, numbered
 from tests.paper.figures.printing import faults_of_all
 from tests.pipeline.additions import ADDED
 from tests.pipeline.mutations import mutated
@@ -53,9 +55,21 @@ def test_everything_is_made(project):
     for figure in ("hardening", "softening", "instability", "double_well", "energy_drift"):
         for suffix in (".pdf", ".png", ".svg"):
             assert (results / "figures" / f"{figure}{suffix}").stat().st_size > 5000
+        assert len((results / "figures" / f"{figure}.csv").read_text().splitlines()) > 10
     for table in (results / "tables").glob("*.csv"):
         assert len(table.read_text().splitlines()) > 1
         assert "\\toprule" in table.with_suffix(".tex").read_text()
+
+
+@pytest.mark.parametrize("text", TEXTS, ids=lambda text: text.stem)
+def test_the_listed_figures_and_tables_are_those_that_typst_counts(project, text):
+    inputs = {"results": str(project / "results")}
+    found = json.loads(typst.query(str(text), "figure", root="/", sys_inputs=inputs, ignore_system_fonts=True))
+    figures = [Path(one["body"]["source"]).stem for one in found if one["kind"] == "image"]
+    listed = numbered(text)
+    assert [name for label, name in listed if label.startswith("Figure")] == figures
+    assert len(listed) - len(figures) == sum(one["kind"] == "table" for one in found)
+    assert "| Figure 1 | `figures/" in (project / "results" / "README.md").read_text()
 
 
 @pytest.mark.skipif(shutil.which("pdftotext") is None, reason="Poppler is not installed")

@@ -5,6 +5,7 @@ import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from matplotlib.colors import to_rgb
@@ -138,6 +139,30 @@ def test_the_same_figure_gives_the_same_files(tmp_path):
         ax.plot([0, 1])
         save(figure, tmp_path / folder / "figure.pdf")
         plt.close(figure)
-    for suffix in (".pdf", ".png", ".svg"):
+    for suffix in (".pdf", ".png", ".svg", ".csv"):
         first, second = ((tmp_path / folder / f"figure{suffix}").read_bytes() for folder in ("first", "second"))
         assert first == second and first
+
+
+def test_a_figure_has_its_points_and_its_text(tmp_path):
+    figure, (curves, cells) = plt.subplots(1, 2)
+    curves.plot([1.0, 2.0], [3.0, np.nan], label="curve")
+    curves.axhline(0.5)  # a line of the panel, not of the data
+    curves.scatter([4.0], [5.0], label="point")
+    curves.set_title("left panel", loc="left")
+    cells.pcolormesh([0.0, 1.0, 3.0], [0.0, 2.0], [[7.0, 8.0]])
+    cells.imshow([[9.0, 10.0]], extent=(0, 2, 0, 1), origin="lower", aspect="auto")
+    save(figure, tmp_path / "figure.pdf")
+    plt.close(figure)
+    assert ">left panel</text>" in (tmp_path / "figure.svg").read_text()
+    table = pd.read_csv(tmp_path / "figure.csv", keep_default_na=False, na_values={"y": "", "value": ""})
+    rows = table.replace(np.nan, None).to_numpy().tolist()
+    assert rows == [
+        ["left panel", "curve", 1.0, 3.0, None],
+        ["left panel", "curve", 2.0, None, None],
+        ["left panel", "point", 4.0, 5.0, None],
+        ["2", "", 0.5, 1.0, 7.0],
+        ["2", "", 2.0, 1.0, 8.0],
+        ["2", "", 0.5, 0.5, 9.0],
+        ["2", "", 1.5, 0.5, 10.0],
+    ]
