@@ -11,6 +11,7 @@ from docs.plan import DECISION
 from docs.text import table
 from paper.products import reader
 from paper.tables.decision import NO_BREAK, column, rows_of, sentence, steps_of
+from paper.tables.models import answers
 from study.runs.needs import CODES
 from study.scheme.codes import NameInCode, names_in_codes
 from study.words import number
@@ -18,18 +19,6 @@ from study.words import number
 _HEAD = ("scheme", "code", "name and parameters", "remark")
 #: Quantities whose rows the short table shows.
 _QUANTITIES = ("displacement", "peak drift")
-#: Problem and quantity that stand for a kind of model in the table of README, and its allowed error.
-_MODELS = {
-    "frame under an earthquake": ("records", "peak drift"),
-    "free vibration over a long time": ("softening", "displacement"),
-    "forced vibration": ("shaken", "displacement"),
-    "yielding": ("yielding", "displacement"),
-    "impact and contact": ("bouncing", "displacement"),
-    "stiff constraint": ("elastic_pendulum", "displacement"),
-    "stiff beside soft parts": ("stiff_soft", "displacement"),
-    "mesh with a wave": ("impact_bar", "displacement"),
-}
-_ERROR = 0.01
 
 
 def short_cell(one: xr.Dataset) -> str:
@@ -67,16 +56,26 @@ def recommended(results: Path) -> dict[str, str]:
     }
 
 
+def measured(one: xr.Dataset) -> str:
+    """What was run for a decision: the problem, its quantity and unknowns, and the duration in periods."""
+    title, quantity = sentence(one.problem_title.item()), one.quantity.item()
+    if one.problem.item() == "records":
+        return f"{title}: {quantity} in {one.starts.item()} runs"
+    unknowns, many = one.unknowns.item(), one.decided.item()
+    times = f"{number(many)} period{'s' * (many != 1)} T = {number(one.time_scale.item(), 2)} s"
+    return f"{title}, {unknowns} unknown{'s' * (unknowns > 1)}: {quantity} over {times}"
+
+
 def by_model(results: Path) -> str:
-    """The schemes of the programs for an error of ``_ERROR`` by kind of model, as a table in Markdown."""
-    decisions = reader(results)("decisions").sel(filter="codes").sel(allowed_error=_ERROR, method="nearest")
-    lines = {one.scheme: f"`{one.name}`" for one in _input_lines(decisions.scheme.values.ravel(), ("OpenSees",))}
+    """The schemes of the programs for an error of one percent by kind of model, as a table in Markdown."""
+    decisions = answers(reader(results)("decisions"))
+    chosen = {name for one in decisions.values() for name in one.scheme.values.ravel()}
+    lines = {one.scheme: f"`{one.name}`" for one in _input_lines(chosen, ("OpenSees",))}
     rows = []
-    for model, (problem, quantity) in _MODELS.items():
-        one = decisions.sel(problem=problem, quantity=quantity)
+    for model, one in decisions.items():
         kinds = [one.sel(kind=kind) for kind in ("explicit", "implicit")]
-        chosen = next((lines[kind.scheme.item()] for kind in reversed(kinds) if kind.scheme.item() in lines), "–")
-        rows.append([model, *map(short_cell, kinds), chosen, f"{sentence(one.problem_title.item())}: {quantity}"])
+        line = next((lines[kind.scheme.item()] for kind in reversed(kinds) if kind.scheme.item() in lines), "–")
+        rows.append([model, *map(short_cell, kinds), line, measured(one)])
     head = ["model", "explicit", "implicit", "OpenSees, implicit", "measured"]
     return table(head, rows, numbers_from=len(head))
 
@@ -91,6 +90,7 @@ def tables(results: Path) -> dict[str, str]:
     ]
     return {
         **recommended(results),
+        "by_model": by_model(results),
         "decisions": table(decision.columns, decision.to_numpy().tolist(), numbers_from=len(decision.columns)),
         "input_lines": table(_HEAD, lines, numbers_from=len(_HEAD)),
     }

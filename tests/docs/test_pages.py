@@ -64,8 +64,6 @@ def test_the_configuration_of_a_page_is_accepted(page, tmp_path):
 
 
 COMMANDS = [words for page in PAGES for words in commands(page.read_text())]
-#: Commands of the README, which another test runs.
-OF_README = commands((PROJECT / "README.md").read_text())
 
 
 @pytest.mark.parametrize(
@@ -73,7 +71,6 @@ OF_README = commands((PROJECT / "README.md").read_text())
     [
         pytest.param(words, id=words[0], marks=pytest.mark.exhaustive if words[0] == "assess" else ())
         for words in COMMANDS
-        if words not in OF_README
     ],
 )
 def test_the_commands_of_the_pages_run(words, tmp_path):

@@ -1,0 +1,81 @@
+"""Error against time and against evaluations of the force: six schemes at equal steps, and general solvers."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from paper.data import SOLVERS
+from paper.figures.style import PAGE, legend_below, letter, panels
+from paper.products import figure
+
+PROBLEM, PERIODS = "softening", 100
+#: Schemes of the figure, with their colours, which differ in greyscale, and their markers.
+SCHEMES = {
+    "central_difference": ("#000000", "o"),
+    "average_acceleration": ("#0072B2", "s"),
+    "generalized_alpha": ("#D55E00", "^"),
+    "bathe": ("#7A1F4B", "D"),
+    "rk4": ("#009E73", "v"),
+    "kahan_li8": ("#E69F00", "P"),
+}
+#: General solvers of the figure, with their markers. The Taylor method of heyoka evaluates no force.
+GENERAL = {"scipy_dop853": "o", "cvode_adams": "s", "tsit5": "v", "heyoka": "D"}
+NO_FORCE = "heyoka"
+#: Largest and smallest error drawn: at larger errors the motion is lost, and smaller ones are round-off.
+TOP, BOTTOM = 1.0, 1e-10
+#: Label of each cost, with the names of its variables for schemes and for solvers.
+_COSTS = {
+    "time of a hundred periods (s)": ("time_per_run", "solver_time_per_run"),
+    "evaluations of the force": ("force_evaluations", "solver_evaluations"),
+}
+
+
+def _name(axes: Axes, solver: str, places: list[tuple[float, float]], on_left: bool) -> None:
+    """Write the name of a solver next to its last point, below it on the left or on its right."""
+    offset, side = ((-4, -7), "right") if on_left else ((5, -2.5), "left")
+    for place in places[-1:]:
+        name = axes.annotate(SOLVERS[solver], place, offset, textcoords="offset points", ha=side, color="0.3")
+        name.set_bbox({"fc": "white", "ec": "none", "pad": 0.4, "alpha": 0.8})
+
+
+@figure(
+    "Error of the displacement over 100 periods of the softening spring against time and evaluations of the force. "
+    "Lines: six schemes at equal steps. Grey: general solvers, a point for each tolerance.",
+    data="work_precision",
+    requires={
+        "work_precision.schemes.problems": [PROBLEM],
+        "work_precision.solvers.periods": [PERIODS],
+    },
+)
+def draw(data: xr.Dataset) -> Figure:
+    """Largest error of the displacement, relative to the largest displacement, against two costs of a run.
+
+    Schemes of the figure that were not run are left out.
+    """
+    data = data.sel(problem=PROBLEM, periods=PERIODS)
+    picture, (row,) = panels(1, 2, PAGE, 8.0, sharey=True)
+    for place, (axes, (label, (of_schemes, of_solvers))) in enumerate(zip(row, _COSTS.items(), strict=True)):
+        for solver, marker in GENERAL.items():
+            if solver == NO_FORCE and place:
+                continue
+            one = data.sel(solver=solver).sortby("tolerance", ascending=False)
+            known = one.solver_max_trajectory_error.where(one.solver_max_trajectory_error < TOP)
+            axes.plot(one[of_solvers], known, color="0.6", marker=marker, ls=":", lw=1.0, ms=4, label="_")
+            drawn = [at for at in zip(one[of_solvers].values, known.values, strict=True) if at[1] > BOTTOM]
+            _name(axes, solver, drawn, on_left=solver != "tsit5")
+        for scheme, (colour, marker) in ((name, SCHEMES[name]) for name in SCHEMES if name in data.scheme):
+            one = data.sel(scheme=scheme).sortby("steps_per_period", ascending=False)
+            # a small error at a step that is coarser than one whose motion is lost is an accident
+            kept = np.logical_and.accumulate(one.max_trajectory_error.values < TOP)
+            look = {"color": colour, "marker": marker, "ls": "-", "lw": 1.4, "label": one.scheme_title.item()}
+            axes.plot(one[of_schemes], one.max_trajectory_error.where(kept), **look)
+        for error in (0.1, 0.01, 0.001):
+            axes.axhline(error, color="0.8", lw=0.6, zorder=0)
+        axes.set(xscale="log", yscale="log", ylim=(BOTTOM, TOP), xlabel=label)
+        low, high = axes.get_xlim()
+        axes.set_xlim(low / 3, high * 3)  # with room for names
+        letter(axes, place, "speed against error" if place == 0 else "forces against error")
+    row[0].set_ylabel("error of the displacement")
+    legend_below(picture, columns=6)
+    return picture
