@@ -49,7 +49,7 @@ html_theme = "furo"
 html_math_renderer = "mathml"
 html_static_path = [str(Path(__file__).parent / "static")]
 html_css_files = ["site.css"]
-html_js_files = [(name, {"defer": "defer"}) for name in ("table.js", "scroll.js")]
+html_js_files = [(name, {"defer": "defer"}) for name in ("table.js", "scroll.js", "answers.js")]
 html_copy_source = html_show_sourcelink = False
 # no date of the build, so that equal data give equal pages
 html_last_updated_fmt = None

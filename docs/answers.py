@@ -1,0 +1,119 @@
+"""The answers that a reader narrows by model, error, duration, kind and code: data of ``static/answers.js``."""
+
+import json
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+import study
+from paper.products import reader
+from paper.tables.decision import column, sentence, steps_of
+from paper.tables.models import MODELS
+from study.analysis.duration import is_free, step_exponent
+from study.problem.named import problems
+from study.scheme.codes import names_in_codes
+from study.words import number
+
+#: First choices of the form: the kind of model, and the allowed error.
+FIRST = {"model": "free vibration over a long time", "error": "1 %"}
+
+#: Variables of the needs that a row shows or is ranked by.
+_USED = "step_size steps_per_period omega_step force_evaluations error largest_error smaller_steps verdict".split()
+
+_FORM = """<form id="answers" class="narrow" hidden>
+<label>model <select name="model"></select></label>
+<label>error of <select name="quantity"></select></label>
+<label>at most <select name="error"></select></label>
+<label>over <input name="periods" type="number" min="0.1" step="any"> periods</label>
+<label>scheme <select name="kind"><option value="">of any kind</option><option>explicit</option>\
+<option>implicit</option></select></label>
+<label>in <select name="code"><option value="">any program</option></select></label>
+</form>
+<div id="answer" aria-live="polite"><p>The filters need JavaScript; the table of all recommendations does not.</p></div>
+<script type="application/json" id="needs">DATA</script>
+"""
+
+
+def _number(value: float, digits: int = 6) -> float | None:
+    return float(f"{value:.{digits}g}") if np.isfinite(value) else None
+
+
+def _rows(needed: xr.Dataset) -> list[list[Any]]:
+    """A row for each scheme that keeps an error: places of problem, quantity, error and scheme, then its numbers.
+
+    The numbers are the step in words, the steps in a period, Δt·ω, the forces in a second, the error by which ties are
+    decided, and the exponent of the law of :mod:`study.analysis.duration`, None if the law does not apply.
+    """
+    dims = ("problem", "quantity", "allowed_error", "scheme")
+    used = needed[[*_USED]].transpose(*dims).reset_coords(drop=True)
+    names = [used[one].values.tolist() for one in dims]
+    free = [one in problems and is_free(problems[one]) for one in names[0]]
+    rows = []
+    for places in np.argwhere(used.step_size.notnull().values).tolist():
+        one = used.isel(dict(zip(dims, places, strict=True)))
+        _, quantity, _, scheme = (of[place] for of, place in zip(names, places, strict=True))
+        law = free[places[0]] and scheme in study.schemes
+        decides = one.largest_error if one.largest_error.notnull() else one.error
+        rows.append(
+            [
+                *places,
+                steps_of(one),
+                _number(one.steps_per_period.item()),
+                number(one.omega_step.item(), 2),
+                _number(one.force_evaluations.item(), 12),
+                _number(decides.item(), 12),
+                step_exponent(study.schemes[scheme], quantity) if law else None,
+            ]
+        )
+    return rows
+
+
+def data(needed: xr.Dataset) -> dict[str, Any]:
+    """The needs of all schemes as lists of numbers and words."""
+    needed = needed.sel(condition="practice")
+    codes = defaultdict[str, dict[str, str]](dict)
+    for one in names_in_codes():
+        codes[one.scheme][one.code] = one.name
+    models = {problem: model for model, (problem, _) in MODELS.items()}
+    of_problems = [
+        {
+            "title": sentence(title) if name not in models else f"{sentence(models[name])}: {title}",
+            "model": models.get(name, ""),
+            "scale": number(scale, 2),
+            "decided": decided,
+            "omega": number(omega, 3),
+            "unknowns": unknowns,
+            "records": name == "records",
+        }
+        for name, title, scale, decided, omega, unknowns in zip(
+            *(
+                needed[one].values.tolist()
+                for one in ("problem", "problem_title", "time_scale", "decided", "highest_frequency", "unknowns")
+            ),
+            strict=True,
+        )
+    ]
+    schemes = [
+        {"title": title, "explicit": bool(explicit), "inCodes": bool(within), "codes": codes[name]}
+        for name, title, explicit, within in zip(
+            *(needed[one].values.tolist() for one in ("scheme", "scheme_title", "explicit", "in_codes")), strict=True
+        )
+    ]
+    return {
+        "first": FIRST,
+        "problems": of_problems,
+        "quantities": needed.quantity.values.tolist(),
+        "errors": [column(error) for error in needed.allowed_error.values],
+        "schemes": schemes,
+        "codes": sorted({code for one in schemes for code in one["codes"]}),
+        "rows": _rows(needed),
+    }
+
+
+def form(results: Path) -> str:
+    """The form, its place for the answer and its data, as HTML in Markdown."""
+    text = json.dumps(data(reader(results)("needs")), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return _FORM.replace("DATA", text.replace("<", "\\u003c"))

@@ -1,0 +1,101 @@
+// The scheme and the step for a model, an error, a duration, a kind of scheme and a program, from the needs of all schemes.
+const form = document.getElementById("answers");
+if (form) {
+  const needs = JSON.parse(document.getElementById("needs").textContent);
+  const {model, quantity, error, periods, kind, code} = form.elements;
+  const tie = 1.1; // numbers of forces up to this multiple of the least tie, as in study/runs/needs.py
+
+  const fill = (select, options, chosen) => {
+    select.replaceChildren(...options.map(([value, text]) => new Option(text, value)));
+    if (options.some(([value]) => `${value}` === `${chosen}`)) select.value = chosen;
+  };
+  const element = (name, text) => Object.assign(document.createElement(name), {textContent: text});
+
+  const rowsOf = () => needs.rows.filter(([p, q, e]) => p === +model.value && q === +quantity.value && e === +error.value);
+  const cost = (row) => row[7];
+
+  // the cheapest scheme; among ties the one with the smallest error
+  const decide = (rows) => {
+    const least = Math.min(...rows.map(cost));
+    return rows.filter((row) => cost(row) <= tie * least).reduce((best, row) => (row[8] < best[8] ? row : best));
+  };
+  const ranked = (rows) => {
+    const left = [...rows], order = [];
+    while (left.length) order.push(...left.splice(left.indexOf(decide(left)), 1));
+    return order;
+  };
+
+  const roundedUp = (number) => {
+    const unit = 10 ** (Math.floor(Math.log10(number)) - 1);
+    return Number((Math.ceil(number / unit - 1e-9) * unit).toPrecision(12));
+  };
+  // the law of study/analysis/duration.py: the step falls with n^(-a), and a shorter duration keeps it
+  const steps = (row, problem) => {
+    if (problem.records || !(periods.value > problem.decided)) return [row[4], row[6]];
+    if (row[9] === null) return ["not known", ""];
+    const factor = (periods.value / problem.decided) ** row[9];
+    return [`about ${roundedUp(row[5] * factor).toLocaleString("en")}`, `${Number((row[6] / factor).toPrecision(2))}`];
+  };
+
+  const quantities = () => {
+    const known = new Set(needs.rows.filter(([p]) => p === +model.value).map((row) => row[1]));
+    const names = ["displacement", "peak drift"].map((name) => needs.quantities.indexOf(name));
+    fill(quantity, [...known].sort((a, b) => names.includes(b) - names.includes(a) || a - b)
+      .map((q) => [q, needs.quantities[q]]), quantity.value);
+    const problem = needs.problems[model.value];
+    periods.value = problem.decided;
+    periods.disabled = problem.records;
+  };
+
+  const show = () => {
+    const problem = needs.problems[model.value], parts = [];
+    const admitted = rowsOf().filter((row) => {
+      const scheme = needs.schemes[row[3]];
+      return (!kind.value || scheme.explicit === (kind.value === "explicit")) && (!code.value || code.value in scheme.codes);
+    });
+    const groups = [true, false].map((explicit) =>
+      ranked(admitted.filter((row) => needs.schemes[row[3]].explicit === explicit))).filter((group) => group.length);
+    groups.sort((a, b) => cost(a[0]) - cost(b[0]));
+    for (const [best] of groups) {
+      const scheme = needs.schemes[best[3]], [step, omega] = steps(best, problem);
+      const counted = problem.records || step === "not known" ? step : `${step} steps in a period`;
+      const line = element("p", "");
+      line.append(element("b", `${scheme.title}: ${counted}`), `${omega && `, ωΔt = ${omega}`}, `,
+        scheme.explicit ? "explicit" : "implicit");
+      if (code.value) line.append(": ", element("code", scheme.codes[code.value]));
+      parts.push(line);
+    }
+    if (!groups.length) parts.push(element("p", "No step tried keeps this error with a scheme of this kind and program."));
+    parts.push(element("p", `Measured on: ${problem.title}, ${problem.unknowns} unknown${problem.unknowns > 1 ? "s" : ""}, ` +
+      (problem.records ? "each run 20 s long; ω of the shortest period. " :
+        `period T = ${problem.scale} s, highest ω = ${problem.omega} /s, ${problem.decided} T. `) +
+      (periods.value > problem.decided ? "The step for the longer duration follows from a law of free vibration; it was not run." : "")));
+    const table = document.createElement("table"), body = table.createTBody();
+    const head = table.createTHead().insertRow();
+    for (const name of ["scheme", "kind", problem.records ? "step" : "steps in T", "ωΔt", "forces in a second"])
+      head.append(element("th", name));
+    for (const row of groups.flat()) {
+      const line = body.insertRow(), [step, omega] = steps(row, problem), scheme = needs.schemes[row[3]];
+      for (const text of [scheme.title, scheme.explicit ? "explicit" : "implicit", step, omega,
+        Number(cost(row).toPrecision(3)).toLocaleString("en")]) line.append(element("td", text));
+    }
+    const scroll = element("div", "");
+    scroll.className = "wide";
+    scroll.append(table);
+    if (groups.length) parts.push(scroll);
+    document.getElementById("answer").replaceChildren(...parts);
+  };
+
+  fill(model, needs.problems.map((one, p) => [p, one.title]),
+    needs.problems.findIndex((one) => one.model === needs.first.model));
+  fill(error, needs.errors.map((name, e) => [e, name]), needs.errors.indexOf(needs.first.error));
+  code.append(...needs.codes.map((name) => new Option(name, name)));
+  quantities();
+  form.hidden = false;
+  form.addEventListener("input", (event) => {
+    if (event.target === model) quantities();
+    show();
+  });
+  form.addEventListener("submit", (event) => event.preventDefault());
+  show();
+}

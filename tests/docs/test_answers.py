@@ -1,0 +1,79 @@
+"""The answers that a reader narrows, in a browser, compared with the decisions."""
+
+import pytest
+
+from docs import answers
+from docs.plan import PAGES
+from study import io
+from study.runs.needs import ATTRIBUTES, decisions, needs, of_problems
+from tests.browser import check_page, set_width
+from tests.runs.made_up import runs, with_kinds
+
+ERRORS = [0.1, 0.01, 0.001]
+#: Errors of the schemes at four steps, the coarsest first.
+ACCURATE = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2, 0.02, 0.02, 0.001]]
+#: Script that chooses an option of the form by its text.
+CHOOSE = """const select = document.forms.answers.elements[arguments[0]];
+select.value = [...select.options].find((one) => one.text === arguments[1]).value;
+select.dispatchEvent(new Event("input", {bubbles: true}))"""
+BEST = "return [...document.querySelectorAll('#answer b')].map((one) => one.innerText)"
+
+
+@pytest.fixture(scope="module")
+def needed():
+    """Needs on a spring and under records, with names that codes know."""
+    records = runs(ACCURATE, problem="records").assign_coords(quantity=["peak drift", "velocity"]).isel(quantity=[0])
+    parts = [needs(one, ERRORS) for one in (runs(ACCURATE, problem="softening"), records)]
+    ds = with_kinds(of_problems(parts))
+    ds.verdict.attrs = ATTRIBUTES["verdict"]
+    names = {"cheap": "central_difference", "dear": "rk4", "stiff": "bathe"}
+    return ds.assign_coords(scheme=[names[name] for name in ds.scheme.values])
+
+
+@pytest.fixture
+def page(browser, needed, tmp_path):
+    """The form in the browser."""
+    io.write(needed.assign_attrs(source=io.SOURCE), tmp_path / "needs.nc")
+    script = (PAGES.parent / "static" / "answers.js").read_text()
+    text = f'<meta charset="utf-8"><link rel="icon" href="data:,">{answers.form(tmp_path)}<script>{script}</script>'
+    (tmp_path / "page.html").write_text(text)
+    set_width(browser, 1000)
+    browser.get((tmp_path / "page.html").as_uri())
+    return browser
+
+
+def _choose(page, name, text):
+    page.execute_script(CHOOSE, name, text)
+
+
+def test_the_answers_are_the_decisions(page, needed):
+    """For each model, error and kind the page names the scheme of the decision among all schemes."""
+    decided, checked = decisions(needed).sel(filter="all"), 0
+    for problem, model in (("softening", "Free vibration over a long time: softeninging thing"), ("records", None)):
+        _choose(page, "model", model or "Frame under an earthquake: recordsing thing")
+        for error in ERRORS:
+            _choose(page, "error", f"{100 * error:g} %")
+            for kind in ("explicit", "implicit"):
+                _choose(page, "kind", kind)
+                quantity = "displacement" if problem == "softening" else "peak drift"
+                one = decided.sel(problem=problem, quantity=quantity, allowed_error=error, kind=kind)
+                found = page.execute_script(BEST)
+                assert [text.split(":")[0] for text in found] == [name for name in [one.scheme_title.item()] if name]
+                if found and problem == "softening":
+                    assert f" {one.steps_per_period.item():.0f}" in found[0]
+                checked += bool(found)
+    assert checked > 6
+    check_page(page)
+
+
+def test_a_program_and_a_duration_narrow_the_answer(page):
+    """OpenSees has Bathe's method as TRBDF2. Four times the periods need 2 and 4^(2/3) times the steps."""
+    _choose(page, "error", "10 %")
+    _choose(page, "code", "OpenSees")
+    assert page.execute_script(BEST) == ["Cheap: 16 steps in a period", "Stiff: 16 steps in a period"]
+    assert "integrator TRBDF2" in page.execute_script("return document.querySelector('#answer').innerText")
+    page.execute_script(
+        "const {periods} = document.forms.answers.elements; periods.value = 40;"
+        "periods.dispatchEvent(new Event('input', {bubbles: true}))"
+    )
+    assert page.execute_script(BEST) == ["Cheap: about 32 steps in a period", "Stiff: about 41 steps in a period"]
