@@ -11,6 +11,7 @@
 # make cluster        runs the pipeline on a Slurm of this machine
 # make archive        packs the finished study
 # make conformance    builds the wheel of the conformance kit
+# make wheel          builds the wheel of the package, and checks it for package indexes
 # make citation       validates CITATION.cff
 # make lock           updates the pinned versions in requirements.txt
 
@@ -30,7 +31,8 @@ KILLS ?= 100
 # folder of the wheel of the conformance kit
 CONFORMANCE ?= results
 
-.PHONY: study site test test-pipeline test-all coverage benchmark check lock torture cluster archive conformance citation clean
+.PHONY: study site test test-pipeline test-all coverage benchmark check lock torture cluster archive conformance wheel \
+  citation clean
 
 # the pages of the site, results/site/index.html, are made on request, with missing parts of the study
 study site: .venv/ready
@@ -95,6 +97,12 @@ archive: study
 conformance: .venv/ready
 	@rm -rf build/conformance && mkdir -p build && cp -r conformance build/
 	$(BIN)/pip wheel --quiet --no-deps --no-build-isolation --wheel-dir $(CONFORMANCE) ./build/conformance
+
+# the wheel of the package, also built from a copy
+wheel: .venv/ready
+	@rm -rf build/package && mkdir -p build/package && cp -r pyproject.toml README.md LICENSE study reference build/package
+	$(BIN)/pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/wheel ./build/package
+	$(BIN)/uv tool run twine check --strict build/wheel/*.whl
 
 # validate CITATION.cff; a test compares it with codemeta.json and .zenodo.json
 citation: .venv/ready

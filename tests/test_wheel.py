@@ -144,3 +144,35 @@ def test_pinned_packages_name_no_registry_and_satisfy_the_declared_bounds():
         if requirement.name != METADATA["name"]:
             versions = pinned[requirement.name.lower()]
             assert all(version in requirement.specifier for version in versions), (requirement, versions)
+
+
+#: Program that runs the cells of a notebook as one would, except the one that installs the package, and what they show.
+_CELLS = """
+import json, sys, types
+from pathlib import Path
+
+display = types.ModuleType("IPython.display")
+display.HTML = lambda text: print("page of", len(text))
+sys.modules |= {"IPython": types.ModuleType("IPython"), "IPython.display": display}
+sys.modules["IPython"].version_info = (9, 0)  # matplotlib asks for it
+seen = {}
+for cell in json.loads(Path(sys.argv[1]).read_text())["cells"]:
+    if cell["cell_type"] == "code":
+        exec("".join(cell["source"]).replace("%pip", "# %pip"), seen)
+print(seen["package"], seen["study"].__file__)
+"""
+
+
+@pytest.mark.pipeline
+def test_the_notebook_runs_with_the_wheel(wheel, tmp_path):
+    """The package is that of the wheel; the extras are those of this environment."""
+    zipfile.ZipFile(wheel).extractall(tmp_path / "package")
+    folder = tmp_path / "notebook"
+    folder.mkdir()
+    shutil.copy(wheel, folder)
+    command = [sys.executable, "-c", _CELLS, PROJECT / "examples" / "which_step.ipynb"]
+    environment = os.environ | {"PYTHONPATH": str(tmp_path / "package"), "MPLBACKEND": "agg"}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-4000:]
+    assert "1 % of displacement: Central difference, 0.14 s" in done.stdout and "page of" in done.stdout
+    assert f"{wheel.name}[reference,paper] {tmp_path / 'package'}" in done.stdout
