@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-import study
 from paper.products import reader
 from paper.tables.decision import column, sentence, steps_of
 from paper.tables.models import MODELS
-from study.analysis.duration import is_free, step_exponent
-from study.problem.named import problems
+from study.analysis.duration import step_exponent
 from study.scheme.codes import names_in_codes
 from study.words import number
 
@@ -49,13 +47,12 @@ def _rows(needed: xr.Dataset) -> list[list[Any]]:
     """
     dims = ("problem", "quantity", "allowed_error", "scheme")
     used = needed[[*_USED]].transpose(*dims).reset_coords(drop=True)
-    names = [used[one].values.tolist() for one in dims]
-    free = [one in problems and is_free(problems[one]) for one in names[0]]
+    names = used.quantity.values.tolist()
+    free, order, keeps = (needed[one].values.tolist() for one in ("free_vibration", "order", "keeps_energy"))
     rows = []
     for places in np.argwhere(used.step_size.notnull().values).tolist():
         one = used.isel(dict(zip(dims, places, strict=True)))
-        _, quantity, _, scheme = (of[place] for of, place in zip(names, places, strict=True))
-        law = free[places[0]] and scheme in study.schemes
+        problem, quantity, _, scheme = places
         decides = one.largest_error if one.largest_error.notnull() else one.error
         rows.append(
             [
@@ -65,7 +62,7 @@ def _rows(needed: xr.Dataset) -> list[list[Any]]:
                 number(one.omega_step.item(), 2),
                 _number(one.force_evaluations.item(), 12),
                 _number(decides.item(), 12),
-                step_exponent(study.schemes[scheme], quantity) if law else None,
+                step_exponent(order[scheme], bool(keeps[scheme]), names[quantity]) if free[problem] else None,
             ]
         )
     return rows
