@@ -61,7 +61,7 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
         "spectrum_records": str(spectrum.sizes["record"]),
         "spectrum_stochastic": str(spectrum.sizes["record"] - 1),
         "spectrum_spacing": f"{1e3 * spectrum.spacing.item():g}",
-        "spectrum_finest": f"{1e3 * spectrum.step_size.values[-1]:g}",
+        "spectrum_finest": f"{1e3 * spectrum.step_size.values[-1]:.2g}",
         "spectrum_coarsest": f"{1e3 * spectrum.step_size.values[0]:g}",
         "spectrum_ratio": percent((spectrum.step_size.values[:-1] / spectrum.step_size.values[1:]).max() - 1),
         "spectrum_error": f"{100 * spectrum.allowed_error.item():g}",
