@@ -1,6 +1,6 @@
 """Sentences on the reliability of an assessment."""
 
-from study.assessment.assurance import confirmation
+from study.assessment.assurance import confirmation, other_durations
 from tests import small_results
 
 
@@ -13,3 +13,11 @@ def test_few_tries_are_no_assurance():
     assert "1 of 7 recommended steps were confirmed by fewer than 30 steps, which is no assurance" in text
     ds.steps_tried[:] = 3
     assert "With 95 %" not in confirmation(ds)
+
+
+def test_steps_over_longer_durations_follow_the_law_for_free_vibration_only():
+    ds = small_results.assessment().assign_coords(order=("scheme", [2, 4]), keeps_energy=("scheme", [1, 0]))
+    free = other_durations(ds.assign_attrs(free_vibration=1))
+    assert "falls with n^(−0.4) with Central difference; n^(−0.5) with Average acceleration." in free
+    forced = other_durations(ds.assign_attrs(free_vibration=0))
+    assert forced == "All steps hold for 10 s. A longer duration needs an assessment of its own."

@@ -75,7 +75,7 @@ def test_the_command_writes_a_dataset_and_a_page_of_its_own(assessed):
     answer = text.index('<td>5\u00a0%</td><td class="text">Runge-Kutta, ')
     model = text.index("period of small motion 6.28 s")
     assert answer < text.index("<h2>") < model < text.index("<h2>Error of displacement")
-    assert "relative to the largest value along time. Dashed" in text and "n^(−0.4) with Runge-Kutta" in text
+    assert "relative to the largest value along time. Dashed" in text and "n^(−0.4) with Runge-Kutta; n^(−0.5)" in text
     # the largest speed of a pendulum follows from its energy
     assert f"<td>velocity</td><td>{2 * np.sin(0.5):.7g} ± " in text
     assert "heyoka" in text and study.__version__ in text
