@@ -11,7 +11,7 @@ from study.analysis.recommendation import asked_for, best_of, firsts, of_control
 from study.assessment.assurance import percent
 from study.scheme.codes import names_in_codes
 from study.scheme.named import schemes
-from study.words import listed, number, step_size, text_of
+from study.words import listed, number, printed, step_size, text_of
 
 
 def time_in_words(seconds: float) -> str:
@@ -99,7 +99,7 @@ def answers(assessed: xr.Dataset, tables: list[pd.DataFrame], quantity: str, tit
     rows = []
     for limit, table in zip(assessed.allowed_error.values, tables, strict=True):
         asked = [of_own(assessed, table, name) for name in own]
-        asked += [of_controller(assessed, table)] if "tolerance" in table else []
+        asked += [printed(of_controller(assessed, table))] if "tolerance" in table else []
         best = [f"{best_of(assessed, row)} ({row.kind})" for _, row in firsts(table).iterrows()]
         none = [f"no scheme was found ({listed(sorted(set(table.verdict)))})"]
         rows.append((percent(limit), *asked, *[*(best or none), ""][:2]))
