@@ -28,7 +28,12 @@ ENDS = (*STATUSES, "not_tried")
 NOT_TRIED = ENDS.index("not_tried")
 
 
-#: Attributes of the variables.
+#: Attributes of the coordinates that only schemes of the package have, not those of a program.
+OF_SCHEMES = {
+    "order": {"long_name": "order of accuracy", "units": "1"},
+    "keeps_energy": {"long_name": "1 if the energy error of free vibration does not grow", "units": "1"},
+}
+#: Attributes of the other variables.
 ATTRIBUTES = {
     "error": {"long_name": "error, relative to the value that relative_to states", "units": "1"},
     "status": flags("how the run ended", ENDS, np.int8),
@@ -50,8 +55,6 @@ ATTRIBUTES = {
     "scheme": {"long_name": "time integration scheme"},
     "scheme_title": {"long_name": "name of the scheme"},
     "kind": {"long_name": "explicit or implicit"},
-    "order": {"long_name": "order of accuracy", "units": "1"},
-    "keeps_energy": {"long_name": "1 if the energy error of free vibration does not grow", "units": "1"},
     "dt": {"long_name": "step size", "units": "s"},
     "steps": {"long_name": "number of steps", "units": "1"},
     "quantity": {"long_name": "quantity whose error is measured"},
@@ -159,7 +162,7 @@ def dataset_of(
         keeps_energy=("scheme", [int(schemes[name].keeps_energy) for name in found]),
         steps=tried.steps.max("scheme").astype(int),
     )
-    for name, attributes in ATTRIBUTES.items():
+    for name, attributes in (ATTRIBUTES | OF_SCHEMES).items():
         ds[name].attrs |= attributes
     ds.attrs = io.provenance(f"Which scheme and which step: {problem.title}", "study.assess", io.now())
     parts = {name: one.map for name, one in found.items() if one.map is not None}
