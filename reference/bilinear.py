@@ -1,4 +1,4 @@
-r"""Exact peaks of many oscillators on bilinear springs under records, from event to event.
+r"""Exact motions of many oscillators on bilinear springs under records, from event to event.
 
 An event is a yield point, a turning point of the motion or a sample of the record. Between two events the motion obeys
 
@@ -28,7 +28,9 @@ CONVERGED = 1e-9
 MOST_CORRECTIONS = 60
 
 
-def _motion(tau: Lanes, u: Lanes, v: Lanes, c: Lanes, k: Lanes, q0: Lanes, q1: Lanes) -> tuple[Lanes, Lanes, Lanes]:
+def motion_after(
+    tau: Lanes, u: Lanes, v: Lanes, c: Lanes, k: Lanes, q0: Lanes, q1: Lanes
+) -> tuple[Lanes, Lanes, Lanes]:
     """Displacement, velocity and acceleration of underdamped oscillators after a time τ under the load q₀ + q₁ τ."""
     rate, frequency = q1 / k, np.sqrt(k - c**2 / 4)
     steady = (q0 - c * rate) / k
@@ -39,15 +41,15 @@ def _motion(tau: Lanes, u: Lanes, v: Lanes, c: Lanes, k: Lanes, q0: Lanes, q1: L
     return u, v, q0 + q1 * tau - c * v - k * u
 
 
-def _time_of(level: Lanes | float, derivative: int, end: Lanes, start: np.ndarray) -> Lanes:
+def time_of(level: Lanes | float, derivative: int, end: Lanes, start: np.ndarray) -> Lanes:
     """Time up to ``end`` at which displacement (``derivative`` 0) or velocity (1) passes a level.
 
     The time is found by Newton's iteration. A correction that leaves the bracket is replaced by a bisection.
     """
     low, high, tau = np.zeros_like(end), end, end / 2
-    rises = _motion(end, *start)[derivative] > level
+    rises = motion_after(end, *start)[derivative] > level
     for _ in range(MOST_CORRECTIONS):
-        value, slope = _motion(tau, *start)[derivative : derivative + 2]
+        value, slope = motion_after(tau, *start)[derivative : derivative + 2]
         before = (value > level) != rises
         low, high = np.where(before, tau, low), np.where(before, high, tau)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -58,21 +60,24 @@ def _time_of(level: Lanes | float, derivative: int, end: Lanes, start: np.ndarra
     raise RouteFailed("the time of an event was not found.")
 
 
-def peaks(
+def motions(
     acceleration: Rows,
-    dt: float,
+    dt: Lanes | float,
     stiffness: Lanes,
     damping: Lanes,
     yield_force: Lanes,
     hardening: float,
-    places: int,
-) -> Lanes:
-    """Largest absolute displacement of unit masses that start at rest, exact up to round-off.
+    places: np.ndarray | int,
+) -> tuple[Lanes, Rows]:
+    """Largest absolute displacement of unit masses that start at rest, and the displacement at every sample.
+
+    Both are exact up to round-off.
 
     Parameters
     ----------
     acceleration, dt
-        Acceleration of the ground of each oscillator, linear between its samples, and the time between two samples.
+        Acceleration of the ground of each oscillator, linear between its samples, and the time between two samples. NaN
+        follows the last sample of a record that is shorter than the longest.
     stiffness, damping, yield_force, hardening
         Stiffness k, damping c, force at yield, and the ratio of the stiffness after yield to k. The oscillator must
         stay underdamped after yield.
@@ -81,30 +86,33 @@ def peaks(
         motion at the end of the part. Two turning points within one part are missed, so the difference of the peaks
         with two values of ``places`` estimates the uncertainty of the peaks.
     """
-    bound, slope, spacing = yield_force / stiffness, np.diff(acceleration) / dt, dt / places
+    dt, places = (np.broadcast_to(one, stiffness.shape) for one in (dt, places))
+    bound, slope, part = yield_force / stiffness, np.diff(acceleration) / dt[:, None], dt / places
+    parts = places * np.isfinite(slope).sum(axis=1)
     # ``side``: direction of yield, zero while elastic; ``passed``: time since the start of the current part
     u, v, plastic, side, passed, peak = np.zeros((6, len(acceleration)))
-    place = np.zeros(len(acceleration), int)
-    while (lanes := np.flatnonzero(place < places * slope.shape[1])).size:
-        sample, yields = place[lanes] // places, side[lanes] != 0
+    place, at_samples = np.zeros(len(acceleration), int), np.zeros(acceleration.shape)
+    while (lanes := np.flatnonzero(place < parts)).size:
+        sample, within = np.divmod(place[lanes], places[lanes])
+        yields = side[lanes] != 0
         k = np.where(yields, hardening, 1.0) * stiffness[lanes]
         rest = np.where(yields, side[lanes] * bound[lanes], -plastic[lanes])
         q1 = -slope[lanes, sample]
-        since = place[lanes] % places * spacing + passed[lanes]
+        since = within * part[lanes] + passed[lanes]
         q0 = -acceleration[lanes, sample] + q1 * since - (1 - hardening) * stiffness[lanes] * rest
         start = np.array([u[lanes], v[lanes], damping[lanes], k, q0, q1])
-        left = spacing - passed[lanes]
+        left = part[lanes] - passed[lanes]
         tau = left.copy()
-        u_end, v_end, _ = _motion(left, *start)
+        u_end, v_end, _ = motion_after(left, *start)
         turns = v[lanes] * v_end < 0
-        tau[turns] = _time_of(0.0, 1, left[turns], start[:, turns])
-        u_end[turns], v_end[turns] = _motion(tau[turns], *start[:, turns])[0], 0.0
+        tau[turns] = time_of(0.0, 1, left[turns], start[:, turns])
+        u_end[turns], v_end[turns] = motion_after(tau[turns], *start[:, turns])[0], 0.0
         # up to ``tau`` the motion has one direction, so it leaves the elastic range at most once
         direction = np.sign(u_end - u[lanes])
         limit = plastic[lanes] + direction * bound[lanes]
         leaves = ~yields & (direction * (u_end - limit) > 0)
-        tau[leaves] = _time_of(limit[leaves], 0, tau[leaves], start[:, leaves])
-        u_end[leaves], v_end[leaves] = limit[leaves], _motion(tau[leaves], *start[:, leaves])[1]
+        tau[leaves] = time_of(limit[leaves], 0, tau[leaves], start[:, leaves])
+        u_end[leaves], v_end[leaves] = limit[leaves], motion_after(tau[leaves], *start[:, leaves])[1]
         u[lanes], v[lanes], peak[lanes] = u_end, v_end, np.maximum(peak[lanes], np.abs(u_end))
         unloads = lanes[turns & yields]
         plastic[unloads] = u[unloads] - side[unloads] * bound[unloads]
@@ -112,4 +120,6 @@ def peaks(
         ends = tau == left
         place[lanes] += ends
         passed[lanes] = np.where(ends, 0.0, passed[lanes] + tau)
-    return peak
+        reached = ends & (within == places[lanes] - 1)
+        at_samples[lanes[reached], sample[reached] + 1] = u[lanes[reached]]
+    return peak, at_samples

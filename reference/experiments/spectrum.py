@@ -40,7 +40,7 @@ def spectrum(records: Records, periods: RecordPeriods, reductions: Reductions, d
     samples = np.repeat(ground, len(periods), axis=0)
 
     def peaks(strength, places):
-        return bilinear.peaks(samples, spacing, stiffness, damping, strength, hardening, places)
+        return bilinear.motions(samples, spacing, stiffness, damping, strength, hardening, places)[0]
 
     strong = np.full(len(stiffness), STRONG)
     of_elastic = stiffness * peaks(strong, PLACES[0])

@@ -103,20 +103,35 @@ def ground_motions(number: int) -> list[GroundMotion]:
 
 
 def yielding_under_record(ground, period, yield_force) -> Problem:
-    """A unit mass on an elastoplastic spring and moving ground, with hardening b = 0.02 and damping ratio 0.05.
+    """The oscillator of :func:`yielding_oscillator` on moving ground.
 
     Parameters
     ----------
     ground
         Motion of the ground.
+    period, yield_force
+        As in :func:`yielding_oscillator`.
+    """
+    return yielding_oscillator(period, yield_force, ground=ground, title="yielding oscillator under a record")
+
+
+def yielding_oscillator(period, yield_force, damping_ratio=0.05, **more) -> Problem:
+    """A unit mass at rest on an elastoplastic spring with hardening b = 0.02.
+
+    Parameters
+    ----------
     period
         Period of small motions, in s.
     yield_force
         Force at which the spring yields, in N per kg of mass.
+    damping_ratio
+        Damping ratio of small motions.
+    more
+        Further arguments of the problem.
     """
     frequency = 2 * np.pi / period
     spring = elastoplastic(stiffness=frequency**2, yield_force=yield_force, hardening=0.02)
-    return Problem(spring, 0.0, damping=2 * 0.05 * frequency, ground=ground, title="yielding oscillator under a record")
+    return Problem(spring, 0.0, damping=2 * damping_ratio * frequency, **more)
 
 
 @named()

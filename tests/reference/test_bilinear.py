@@ -1,4 +1,4 @@
-"""Exact peaks of many bilinear oscillators, compared with the exact motion of each single oscillator."""
+"""Exact motions of many bilinear oscillators, compared with the exact motion of each single oscillator."""
 
 import numpy as np
 import pytest
@@ -12,28 +12,31 @@ PERIODS, STRENGTHS = np.array([0.3, 0.3, 1.0, 2.0]), np.array([1e9, 1.5, 0.8, 0.
 GROUNDS = [GroundMotion.kanai_tajimi(seed, duration=6.0) for seed in (1, 2, 1, 3)]
 
 
-def _peaks(places):
+def _motions(places):
     stiffness = (2 * np.pi / PERIODS) ** 2
     samples = np.stack([ground.acceleration for ground in GROUNDS])
-    return bilinear.peaks(samples, 0.02, stiffness, 0.1 * np.sqrt(stiffness), STRENGTHS, 0.02, places)
+    return bilinear.motions(samples, 0.02, stiffness, 0.1 * np.sqrt(stiffness), STRENGTHS, 0.02, places)
 
 
-def test_many_oscillators_have_the_peaks_of_one():
+def test_many_oscillators_have_the_motion_of_one():
     t = np.linspace(0.0, 6.0, 12_001)[1:]
-    for peak, ground, period, strength in zip(_peaks(5), GROUNDS, PERIODS, STRENGTHS, strict=True):
+    for peak, at_samples, ground, period, strength in zip(*_motions(5), GROUNDS, PERIODS, STRENGTHS, strict=True):
         exact = piecewise.trajectory(yielding_under_record(ground, period, strength), t)
         between = scipy.interpolate.CubicHermiteSpline(t, exact.u, exact.v)
         turns = between.derivative().roots(extrapolate=False)
         largest = np.abs(np.append(exact.u, between(turns))).max()  # the peak may be at the end
         assert peak == pytest.approx(largest, rel=1e-9)
+        assert at_samples == pytest.approx(np.append(0.0, exact.u[39::40]), abs=1e-9 * largest)
 
 
 def test_peaks_do_not_depend_on_the_places_where_events_are_looked_for():
-    np.testing.assert_allclose(_peaks(5), _peaks(13), rtol=1e-9)
+    np.testing.assert_allclose(_motions(5)[0], _motions(13)[0], rtol=1e-9)
 
 
 def test_an_oscillator_thrown_by_a_pulse_has_its_closed_peak():
     # the peak under constant acceleration is the static displacement times 1 + d; d is the decay in half a period
-    peak = bilinear.peaks(np.full((1, 101), -3.0), 0.02, np.array([16.0]), np.array([0.8]), np.array([1e9]), 0.02, 3)
+    peak, _ = bilinear.motions(
+        np.full((1, 101), -3.0), 0.02, np.array([16.0]), np.array([0.8]), np.array([1e9]), 0.02, 3
+    )
     damped = np.exp(-0.1 * np.pi / np.sqrt(1 - 0.1**2))
     assert peak[0] == pytest.approx(3 / 16 * (1 + damped), rel=1e-12)
