@@ -35,6 +35,7 @@ Which scheme and which step size
         study.report(ds, "pendulum.html")
 
     ``step_bound`` computes the steps that keep energy, period and displacement of a free oscillator, without a run.
+    ``record_error`` predicts the error of a step under a record of ground motion, without a run.
     ``work_precision`` returns the errors and computing times of runs, and draws them if a file for the figure is given.
     ``cite`` lists, as BibTeX, the works on which a dataset is based.
 

@@ -7,6 +7,7 @@ from study import settings as settings
 from study.analysis.linear_theory import LinearTheory as LinearTheory
 from study.analysis.outcomes import Outcome as Outcome
 from study.analysis.outcomes import outcomes as outcomes
+from study.analysis.record_error import record_error as record_error
 from study.analysis.step_bound import step_bound as step_bound
 from study.assessment.assess import assess as assess
 from study.assessment.citation import cite as cite

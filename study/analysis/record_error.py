@@ -1,0 +1,98 @@
+"""``study.record_error``: the error of a step under a record of ground motion, without a run."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from study.analysis.step_bound import modified_energy
+from study.mechanics.ground import GroundMotion
+from study.scheme.base import Scheme
+from study.scheme.named import schemes
+
+#: Number of points in the spacing of a record at which the record is compared with the load that the steps see.
+POINTS = 8
+
+#: A number, or one for each period.
+_Errors = Float[np.ndarray, "..."]
+
+
+class RecordError(NamedTuple):
+    """Largest errors of the displacement of linear oscillators along time, over the peak; each of shape (periods,).
+
+    Attributes
+    ----------
+    of_period
+        Error by the error of the period.
+    of_load
+        Error by the part of the record that the steps pass over.
+    """
+
+    of_period: _Errors
+    of_load: _Errors
+
+    @property
+    def total(self) -> _Errors:
+        """Root of the sum of both squares."""
+        return np.hypot(self.of_period, self.of_load)
+
+
+def record_error(
+    ground: GroundMotion,
+    dt: float,
+    period: _Errors | float,
+    damping: float = 0.05,
+    scheme: str | Scheme = "average_acceleration",
+) -> RecordError:
+    r"""Error of the displacement of a linear oscillator under a record, without a run.
+
+    .. math::
+
+        \varepsilon^2 = \Big(\frac{\delta}{\sqrt 2\,\zeta}\Big)^2
+        + \frac{\int |H|^2\,|A - A_{\Delta t}|^2\,df}{\int |H|^2\,|A|^2\,df}, \quad
+        H = \frac{1}{\omega^2 - (2\pi f)^2 + 4\pi i\,\zeta\omega f}
+
+    The first term is the error by the relative error δ of the period, in a band of white noise:
+    :math:`(\omega\Delta t)^2/12` with average acceleration, and half of it with central difference. In the second, A is
+    the Fourier transform of the record, linear between its samples, and :math:`A_{\Delta t}` that of straight lines
+    between its values at the steps. At steps that divide the spacing of the record, both are equal. At other steps,
+    their difference at the frequency f of the oscillator is the power of the record near :math:`1/\Delta t \pm f`,
+    which the steps cannot distinguish from f.
+
+    Parameters
+    ----------
+    ground
+        The record.
+    dt
+        Step size in s.
+    period
+        Period of the oscillator in s, or an array of periods.
+    damping
+        Damping ratio ζ.
+    scheme
+        A Newmark method with γ = ½, the implicit midpoint rule, or the name of one.
+
+    Raises
+    ------
+    KeyError
+        If there is no scheme of that name.
+    ValueError
+        If the error of the period of the scheme is not known here, or a number is not positive.
+    """
+    for name, value in (("dt", dt), ("period", period), ("damping", damping)):
+        if not (np.all(np.asarray(value) > 0) and np.all(np.isfinite(value))):
+            raise ValueError(f"{name} must be positive, not {value!r}.")
+    modified = modified_energy(schemes[scheme] if isinstance(scheme, str) else scheme)
+    omega = 2 * np.pi / np.asarray(period, float)
+    spacing = float(ground.dt) / POINTS
+    t = spacing * np.arange(POINTS * (len(ground.acceleration) - 1) + 1)
+    steps = dt * np.arange(math.ceil(t[-1] / dt - 1e-9) + 1)
+    record = np.interp(t, ground.kinks, ground.acceleration)
+    missed = record - np.interp(t, steps, np.interp(steps, ground.kinks, ground.acceleration))
+    count = 2 ** math.ceil(math.log2(2 * len(t)))  # zeros follow, in which the response decays
+    frequency = 2 * np.pi * np.fft.rfftfreq(count, spacing)
+    response = 1 / np.abs(omega[..., None] ** 2 - frequency**2 + 2j * damping * omega[..., None] * frequency)
+    of_missed, of_record = (np.linalg.norm(response * np.fft.rfft(one, count), axis=-1) for one in (missed, record))
+    delta = abs(modified.of_period) * (omega * dt) ** 2
+    return RecordError(delta / (math.sqrt(2) * damping), of_missed / of_record)

@@ -1,0 +1,46 @@
+"""The predicted error of a step under a record."""
+
+import numpy as np
+import pytest
+
+import study
+
+PERIOD, DAMPING = 0.8, 0.04
+FREQUENCY = 1 / PERIOD
+
+
+def test_a_step_that_divides_the_spacing_has_the_error_of_the_period_in_white_noise():
+    # average acceleration maps the frequency Ω to 2/Δt tan(ΩΔt/2) in the response of the oscillator
+    omega, dt = 2 * np.pi * FREQUENCY, 0.01
+    w = np.linspace(0, 8 * omega, 400_001)
+
+    def response(at):
+        return 1 / (omega**2 - at**2 + 2j * DAMPING * omega * at)
+
+    off = np.abs(response(2 / dt * np.tan(w * dt / 2)) - response(w))
+    expected = np.sqrt(np.sum(off**2) / np.sum(np.abs(response(w)) ** 2))
+    error = study.record_error(study.GroundMotion.el_centro(), dt, PERIOD, DAMPING)
+    assert error.of_load == pytest.approx(0, abs=1e-12)
+    assert error.total == pytest.approx(expected, rel=0.02)
+    central = study.record_error(study.GroundMotion.el_centro(), dt, PERIOD, DAMPING, "central_difference")
+    assert error.of_period == pytest.approx(2 * central.of_period)
+
+
+def test_power_that_the_steps_mistake_for_that_of_the_oscillator_is_its_error():
+    # at the steps both harmonics are equal; straight lines between the steps keep sinc² of the first
+    dt, spacing, ratio = 0.05, 0.002, 0.07
+    t = spacing * np.arange(100_001)
+    alias = np.cos(2 * np.pi * (1 / dt - FREQUENCY) * t)
+    ground = study.GroundMotion(np.cos(2 * np.pi * FREQUENCY * t) + ratio * alias, spacing)
+    coarse = study.record_error(ground, dt * (1 + 1e-9), np.array([PERIOD, 2 * PERIOD]), DAMPING)
+    seen = (1 + ratio) * np.sinc(FREQUENCY * dt) ** 2
+    assert coarse.of_load[0] == pytest.approx(seen - 1, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [({"scheme": "rk4"}, "no step bound is known"), ({"dt": 0.0}, "dt must be positive"), ({"damping": -1}, "damping")],
+)
+def test_what_is_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        study.record_error(study.GroundMotion.el_centro(), **{"dt": 0.01, "period": 1.0} | arguments)
