@@ -34,7 +34,7 @@ def beyond_between(spectrum: xr.Dataset, scheme: str) -> xr.DataArray:
     return _beyond(spectrum).sel(scheme=scheme, step_size=between)
 
 
-def _with_interval(beyond: xr.DataArray) -> str:
+def with_interval(beyond: xr.DataArray) -> str:
     """A share in percent with its exact interval of 95 % confidence, by Clopper and Pearson."""
     from scipy.stats import binomtest  # here, as no other number of the text needs it
 
@@ -77,6 +77,6 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
             found[f"spectrum_{short}_{name}"] = span(1e3 * long, ".2g")
             found[f"spectrum_{short}_{name}_steps"] = span(long.period / long, ".0f")
             found[f"spectrum_{short}_{name}_short"] = f"{SHORT / of_scheme.sel(tried=tried, period=SHORT).item():.0f}"
-        found[f"spectrum_{short}_at_spacing"] = _with_interval(beyond_at_the_spacing(spectrum, scheme))
-        found[f"spectrum_{short}_between"] = _with_interval(beyond_between(spectrum, scheme))
+        found[f"spectrum_{short}_at_spacing"] = with_interval(beyond_at_the_spacing(spectrum, scheme))
+        found[f"spectrum_{short}_between"] = with_interval(beyond_between(spectrum, scheme))
     return found

@@ -1,0 +1,68 @@
+"""Claims on the step under records of ground motion, decided by our runs."""
+
+from paper.claims.ledger import PRACTICE, Finding, claim, when
+from paper.numbers.record_error import ONE_CURVE, SCHEME, over_period, predicted, scatter
+from paper.numbers.what_moves import QUANTITIES, of_choices, of_medians
+from study.words import number
+
+#: Factor within which a prediction agrees with most runs, and share of these runs.
+FACTOR, MOST_RUNS = 2.0, 0.95
+#: Largest ratio of the error to that of the period where the mean of the load restores the error of steps that divide.
+RESTORED = 3.0
+_OF_AVERAGE = {"record_error.schemes": [SCHEME]}
+
+
+@claim(
+    "structures",
+    "The power of a record above 1/(4Δt) decides the error of a step.",
+    "scatter of the error of the displacement about a line against that power, in decades, average acceleration",
+    whose=PRACTICE,
+    requires=_OF_AVERAGE,
+)
+def power_above_decides(record_error):
+    one = record_error.sel(scheme=SCHEME)
+    value, step = scatter(one, one.power_above), scatter(one, one.of_period)
+    return Finding(f"{value:.2f}, and {step:.2f} about (ωΔt)²", value <= ONE_CURVE)
+
+
+@claim(
+    "structures",
+    "The error of a step under a record follows from the error of the period and the part of the record passed over.",
+    "share of runs within a factor of two of the prediction, linear oscillators, average acceleration",
+    requires=_OF_AVERAGE,
+)
+def period_and_load_decide(record_error):
+    one = record_error.sel(scheme=SCHEME)
+    ratio = one.error.sel(load="samples") / predicted(one)
+    share = float(((ratio > 1 / FACTOR) & (ratio < FACTOR)).sum() / ratio.notnull().sum())
+    return Finding(f"{100 * share:.3g} %", share >= MOST_RUNS)
+
+
+@claim(
+    "structures",
+    "The mean of the load over each step restores the error of steps that divide the spacing of a record.",
+    "97.5th percentile of error over error of the period at other steps, with samples and with means",
+    requires=_OF_AVERAGE,
+)
+def mean_load_restores(record_error):
+    plain, mean = (over_period(record_error, load) for load in ("samples", "averages"))
+    return Finding(f"{number(plain, 2)}; {number(mean, 2)}", mean < RESTORED < plain)
+
+
+@claim(
+    "structures",
+    "The spacing of the records as step moves medians over records less than damping and the choice of records do.",
+    "largest change of a median by the step; least by a damping of 3.5 % and by a choice of 40 records, in percent",
+)
+def step_moves_least(what_moves):
+    found, holds, uncertain = [], True, False
+    for name, title in QUANTITIES.items():
+        medians = abs(of_medians(what_moves[name]))
+        step = medians.change.sel(variant="spacing").max().item()
+        damping = medians.change.sel(variant="damping").min().item()
+        choice = of_choices(what_moves[name], 40).min().item()
+        found.append(f"{title} {100 * step:.2g}; {100 * damping:.2g}; {100 * choice:.2g}")
+        holds &= step < min(damping, choice)
+        outer = medians[["low", "high"]].to_array().sel(variant="spacing").max().item()
+        uncertain |= outer >= damping
+    return Finding(", ".join(found), holds, when(uncertain, "the intervals over the records overlap"))

@@ -1,0 +1,59 @@
+"""What moves collapse intensity, drift and residual drift of a yielding mass with P-Δ."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from paper.figures.style import PAGE, curve_styles_in_order, legend_below, letter, panels
+from paper.numbers.what_moves import CHOSEN, QUANTITIES, of_choices, of_medians, of_records
+from paper.products import figure
+
+#: Smallest change in percent that is drawn; smaller ones are drawn there.
+SMALLEST = 0.01
+#: Percentile of the changes of single records.
+SINGLE = 0.95
+
+
+@figure(
+    "Change of the median over records of collapse intensity, peak drift and residual drift of a yielding mass with "
+    "P-Δ, by step, damping and strength, with 95 % intervals over the records; half of the 95 % interval of the median "
+    "over a choice of records; (d) the change of the peak drift that 95 % of single records do not exceed.",
+)
+def draw(what_moves: xr.Dataset) -> Figure:
+    """A panel for each median, and one for single records; a row for each variant, a marker for each period."""
+    variants = [name for name in what_moves.variant.values if name != "reference"]
+    titles = [what_moves.variant_title.sel(variant=name).item() for name in variants]
+    rows = [*titles, *(f"choice of {count} records" for count in CHOSEN)]
+    figure, (axes,) = panels(1, 4, PAGE, 6.6, sharey=True)
+    looks = curve_styles_in_order(f"{period:g} s" for period in what_moves.period.values)
+    shifts = np.linspace(-0.25, 0.25, len(looks))
+    for index, (ax, (name, title)) in enumerate(zip(axes, QUANTITIES.items(), strict=False)):
+        medians = 100 * of_medians(what_moves[name]).sel(variant=variants)
+        for p, ((label, look), shift) in enumerate(zip(looks.items(), shifts, strict=True)):
+            one = medians.isel(period=p)
+            size = np.maximum(abs(one.change), SMALLEST)
+            # the interval of the size of a change whose interval contains zero begins at zero
+            crosses = (one.low <= 0) & (one.high >= 0)
+            inner = np.minimum(abs(one.low), abs(one.high)).where(~crosses, SMALLEST)
+            outer = np.maximum(abs(one.low), abs(one.high))
+            place = np.arange(len(variants)) + shift
+            style = {"color": look["color"], "marker": look["marker"]}
+            ax.hlines(place, np.maximum(inner, SMALLEST), np.maximum(outer, SMALLEST), color=look["color"], lw=0.9)
+            ax.plot(size, place, linestyle="", markersize=3.5, label=f"period {label}", **style)
+            choices = [100 * of_choices(what_moves[name], count).isel(period=p).item() for count in CHOSEN]
+            ax.plot(choices, len(variants) + np.arange(len(CHOSEN)) + shift, linestyle="", markersize=3.5, **style)
+        letter(ax, index, title)
+    last = axes[-1]
+    single = 100 * of_records(what_moves.peak_drift).sel(variant=variants).quantile(SINGLE, "record")
+    for p, ((_, look), shift) in enumerate(zip(looks.items(), shifts, strict=True)):
+        style = {"color": look["color"], "marker": look["marker"], "linestyle": "", "markersize": 3.5}
+        last.plot(np.maximum(single.isel(period=p), SMALLEST), np.arange(len(variants)) + shift, **style)
+    letter(last, len(QUANTITIES), "single drifts")
+    for ax in axes:
+        ax.set(xscale="log", xlim=(SMALLEST / 1.5, 400), xlabel="change (%)")
+        ax.set_xticks([0.01, 0.1, 1, 10, 100], ["0.01", "0.1", "1", "10", "100"])
+        ax.axhline(len(variants) - 0.5, color="0.8", linewidth=0.8)
+    axes[0].set_yticks(range(len(rows)), rows)
+    axes[0].invert_yaxis()
+    legend_below(figure, columns=4)
+    return figure

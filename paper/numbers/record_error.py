@@ -1,0 +1,83 @@
+"""Numbers of the text: errors of steps under records of several spacings and spectra, measured and predicted."""
+
+import numpy as np
+import xarray as xr
+
+from paper.numbers.spectrum import with_interval
+from paper.products import numbers
+from study.words import listed, number
+
+SCHEME = "average_acceleration"
+#: Percentiles of the range that holds 95 % of the runs.
+RANGE = (2.5, 97.5)
+#: Largest scatter in decades of errors that lie on one curve.
+ONE_CURVE = 0.15
+
+
+def predicted(errors: xr.Dataset) -> xr.DataArray:
+    """Predicted error of the displacement."""
+    return np.hypot(errors.of_period, errors.of_load)
+
+
+def scatter(errors: xr.Dataset, predictor: xr.DataArray) -> float:
+    """Standard deviation of log₁₀ of the measured error about a straight line in log₁₀ of a predictor."""
+    error, by = xr.broadcast(errors.error.sel(load="samples"), predictor)
+    known = (error > 0) & (by > 0)
+    x, y = (np.log10(one.values[known.values]) for one in (by, error))
+    return float(np.std(y - np.polyval(np.polyfit(x, y, 1), x)))
+
+
+def order(errors: xr.Dataset, load: str, divides: bool) -> float:
+    """Median order, over oscillators and records, of the error at steps up to the spacing that divide it or not."""
+    some = errors.isel(ratio=((errors.divides == divides) & (errors.ratio <= 1)).values).sel(load=load)
+    x, y = (np.log(one) for one in xr.broadcast(some.step_size.where(some.error > 0), some.error))
+    x, y = x - x.mean("ratio"), y - y.mean("ratio")
+    return float(((x * y).sum("ratio") / (x**2).sum("ratio")).where(x.notnull().sum("ratio") > 2).median())
+
+
+def over_period(errors: xr.Dataset, load: str) -> float:
+    """97.5th percentile of measured error over predicted error of the period, at steps that do not divide."""
+    off = errors.sel(scheme=SCHEME).isel(ratio=(errors.divides == 0).values)
+    return float(np.nanpercentile(off.error.sel(load=load) / off.of_period, RANGE[1]))
+
+
+@numbers(
+    errors="record_error",
+    requires={"record_error.schemes": [SCHEME, "rk4"]},
+)
+def of_record_error(errors: xr.Dataset) -> dict:
+    """Ratios of measured and predicted errors, scatter about three predictors, shares of runs, and orders."""
+    one = errors.sel(scheme=SCHEME)
+    law = predicted(one)
+    ratio = one.error.sel(load="samples") / law
+    runs = ratio.notnull()
+    low, high = np.nanpercentile(ratio, RANGE)
+    scatters = {
+        name: scatter(one, by) for name, by in {"law": law, "step": one.of_period, "power": one.power_above}.items()
+    }
+
+    def within(error):
+        return with_interval(xr.DataArray((error <= law).values[runs.values]))
+
+    found = {
+        "record_error_records": errors.sizes["record"],
+        "record_error_spacings": listed(f"{1e3 * one:g}" for one in np.unique(errors.spacing)),
+        "record_error_runs": int(runs.sum()),
+        "record_error_dividing": number(float(ratio.isel(ratio=(one.divides == 1).values).median()), 2),
+        "record_error_passing": number(float(ratio.isel(ratio=(one.divides == 0).values).median()), 2),
+        "record_error_low": number(low, 2),
+        "record_error_high": number(high, 2),
+        "record_error_kept": within(one.error.sel(load="samples")),
+        "record_error_peak_linear": within(one.peak_error.sel(spring="linear")),
+        "record_error_peak_yielding": within(one.peak_error.sel(spring="yielding")),
+        "record_error_one_curve": scatters["law"] < ONE_CURVE < min(scatters["step"], scatters["power"]),
+    }
+    for load in ("samples", "averages"):
+        found[f"record_error_{load}_most"] = number(over_period(errors, load), 2)
+    for name, value in scatters.items():
+        found[f"record_error_scatter_{name}"] = f"{value:.2f}"
+    of = errors.sel(scheme="rk4")
+    found["record_error_rk4_dividing"] = f"{order(of, 'samples', True):.1f}"
+    found["record_error_rk4_passing"] = f"{order(of, 'samples', False):.1f}"
+    found["record_error_rk4_averaged"] = f"{order(of, 'averages', False):.1f}"
+    return found

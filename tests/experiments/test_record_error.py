@@ -1,0 +1,61 @@
+"""Errors of steps under records, measured and predicted; the test computes the reference."""
+
+import numpy as np
+import pytest
+import scipy.integrate
+
+import study
+from reference.experiments.record_error import record_error as exact
+from study import io
+from study.experiments import record_error as experiment
+from study.problem.inelastic import yielding_under_record
+from study.problem.records import family
+
+RECORDS = {"spacings": [0.02], "corners": [0.5], "kappas": [0.02], "seeds": 1, "duration": 3.0}
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return exact(**RECORDS, periods=[0.5, 1.0], reduction=3)
+
+
+def test_errors_are_those_of_single_runs(reference, monkeypatch):
+    monkeypatch.setattr(io, "open_dataset", lambda name: reference)
+    ds = experiment.record_error(["average_acceleration"]).isel(scheme=0)
+    ground = family(**RECORDS)[1]
+    for ratio in (0.5, 0.75):
+        at = {"record": 1, "period": 1}
+        ours, known = ds.isel(at).sel(ratio=ratio), reference.isel(at)
+        dt = ratio * ground.dt
+        run = {"dt": dt, "steps": int(np.ceil(3.0 / dt))}
+        linear, yielding = (
+            study.run(
+                yielding_under_record(ground, 1.0, force),
+                "average_acceleration",
+                observe=["trajectory", "peak"],
+                **run,
+            )
+            for force in (1e9, known.yield_force.item())
+        )
+        stride, of_record = {0.5: (2, 1), 0.75: (4, 3)}[ratio]
+        met = linear.u.values[::stride][: len(known.u[::of_record])]
+        error = np.abs(met - known.u.values[::of_record][: len(met)]).max() / known.peak_drift.values[0]
+        assert ours.error.sel(load="samples").item() == pytest.approx(error, rel=1e-6)
+        peaks = np.abs([linear.peak.item(), yielding.peak.item()] / known.peak_drift.values - 1)
+        assert ours.peak_error.values == pytest.approx(peaks, rel=1e-6)
+    assert (ds.of_load.where(ds.divides == 1).fillna(0) < 1e-9).all()
+    ratio = ds.error.sel(load="samples") / np.hypot(ds.of_period, ds.of_load)
+    assert 0.3 < ratio.median() < 1.5
+    # the mean of the load leaves the error of the period at steps that pass over samples
+    far = (ds.of_load > 10 * ds.of_period) & (ds.ratio < 1)
+    assert (ds.error.sel(load="averages") < ds.error.sel(load="samples") / 3).where(far, True).mean() > 0.9
+
+
+def test_means_over_a_step_are_integrals_of_the_record():
+    ground = study.GroundMotion(np.array([0.0, 2.0, -1.0, 3.0, 1.0]), 0.1)
+    means = experiment.averaged(ground, 0.15)
+    for n, mean in enumerate(means):
+        ends = max(0.15 * n - 0.075, 0.0), min(0.15 * n + 0.075, 0.4)
+        t = np.linspace(*ends, 20_001)
+        of_record = np.interp(t, ground.kinks, ground.acceleration)
+        assert mean == pytest.approx(scipy.integrate.trapezoid(of_record, t) / 0.15, abs=1e-6)

@@ -1,0 +1,79 @@
+"""Numbers of the laws of records, on made-up datasets."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from paper.claims import records
+from paper.numbers.record_error import order, predicted, scatter
+from paper.numbers.what_moves import of_choices, of_medians, of_records
+
+
+def _errors(load=0.0, averaged=0.0):
+    """Errors of second order, with a part of the load at steps that do not divide."""
+    ratio, spacing = np.array([0.25, 0.5, 1.0, 0.4, 0.6, 0.75]), np.array([0.01, 0.02])
+    step = ratio * spacing[:, None]
+    passes, own = np.array([0, 0, 0, 1, 1, 1]), step[:, None] ** 2 * np.array([5.0, 20.0])[:, None]
+    shape = ("scheme", "record", "period", "ratio")
+    error = np.stack([own + load * passes, own + averaged * passes], axis=-1)
+    return xr.Dataset(
+        {
+            "error": ((*shape, "load"), error[None]),
+            "of_period": (shape, own[None]),
+            "of_load": (shape, (0 * own + load * passes)[None]),
+            "power_above": (("record", "ratio"), step),
+        },
+        {
+            "scheme": ["average_acceleration"],
+            "load": ["samples", "averages"],
+            "ratio": ratio,
+            "divides": ("ratio", 1 - passes),
+            "step_size": (("record", "ratio"), step),
+        },
+    )
+
+
+def test_a_power_law_has_its_order_and_no_scatter():
+    one = _errors().isel(scheme=0)
+    assert scatter(one, predicted(one)) == pytest.approx(0, abs=1e-12)
+    assert scatter(one, one.power_above) > 0.2
+    assert order(one, "samples", True) == pytest.approx(2)
+    assert order(_errors(load=0.1).isel(scheme=0), "samples", False) < 0.2
+
+
+@pytest.mark.parametrize("load, averaged, holds", [(0.3, 0.0, True), (0.3, 0.3, False), (0.0, 0.0, False)])
+def test_the_mean_of_the_load_is_judged_at_steps_that_pass_over_samples(load, averaged, holds):
+    assert records.mean_load_restores(_errors(load, averaged)).holds == holds
+
+
+def test_a_prediction_holds_within_a_factor_of_two():
+    assert records.period_and_load_decide(_errors(load=0.1)).holds
+    tripled = _errors(load=0.1).assign(error=lambda ds: 3 * ds.error)
+    assert not records.period_and_load_decide(tripled).holds
+    assert not records.power_above_decides(_errors(load=0.1)).holds
+
+
+def _moves(step):
+    """Four records whose values change by a step, and by a tenth with less damping."""
+    values = np.array([1.0, 2.0, 3.0, 10.0])
+    data = np.stack([values, values * (1 + step), values * 0.9])[:, None]
+    dims, names = ("variant", "period", "record"), ("collapse_intensity", "peak_drift", "residual_drift")
+    coords = {"variant": ["reference", "spacing", "damping"], "period": [1.0], "record": list("abcd")}
+    return xr.Dataset({name: (dims, data) for name in names}, coords)
+
+
+def test_medians_change_by_the_step_and_choices_by_the_records():
+    moves = _moves(0.01)
+    medians = of_medians(moves.peak_drift).isel(period=0)
+    assert medians.change.values == pytest.approx([0, 0.01, -0.1])
+    assert medians.low.values == pytest.approx([0, 0.01, -0.1]) and medians.high.values == pytest.approx(
+        [0, 0.01, -0.1]
+    )
+    assert 0 < of_choices(moves.peak_drift, 40).item() < of_choices(moves.peak_drift, 4).item()
+    assert of_records(moves.peak_drift).sel(variant="spacing").values == pytest.approx(0.01)
+    assert of_records(moves.residual_drift).isel(variant=2, period=0).values == pytest.approx([0.04, 0.08, 0.12, 0.4])
+
+
+@pytest.mark.parametrize("step, holds", [(0.01, True), (0.2, False)])
+def test_the_step_is_compared_with_damping_and_choice(step, holds):
+    assert records.step_moves_least(_moves(step)).holds == holds
