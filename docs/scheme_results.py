@@ -61,9 +61,16 @@ def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
     kinked = _of(subject, data["kinks"])
     if kinked is not None:
         found = kinked.observed_order
-        rows = [[title, number(found.sel(problem=name).item(), 2)] for name, title in _titles(kinked).items()]
+        rows = [
+            [
+                title,
+                number(found.sel(problem=name).item(), 2),
+                number(kinked.dividing_order.sel(problem=name).item(), 2),
+            ]
+            for name, title in _titles(kinked).items()
+        ]
         parts.append("Order of the displacement with yielding, memory or contact, and under a record:")
-        parts.append(table(["problem", "order"], rows))
+        parts.append(table(["problem", "order", "with steps that divide the spacing of a record"], rows))
     real = _of(subject, data["order_under_reality"])
     if real is not None:
         found = real.observed_order.transpose("circumstance", "quantity")

@@ -5,7 +5,7 @@ import numpy as np
 from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
 from paper.claims.terms import MATTERS, RULE, SECOND_ORDER, UNNOTICED
 from paper.claims.wording import listed, number
-from paper.numbers.kinks import GAINED, KINKED, LOST, at_equal_forces
+from paper.numbers.kinks import GAINED, LOST, REMEMBER, at_equal_forces
 from paper.numbers.spectrum import LONG, beyond_at_the_spacing, beyond_between
 from paper.requirements import fourfold
 
@@ -17,13 +17,13 @@ from paper.requirements import fourfold
     "difference at equal numbers of forces; order of Runge-Kutta",
     whose=PRACTICE,
     requires={
-        "kinks.problems": KINKED,
+        "kinks.problems": REMEMBER,
         "kinks.schemes": ["average_acceleration", "central_difference", "rk4"],
         "kinks.steps_per_period": fourfold,
     },
 )
 def order_does_not_matter(kinks):
-    kinks = kinks.sel(problem=KINKED)
+    kinks = kinks.sel(problem=REMEMBER)
     at_equal_steps = kinks.error.sel(scheme="average_acceleration") / kinks.error.sel(scheme="rk4")
     gain = by_name(at_equal_steps.min("steps_per_period"))
     equal = by_name(at_equal_forces(kinks).min("steps_per_period"))

@@ -26,7 +26,8 @@ COLUMNS = 5
 
 @figure(
     "Error of the displacement against the step on a smooth spring, with yielding, memory and contact, and "
-    "under a record. Grey lines are proportional to the first and to the second power of the step.",
+    "under a record. Markers without a line: steps that divide the spacing of the record. "
+    "Grey lines are proportional to the first and to the second power of the step.",
 )
 def draw(kinks: xr.Dataset) -> Figure:
     """One panel per problem; grey lines are proportional to the first and to the second power of the step."""
@@ -45,6 +46,9 @@ def draw(kinks: xr.Dataset) -> Figure:
             error = of_problem.error.sel(scheme=name)
             if np.isfinite(error).any():
                 ax.plot(steps, error, label=error.scheme_title.item(), **look)
+            if np.isfinite(dividing := of_problem.dividing_error.sel(scheme=name)).any():
+                numbers = of_problem.period / of_problem.spacing * of_problem.steps_per_spacing
+                ax.plot(numbers, dividing, **look | {"linestyle": ""})
         ax.set(xscale="log", yscale="log")
         ax.xaxis.set_minor_formatter(NullFormatter())
         letter(ax, index, wrapped(of_problem.problem_title.item(), 12))

@@ -49,7 +49,9 @@ def of_kinks(kinks: xr.Dataset) -> dict:
     average, rk4 = (kinks.error.sel(scheme=name) for name in ("average_acceleration", "rk4"))
     gain = {p: (average / rk4).sel(problem=p) for p in ("hardening", *KINKED)}
     equal = {p: at_equal_forces(kinks).sel(problem=p) for p in KINKED}
-    highest = kinks.observed_order.sel(problem=KINKED).max()
+    dividing = kinks.sel(problem="shaken")
+    average_dividing, rk4_dividing = (dividing.dividing_error.sel(scheme=s) for s in ("average_acceleration", "rk4"))
+    highest = kinks.observed_order.sel(problem=REMEMBER).max()
     average_on_yielding = {"problem": "yielding", "scheme": "average_acceleration"}
     balance = 100 * coarsest.max_energy_imbalance.sel(problem=REMEMBER, scheme="average_acceleration")
     dissipating = kinks.error.sel(problem=REMEMBER)
@@ -68,6 +70,12 @@ def of_kinks(kinks: xr.Dataset) -> dict:
         "kinks_rk4_yielding": _orders(kinks, "yielding", "rk4"),
         "kinks_rk4_hysteretic": _orders(kinks, "hysteretic", "rk4"),
         "kinks_rk4_shaken": _orders(kinks, "shaken", "rk4"),
+        "kinks_rk4_dividing": span(dividing.dividing_order.sel(scheme=["rk4"]), ".0f"),
+        "kinks_average_dividing": span(dividing.dividing_order.sel(scheme=["average_acceleration"]), ".0f"),
+        "dividing_keeps_the_order": bool(dividing.dividing_order.sel(scheme="rk4") > LOST),
+        "kinks_gain_dividing": f"{(average_dividing / rk4_dividing)[0].item():.2g}",
+        "kinks_error_dividing": f"{100 * rk4_dividing[0].item():.2g}",
+        "kinks_spacing_parts": f"{int(kinks.steps_per_spacing[0])}",
         "kinks_yoshida": _orders(kinks, "yielding", "yoshida4"),
         "kinks_average": _orders(kinks, "yielding", "average_acceleration"),
         "kinks_bouncing": _orders(kinks, "bouncing", *of_two),

@@ -1,6 +1,5 @@
 """Numbers of the text: steps that suffice for the peak drift of oscillators under records of ground motion."""
 
-import numpy as np
 import xarray as xr
 
 from paper.products import numbers
@@ -40,14 +39,6 @@ def with_interval(beyond: xr.DataArray) -> str:
 
     low, high = binomtest(int(beyond.sum()), beyond.size).proportion_ci(0.95, method="exact")
     return f"{percent(beyond.mean().item())} (95 % interval {percent(low)} to {percent(high)})"
-
-
-def largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
-    """Largest step of each scheme at and below which all runs keep an error of the peak drift; NaN if there is none."""
-    kept = (spectrum.error <= error).all(["record", "period", "reduction"])
-    kept = kept.sortby("step_size").transpose("scheme", "step_size")
-    holds = kept.copy(data=np.logical_and.accumulate(kept.values, axis=1))
-    return holds.step_size.where(holds).max("step_size")
 
 
 @numbers(

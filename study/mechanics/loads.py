@@ -8,7 +8,7 @@ import numpy as np
 
 from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
 from study.mechanics.definition import Problem
-from study.mechanics.ground import GroundLoad
+from study.mechanics.ground import GroundLoad, GroundMotion
 from study.mechanics.scan import INTERVALS, Times, beside_jumps, events
 
 
@@ -55,6 +55,17 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
         (problem.load.load, problem.load.factor) if isinstance(problem.load, _Scaled) else (problem.load, 1.0)
     )
     return eqx.tree_at(lambda p: p.load, problem, _Scaled(load, factor * before)).examined()
+
+
+def later(problem: Problem, samples: int) -> Problem:
+    """The problem whose record begins with a later sample. Such problems share one compiled program."""
+    ground = problem.ground.later(samples)
+
+    def grounds(one: Problem) -> tuple[GroundMotion, GroundMotion]:
+        load = one.load.load if isinstance(one.load, _Scaled) else one.load
+        return one.ground, load.ground
+
+    return eqx.tree_at(grounds, problem, (ground, ground)).examined()
 
 
 def times_of(load: Callable | None, duration: float, intervals: int = INTERVALS, sides: bool = False) -> Times:

@@ -12,18 +12,16 @@ from typing_extensions import TypedDict
 
 from study import io
 from study.assessment.periods import highest_frequency_along
-from study.assessment.search import spacing
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Checked, Count, ProblemName, Schemes, Tolerances, rising, section
-from study.experiments import coordinates
-from study.experiments.spectrum import DIVIDING
-from study.io import flags
 from study.marching.result import STATUSES_OR_NOT_RUN
 from study.problem.inelastic import BOUNCE, PERIOD
 from study.problem.named import approximate_periods, problems, time_scales
 from study.program.confirmation import CERTAIN, Limit
 from study.runs.measured import Motion, Start, measured
-from study.runs.needs import ATTRIBUTES, COSTS, keeps, unbroken
+from study.runs.needs import keeps, unbroken
+from study.runs.records import DIVIDING
+from study.runs.schema import described, divides
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
 
@@ -31,8 +29,6 @@ from study.scheme.named import schemes as schemes_by_name
 COARSEST = 4
 #: Integer fractions and multiples of a record's spacing that are tried.
 OF_SPACING = (*reversed(DIVIDING), *(1 / number for number in DIVIDING[1:]))
-#: Largest variation of initial values and load, for smooth forces and for forces with kinks.
-VARIATION, VARIATION_WITH_KINKS = 0.01, 0.05
 #: Number of samples in a time scale at which errors of several unknowns are measured. Numbers of steps are multiples.
 SAMPLES = 10
 #: Quantities whose steps are found to two digits. Errors of others are measured at the steps that are tried.
@@ -141,22 +137,29 @@ class _Ladder:
         return ds.assign(error=error, largest_error=largest)
 
     def needed(self, limits: list[Limit]) -> list[tuple[float, float]]:
-        """The number of steps that each limit needs, infinite if there is none, and the next smaller number tried."""
+        """The number of steps that each limit needs, infinite if there is none, and the next smaller number tried.
+
+        Needs are found among all numbers tried and, under a record, among those whose steps divide its spacing.
+        """
         errors, shape = self._errors(), (-1, len(self.periods))
-        fine_first, found = np.unique(errors[0].index.get_level_values("steps_per_period"))[::-1], []
-        for quantity, allowed in limits:
-            error, largest = (one[quantity].values.reshape(shape)[::-1] for one in errors)
-            place = int(unbroken(keeps(error, largest, self.periods, allowed)[:, self.decided]).sum())
-            coarser = fine_first[place] if place < len(fine_first) else 0.0
-            found.append((fine_first[place - 1] if place else math.inf, coarser))
+        tried, found = np.unique(errors[0].index.get_level_values("steps_per_period"))[::-1], []
+        dividing = divides(self.scale / tried, self.motion.spacing) == 1
+        for part in [np.full(len(tried), True)] if dividing.all() else [np.full(len(tried), True), dividing]:
+            fine_first = tried[part]
+            for quantity, allowed in limits:
+                error, largest = (one[quantity].values.reshape(shape)[::-1][part] for one in errors)
+                place = int(unbroken(keeps(error, largest, self.periods, allowed)[:, self.decided]).sum())
+                coarser = fine_first[place] if place < len(fine_first) else 0.0
+                found.append((fine_first[place - 1] if place else math.inf, coarser))
         return found
 
-    def search(self, limits: list[Limit], finest: int, of_record: np.ndarray, starts: list[Start]) -> None:
+    def search(self, limits: list[Limit], finest: int, starts: list[Start]) -> None:
         """Make runs at half octaves until a finer octave confirms each need, then between need and next coarser step.
 
-        All numbers of steps of two digits in between are tried. The steps that are needed and the next finer ones are
-        run from all starts. ``of_record`` are the numbers of steps that divide the spacing of a record.
+        All numbers of steps of two digits in between are tried. Under a record, numbers whose steps divide its spacing
+        are tried too. The steps that are needed and the next finer ones are run from all starts.
         """
+        of_record = self.scale / (self.motion.spacing * np.array(OF_SPACING))  # NaN without a record
         top = COARSEST
         while top <= finest:
             octave = {two_digits(top, self.multiple), two_digits(top * math.sqrt(2), self.multiple)}
@@ -167,7 +170,7 @@ class _Ladder:
                 break
         while True:
             needed, known = self.needed(limits), set(self.rows.steps_per_period)
-            finer = [between(coarser, need, self.multiple) for need, coarser in needed]
+            finer = [between(coarser, need, self.multiple) for need, coarser in needed[: len(limits)]]
             # a run of several unknowns costs as much as its steps, so their intervals are halved
             new = {one for numbers in finer for one in (numbers[len(numbers) // 2 :][:1] if self.halved else numbers)}
             if new := new - known:
@@ -226,13 +229,9 @@ def runs(
     scale = time_scale(problem)
     sampled = scale / SAMPLES if np.size(problems[problem].u0) > 1 else None
     motion = Motion.of(problems[problem], max(periods) * scale, scale / COARSEST, sampled)
-    kinked = motion.problem.kinked or motion.problem.history is not None
-    width = VARIATION_WITH_KINKS if kinked else VARIATION
-    others = [motion.start(1 + width * part) for part in np.linspace(-1, 1, starts)]
+    others = motion.others(starts)
     uncertainty = {name: motion.uncertainty[name] for name in DECIDED if name in motion.names}
     limits = [(name, error) for name, own in uncertainty.items() for error in errors if error >= CERTAIN * own]
-    interval = spacing(motion.problem, motion.duration)
-    of_record = np.array([]) if interval is None else scale / (interval * np.array(OF_SPACING))
     parts = {}
     for name in schemes:
         scheme = schemes_by_name[name]
@@ -240,71 +239,29 @@ def runs(
             continue
         progress(f"{name} on {problem}")
         ladder = _Ladder(scheme, motion, scale, periods, decided)
-        ladder.search(limits, finest, of_record, others)
+        ladder.search(limits, finest, others)
         parts[name] = ladder.dataset()
     ds = xr.concat(parts.values(), "scheme", join="outer").assign_coords(scheme=list(parts)).reindex(scheme=schemes)
-    return _described(ds, problem, motion, scale, decided, interval, starts)
-
-
-def _described(
-    ds: xr.Dataset,
-    problem: str,
-    motion: Motion,
-    scale: float,
-    decided: float,
-    interval: float | None,
-    starts: int,
-) -> xr.Dataset:
-    """The runs with step sizes along ``size``, the properties of the problem, and attributes."""
-    order = ("scheme", "size", "quantity", "periods")
-    ds = ds.sortby("steps_per_period").rename(steps_per_period="size").transpose(*order)
-    counts = ds.size.values
-    dt, highest = scale / counts, highest_frequency_along(motion.problem, motion.solution)
-    ratio = np.ones(len(dt)) if interval is None else np.maximum(interval / dt, dt / interval)
-    tried = ds.status.notnull().any("periods")
+    ds = (
+        ds.sortby("steps_per_period").rename(steps_per_period="size").transpose("scheme", "size", "quantity", "periods")
+    )
     ds = ds.assign(
         status=ds.status.fillna(STATUSES_OR_NOT_RUN.index("not_run")).astype(np.int8),
-        tried=tried.astype(np.int8),
+        tried=ds.status.notnull().any("periods").astype(np.int8),
         uncertainty=("quantity", [motion.uncertainty[name] for name in ds.quantity.values]),
-    ).drop_vars("size")
-    ds = ds.assign_coords(
-        **coordinates.scheme_coordinates(ds.scheme.values.tolist()),
-        step_size=("size", dt),
-        steps_per_period=("size", counts),
-        omega_step=("size", highest * dt),
-        divides=("size", np.isclose(ratio, np.round(ratio)).astype(np.int8)),
-        duration=("periods", ds.periods.values * scale),
-        highest_frequency=highest,
+    )
+    instants = f"{SAMPLES} samples in a time scale" if motion.sampled else "steps"
+    counts = ds["size"].values
+    return described(
+        ds.drop_vars("size").assign_coords(step_size=("size", scale / counts), steps_per_period=("size", counts)),
+        f"largest error over all unknowns and {instants}, relative to the largest value",
         time_scale=scale,
+        highest_frequency=highest_frequency_along(motion.problem, motion.solution),
+        spacing=motion.spacing,
         unknowns=np.size(motion.problem.u0),
         decided=decided,
         starts=1 + starts,
         free_vibration=int(problem in approximate_periods),
         problem=problem,
         problem_title=problems[problem].title,
-    )
-    instants = f"{SAMPLES} samples in a time scale" if motion.sampled else "steps"
-    own = {
-        "error": {
-            "long_name": f"largest error over all unknowns and {instants}, relative to the largest value",
-            "units": "1",
-        },
-        "largest_error": {"long_name": "largest error from all starts", "units": "1"},
-        **{name: attributes | {"units": "1"} for name, attributes in COSTS.items()},
-        "step_size": {"long_name": "step size", "units": "s"},
-        "status": flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8),
-        "tried": {"long_name": "1 if the scheme was run with this step size", "units": "1"},
-        "uncertainty": {"long_name": "difference of the two solvers of the reference, relative", "units": "1"},
-        "divides": {
-            "long_name": "1 if the step size divides the spacing of a record, or there is no record",
-            "units": "1",
-        },
-        "duration": {"long_name": "duration of the run", "units": "s"},
-        "periods": {"long_name": "duration of the run in time scales", "units": "1"},
-    }
-    for name, attributes in (ATTRIBUTES | own).items():
-        if name in ds.variables and not ds[name].attrs:
-            ds[name].attrs = attributes
-    return ds.assign_attrs(
-        title=f"Errors and costs of the schemes: {problems[problem].title}", reference=motion.solvers
-    )
+    ).assign_attrs(reference=motion.solvers)

@@ -11,23 +11,25 @@ from study.assessment import errors
 from study.assessment.arguments import wanted_quantities
 from study.assessment.errors import Target
 from study.assessment.reference import NoReference, Reference
-from study.assessment.search import ENERGY
+from study.assessment.search import ENERGY, spacing
 from study.assessment.solution import DenseSolution
 from study.marching.ensemble import FEW
 from study.marching.run import sweep
 from study.mechanics.definition import Problem
-from study.mechanics.loads import excited
+from study.mechanics.loads import excited, later
 from study.observer.base import Observer
 from study.observer.motion import Quantity
 from study.scheme.base import Scheme
 
 #: Relative tolerance of the solvers of a reference, and target error of its interpolant.
 RTOL, GOAL = 1e-11, 1e-6
+#: Largest variation of initial values and load, for smooth forces and for forces with kinks.
+VARIATION, VARIATION_WITH_KINKS = 0.01, 0.05
 
 
 @dataclass(frozen=True)
 class Start:
-    """A problem with a multiple of its initial values and load, and the reference of its quantities."""
+    """A problem with changed initial values or load, and the reference of its quantities."""
 
     problem: Problem
     targets: dict[str, Target]
@@ -113,9 +115,25 @@ class Motion:
         targets = {name: errors.target(one, problem, solution, finer) for name, one in self.quantities.items()}
         return Start(problem, targets, self.sampled)
 
-    def start(self, factor: float) -> Start:
-        """The problem with initial values and load multiplied by ``factor``."""
-        problem = excited(self.problem, factor, displaced=True)
+    @cached_property
+    def spacing(self) -> float:
+        """Time between the samples of a record in the load, in s; NaN if there is no record."""
+        return spacing(self.problem, self.duration) or np.nan
+
+    def others(self, number: int) -> list[Start]:
+        """Other starts of the motion.
+
+        Under a record, they begin 1, 2, ... ``number`` samples later, since a multiple of the record would only scale a
+        linear motion. Otherwise initial values and load are multiplied by ``number`` equally spaced factors within
+        ``VARIATION`` of one, or within ``VARIATION_WITH_KINKS``.
+        """
+        if self.problem.ground is not None and np.isfinite(self.spacing):
+            return [self._solved(later(self.problem, samples)) for samples in range(1, number + 1)]
+        kinked = self.problem.kinked or self.problem.history is not None
+        factors = 1 + (VARIATION_WITH_KINKS if kinked else VARIATION) * np.linspace(-1, 1, number)
+        return [self._solved(excited(self.problem, factor, displaced=True)) for factor in factors]
+
+    def _solved(self, problem: Problem) -> Start:
         reference = Reference(problem, self.duration)
         grid = self.grid if self.sampled else reference.with_kinks(self.grid)
         return self._start(problem, reference.solution(reference.routes[0], grid, RTOL))

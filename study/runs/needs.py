@@ -48,6 +48,10 @@ ATTRIBUTES = {
     "step_size": {"long_name": "largest step size that keeps the error, as all smaller ones do", "units": "s"},
     "steps_per_period": {"long_name": "steps in a time scale", "units": "1"},
     "omega_step": {"long_name": "step size times the highest frequency of the motion", "units": "1"},
+    "divides": {
+        "long_name": "1 if the step size divides the spacing of a record or is a multiple, or there is none",
+        "units": "1",
+    },
     "error": {"long_name": "error with this step size from the problem's own start", "units": "1"},
     "largest_error": {"long_name": "largest error with this step size from all starts", "units": "1"},
     "smaller_steps": {"long_name": "number of smaller step sizes that keep the error", "units": "1"},
@@ -71,6 +75,7 @@ ATTRIBUTES = {
     },
     "highest_frequency": {"long_name": "highest circular frequency of small motions", "units": "s-1"},
     "time_scale": {"long_name": "time by which steps are counted", "units": "s"},
+    "spacing": {"long_name": "time between the samples of a record, NaN if there is none", "units": "s"},
     "unknowns": {"long_name": "number of unknowns", "units": "1"},
     "decided": {"long_name": "duration for which steps are decided, in time scales", "units": "1"},
     "starts": {"long_name": "number of starts of a step that is needed", "units": "1"},
@@ -145,9 +150,9 @@ def needs(runs: xr.Dataset, allowed_errors: Sequence[float]) -> xr.Dataset:
     -------
     xarray.Dataset
         Over (scheme, quantity, allowed_error, periods, condition): ``step_size`` in s, ``steps_per_period``,
-        ``omega_step``, the costs per second of simulated time, ``error`` at this step size from the problem's own
-        start, ``largest_error`` from all starts, ``smaller_steps``, the number of smaller step sizes that keep it too,
-        and ``verdict``. A value is NaN where no step keeps the error.
+        ``omega_step``, ``divides``, the costs per second of simulated time, ``error`` at this step size from the
+        problem's own start, ``largest_error`` from all starts, ``smaller_steps``, the number of smaller step sizes that
+        keep it too, and ``verdict``. A value is NaN where no step keeps the error.
     """
     runs = runs.sortby("step_size").transpose("scheme", "size", "quantity", "periods", ...)
     parts = [
@@ -169,7 +174,7 @@ def _index(**values: Sequence) -> xr.IndexVariable:
 
 def _needed(runs: xr.Dataset, condition: str, allowed: float) -> xr.Dataset:
     """The needs over (scheme, quantity, periods) for one condition and one allowed error; step sizes ascend."""
-    sizes, counted = ["step_size", "steps_per_period", "omega_step"], runs.tried == 1
+    sizes, counted = ["step_size", "steps_per_period", "omega_step", "divides"], runs.tried == 1
     if condition != "any_step":
         counted = counted & (runs.divides == 1)
     within = keeps(runs.error.values, runs.largest_error.values, runs.periods.values, allowed)

@@ -101,6 +101,7 @@ def _kinks(*needed, first_order=0):
             "max_energy_imbalance": (dims, 0 * error),
             "force_evaluations_per_step": (dims, 0 * error + [[1.0], [4.0]]),
             "observed_order": (dims[:2], order),
+            "dividing_order": (dims[:2], np.full((1, 2), np.nan)),
         },
         coords,
     ).assign_coords(

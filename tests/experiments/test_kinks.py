@@ -8,7 +8,12 @@ from study import io
 from study.experiments.kinks import kinks
 from study.marching.result import STATUSES_OR_NOT_RUN
 
-OPTIONS = {"steps_per_period": [64, 256, 512, 1024, 2048, 4096], "periods": 2, "samples_per_period": 8}
+OPTIONS = {
+    "steps_per_period": [64, 256, 512, 1024, 2048, 4096],
+    "steps_per_spacing": [2, 4, 8],
+    "periods": 2,
+    "samples_per_period": 8,
+}
 
 
 @pytest.fixture(scope="module")
@@ -23,6 +28,10 @@ def test_a_kink_costs_the_order(reference, monkeypatch):
     smooth, yielding, shaken = ds.observed_order.sel(scheme="gauss4").values
     assert smooth == pytest.approx(4.0, abs=0.2) and yielding < 3.0 and shaken < 3.0
     assert ds.observed_order.sel(scheme="average_acceleration").values == pytest.approx(np.full(3, 2.0), abs=0.4)
+    # the steps of a fourth-order method meet the kinks of a record if they divide its spacing
+    dividing = ds.dividing_order.sel(problem="shaken", scheme=["average_acceleration", "gauss4"])
+    assert dividing.values == pytest.approx([2.0, 4.0], abs=0.1)
+    assert ds.dividing_error.sel(problem=["hardening", "yielding"]).isnull().all()
     # average acceleration balances the energies to round-off, although its error exceeds 1e-3
     blind = ds.sel(scheme="average_acceleration", problem="yielding").isel(steps_per_period=0)
     assert float(blind.error) > 1e-3 and float(blind.max_energy_imbalance) < 1e-12

@@ -87,3 +87,23 @@ def test_errors_of_several_unknowns_are_those_at_samples():
     coarse = study.run("fpu_chain", "central_difference", dt=scale / count, steps=6 * count // 10, every=count // 10)
     error = tried.error.sel(scheme="central_difference", quantity="displacement", periods=0.6).values[-1]
     assert error == pytest.approx(abs(coarse.u.values - exact[:7]).max() / abs(exact).max(), rel=1e-4)
+
+
+def test_a_record_decides_among_steps_that_divide_its_spacing_and_its_starts_are_its_later_samples():
+    """Two starts of a record: the own one, and one whose first sample is dropped."""
+    ds = runs("shaken", ["average_acceleration"], [0.1], [3.0], 3.0, 100, 1)
+    assert ds.spacing == 0.02 and ds.starts == 2
+    dividing = np.flatnonzero(ds.divides)
+    assert {12.5, 25.0, 50.0} <= {*ds.steps_per_period.values[dividing].tolist()} and len(dividing) < ds.sizes["size"]
+    record = study.GroundMotion.el_centro()
+    later = study.Problem(
+        lambda u: 4 * np.pi**2 * u, 0.0, damping=0.2 * np.pi, ground=study.GroundMotion(record.acceleration[1:], 0.02)
+    )
+    exact = study.run(later, "rk4", dt=0.001, steps=3000).u.values
+    needed = needs(ds, [0.1]).sel(quantity="displacement").isel(scheme=0, periods=0, allowed_error=0)
+    for condition, divides in (("practice", 1), ("any_step", None)):
+        one = needed.sel(condition=condition)
+        assert divides is None or one.divides == divides
+        coarse = study.run(later, "average_acceleration", dt=one.step_size.item(), steps=int(3 / one.step_size))
+        error = abs(coarse.u.values - np.interp(coarse.t, np.arange(3001) / 1000, exact)).max() / abs(exact).max()
+        assert one.largest_error.item() == pytest.approx(max(error, one.error.item()), rel=1e-3)

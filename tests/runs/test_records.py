@@ -2,14 +2,16 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import study
 from reference.experiments.spectrum import spectrum as exact
 from study import io
-from study.experiments.spectrum import RATIO, spectrum, steps_tried
 from study.mechanics.ground import GroundMotion
 from study.observer.peak import Peak
 from study.problem.inelastic import SPACING, yielding_under_record
+from study.runs.needs import needs
+from study.runs.records import RATIO, as_runs, spectrum, steps_tried
 
 RECORDS, PERIODS, REDUCTIONS, DURATION = 2, [0.2, 1.0], [1.0, 4.0], 5.0
 
@@ -44,7 +46,7 @@ def test_steps_lie_close_together_and_commensurate_ones_are_whole_parts_and_mult
 def found(reference, monkeypatch):
     monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     schemes = ["average_acceleration", "energy_momentum"]
-    return spectrum(RECORDS, PERIODS, REDUCTIONS, DURATION, schemes, 0.1, 0.0025, 0.01)
+    return spectrum(RECORDS, PERIODS, REDUCTIONS, DURATION, schemes, 0.1, 0.0025, 0.01)[0]
 
 
 def test_the_step_that_is_needed_keeps_the_error_as_all_finer_ones(found):
@@ -68,3 +70,36 @@ def test_a_lane_is_the_run_of_its_record_period_and_strength(found, reference):
         known = reference.isel(at)
         alone = _peak(known, "average_acceleration", float(ours.step_size))
         np.testing.assert_allclose(abs(alone / known.peak_drift - 1), ours.error.isel(at), rtol=1e-9)
+
+
+def test_records_take_the_place_of_starts():
+    """Two schemes, three step sizes and two records of 20 s; the second scheme refuses the oscillators."""
+    error = np.full((2, 3, 2, 2, 1), np.nan)
+    error[0] = np.array([0.5, 0.02, 0.001])[:, None, None, None]
+    error[0, 1, 1, 0, 0] = 0.05  # the largest over records and periods decides
+    error[0, 0, 0, 0, 0] = np.nan  # a run that failed
+    along = ("scheme", "step_size", "record", "period", "reduction")
+    spectrum = xr.Dataset(
+        {
+            "error": (along, error),
+            "force_evaluations_per_step": (along, np.where(np.isnan(error), np.nan, 2.0)),
+            "tangent_evaluations_per_step": (along, 0 * error),
+            "factorisations_per_step": (along, 0 * error),
+        },
+        {
+            "scheme": ["rk4", "energy_momentum"],
+            "step_size": [0.1, 0.03, 0.02],
+            "commensurate": ("step_size", [0, 0, 1]),
+            "period": [0.2, 1.0],
+            "duration": 20.0,
+            "spacing": 0.02,
+        },
+    )
+    runs = as_runs(spectrum)
+    assert runs.tried.transpose("scheme", "size").values.tolist() == [[1, 1, 1], [0, 0, 0]]
+    assert (runs.starts, runs.decided, runs.time_scale) == (4, 100, 0.2)
+    needed = needs(runs, [0.1, 0.01]).sel(quantity="peak drift", scheme="rk4").isel(periods=0)
+    free, practice = (needed.sel(condition=name) for name in ("any_step", "practice"))
+    assert free.step_size.values.tolist() == [0.03, 0.02] and practice.step_size.values.tolist() == [0.02, 0.02]
+    assert free.divides.values.tolist() == [0, 1] and practice.divides.values.tolist() == [1, 1]
+    assert free.error[0] == 0.05 and free.force_evaluations[0] == 2 / 0.03

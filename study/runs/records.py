@@ -1,4 +1,4 @@
-"""The steps that schemes need for the peak drift of oscillators that yield under records."""
+"""Errors of the peak drift of oscillators that yield under records, at steps that divide the spacing and at others."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -16,6 +16,8 @@ from study.mechanics.ground import GroundMotion
 from study.observer.diagnostics import Evaluations
 from study.observer.peak import Peak
 from study.problem.inelastic import SPACING, yielding_under_record
+from study.runs.needs import COSTS, largest_size
+from study.runs.schema import described
 from study.scheme.named import schemes as schemes_by_name
 
 #: Largest ratio of neighbouring step sizes of the grid.
@@ -50,14 +52,38 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return None
 
 
-def _needed(error: xr.DataArray, allowed: float) -> xr.DataArray:
-    """Largest step size that keeps the allowed error, as all smaller step sizes do; NaN if the smallest does not."""
-    kept = error.sortby("step_size") <= allowed
-    kept = kept.copy(data=np.logical_and.accumulate(kept.values, axis=kept.get_axis_num("step_size")))
-    return kept.step_size.where(kept).max("step_size")
+def as_runs(spectrum: xr.Dataset) -> xr.Dataset:
+    """The runs in the form of ``runs/PROBLEM``, over the duration of the records.
+
+    The error of the peak drift is the largest over all records, periods and ratios of elastic force to strength, which
+    take the place of the starts. Counts are the means over them.
+    """
+    each, scale, dt = ["record", "period", "reduction"], spectrum.period.min().item(), spectrum.step_size.values
+    duration = spectrum.duration.item() / scale
+    error = spectrum.error.max(each, skipna=False).expand_dims(quantity=["peak drift"])
+    steps = spectrum.duration / spectrum.step_size
+    ds = xr.Dataset({name: spectrum[f"{name}_per_step"].mean(each) * steps for name in COSTS})
+    ds = ds.assign(error=error, largest_error=error * np.nan).reset_coords(drop=True).expand_dims(periods=[duration])
+    # a scheme that refuses the oscillators has no error at any step; a run that failed has none at its step
+    ran = error.notnull().any(["quantity", "step_size"]).expand_dims(step_size=dt).reset_coords(drop=True)
+    ds = ds.assign(tried=ran.astype(np.int8), uncertainty=("quantity", [0.0]))
+    ds = ds.rename(step_size="size").drop_vars("size")
+    return described(
+        ds.assign_coords(step_size=("size", dt), steps_per_period=("size", scale / dt)),
+        "largest relative error of the peak drift over all oscillators and records",
+        time_scale=scale,
+        decided=duration,
+        highest_frequency=2 * np.pi / scale,
+        spacing=spectrum.spacing.item(),
+        free_vibration=0,
+        unknowns=1,
+        starts=int(np.prod([spectrum.sizes[one] for one in each])),
+        problem="records",
+        problem_title=f"oscillators of {scale:g} to {spectrum.period.max().item():g} s under records",
+    )
 
 
-@experiment("spectrum", reads=lambda options: ["reference/spectrum"], check=_check)
+@experiment("spectrum", "runs/records", reads=lambda options: ["reference/spectrum"], check=_check)
 def spectrum(
     records: Records,
     periods: RecordPeriods,
@@ -67,9 +93,10 @@ def spectrum(
     coarsest: Size,
     finest: Size,
     allowed_error: Tolerance,
-) -> xr.Dataset:
+) -> tuple[xr.Dataset, xr.Dataset]:
     """Measure the error of the peak drift for each step size, and the largest step size that keeps the allowed error.
 
+    ``runs/records`` has the largest errors over all oscillators in the form of the runs of other problems.
     ``step_needed`` is the largest step size that keeps the allowed error, as all smaller step sizes do. It is given
     among all step sizes tried, and among the step sizes commensurate with the record. It is NaN if not even the
     smallest step size is enough, or if a scheme refuses the oscillators, for instance because it takes its force from a
@@ -140,7 +167,9 @@ def spectrum(
         },
         attrs={"title": "Steps that schemes need for the peak drift of yielding oscillators under records"},
     )
-    needed = [_needed(some, allowed_error) for some in (of_runs.error, of_runs.error[:, commensurate])]
+    kept = of_runs.error <= allowed_error
+    needed = [largest_size(some, "step_size") for some in (kept, kept[:, commensurate])]
     tried = xr.IndexVariable("tried", ["all", "commensurate"], {"long_name": "steps tried"})
     size = {"long_name": "largest step that keeps the error, as all finer ones do", "units": "s"}
-    return of_runs.assign(step_needed=xr.concat(needed, tried).assign_attrs(size))
+    largest = xr.concat(needed, tried)
+    return of_runs.assign(step_needed=largest.where(largest > 0).assign_attrs(size)), as_runs(of_runs)
