@@ -12,7 +12,7 @@ from docs.text import table
 from docs.theory import ROUND_OFF, Theory
 from paper.figures.outcome_map import outcome_map
 from paper.figures.style import OUTCOME_STYLES
-from paper.orders import PERIODS, observed_order
+from paper.orders import PERIODS, order_at_finest
 from paper.published import printed_cpu_times, printed_energy_errors
 from study.words import listed, number, percent
 
@@ -52,7 +52,7 @@ def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
         rows = []
         for problem, title in _titles(one).items():
             found = (
-                observed_order(one[measure].sel(problem=problem, periods=PERIODS[measure])) for measure in _MEASURES
+                order_at_finest(one[measure].sel(problem=problem, periods=PERIODS[measure])) for measure in _MEASURES
             )
             rows.append([title, *(number(order, 2) for order in found)])
         parts.append("Observed order in Δt of the errors, fitted to the finest steps above round-off:")

@@ -3,6 +3,8 @@
 import numpy as np
 import xarray as xr
 
+from study.analysis.orders import observed_order
+
 #: Measures of error whose order is fitted, with the number of periods of the run. Errors affect each other over time: a
 #: loss of amplitude changes the period. The run is therefore as short as the measure permits. A mean over periods needs
 #: three periods.
@@ -25,8 +27,8 @@ POINTS = 5
 STEADY = 0.2
 
 
-def observed_order(error: xr.DataArray) -> float:
-    """Slope of log |error| against log Δt at the finest ``POINTS`` consecutive step sizes with valid errors.
+def order_at_finest(error: xr.DataArray) -> float:
+    """Observed order of |error| at the finest ``POINTS`` consecutive step sizes with valid errors.
 
     Only step sizes that are the finest one times a power of two are used. An error is valid above ``FLOOR`` and, unless
     it is a phase error, below ``SATURATED``. The order is NaN if there are fewer such step sizes, or if the slope
@@ -43,5 +45,6 @@ def observed_order(error: xr.DataArray) -> float:
     finest = next((window for window in windows if valid[window].all()), None)
     if finest is None:
         return np.nan
-    x, y = np.log(error.steps_per_period.values[finest]), np.log(values[finest])
-    return -np.polyfit(x, y, 1)[0] if np.ptp(np.diff(y) / np.diff(x)) < STEADY else np.nan
+    steps, values = error.steps_per_period.values[finest], values[finest]
+    slopes = np.diff(np.log(values)) / np.diff(np.log(steps))
+    return observed_order(steps, values) if np.ptp(slopes) < STEADY else np.nan

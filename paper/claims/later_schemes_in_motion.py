@@ -7,6 +7,7 @@ from paper.claims.ledger import PRACTICE, STUDY, Finding, claim, most, when
 from paper.claims.terms import ALMOST, GREATLY, ROUND_OFF, SECOND_ORDER, SIGNIFICANTLY, THIRD_ORDER
 from paper.claims.wording import listed, number
 from paper.tables.order_under_reality import LOST
+from study.analysis.orders import observed_order
 
 _REALITY = "order_under_reality.schemes"
 #: Smallest observed order that counts as fourth order.
@@ -198,11 +199,6 @@ def order_with_loose_tolerances(order_under_reality):
     return Finding(number(max(0.0, loss), ".2f"), loss >= LOST, reason)
 
 
-def _slope(error: xr.DataArray, steps: str) -> float:
-    """Order of an error: slope of log error against log step size, by least squares along the coordinate ``steps``."""
-    return float(-np.polyfit(np.log(error[steps]), np.log(error), 1)[0])
-
-
 @claim(
     "schemes",
     "With a scalar auxiliary variable BDF2 is bounded at every step without iteration.",
@@ -224,7 +220,8 @@ def bounded_by_an_auxiliary_variable(later_schemes):
     whose="Shen et al. (2018)",
 )
 def order_with_an_auxiliary_variable(later_schemes):
-    order = _slope(later_schemes.auxiliary_error.sel(auxiliary="auxiliary_variable"), "steps")
+    error = later_schemes.auxiliary_error.sel(auxiliary="auxiliary_variable")
+    order = observed_order(error.steps.values, error.values)
     return Finding(number(order), order > SECOND_ORDER)
 
 
@@ -317,7 +314,8 @@ def least_error_of_fourth_order(later_schemes):
 )
 def order_with_relaxation(relaxation):
     fine = relaxation.motion_error.sel(variant="relaxed").isel(steps_per_period=slice(-2, None))
-    order = min(_slope(fine.sel(problem=problem), "steps_per_period") for problem in fine.problem.values)
+    steps = fine.steps_per_period.values
+    order = min(observed_order(steps, fine.sel(problem=problem).values, least=2) for problem in fine.problem.values)
     return Finding(number(order), order > _FOURTH_ORDER)
 
 

@@ -4,7 +4,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import families, of_the_paper
-from paper.orders import PERIODS, observed_order
+from paper.orders import PERIODS, order_at_finest
 from paper.products import table
 from paper.published import SCHEMES
 
@@ -23,7 +23,7 @@ _TITLES = {
 
 def _observed(run: xr.Dataset) -> dict[str, str]:
     """Orders of a scheme on a problem, one column per measure; a dash where no order can be fitted."""
-    orders = {title: observed_order(run[measure].sel(periods=PERIODS[measure])) for measure, title in _TITLES.items()}
+    orders = {title: order_at_finest(run[measure].sel(periods=PERIODS[measure])) for measure, title in _TITLES.items()}
     named = {"Scheme": run.scheme_title.item(), "Order": str(run.order.item())}
     return named | {title: f"{order:.2f}" if order == order else "–" for title, order in orders.items()}
 

@@ -24,6 +24,7 @@ from jaxtyping import Float
 from study.algebra.jit import jit
 from study.algebra.scalars import is_number
 from study.analysis.eigenvalues import Matrices, Points, Roots, eigenvalues, followed
+from study.analysis.orders import observed_order
 from study.marching.arguments import resolve
 from study.marching.program import unlabelled
 from study.marching.stability import amplification_matrix
@@ -316,10 +317,8 @@ class LinearTheory:
         omega = 2 * np.pi * self._dt_over_period
         error = np.abs(np.exp(self._principal_logarithm()) - np.exp(self._exponent * omega))
         first = omega[np.argmax(error > ROUND_OFF)]
-        fine = (omega >= first) & (omega <= 2 * first) & np.isfinite(error)
-        if fine.sum() < 3:
-            return np.nan
-        return float(np.polyfit(np.log(omega[fine]), np.log(error[fine]), 1)[0]) - 1
+        fine = (omega >= first) & (omega <= 2 * first)
+        return observed_order(1 / omega, error, fine) - 1
 
     def dataset(self) -> xr.Dataset:
         """All results as one dataset.

@@ -10,6 +10,7 @@ import xarray as xr
 from annotated_types import Ge, Le, Len
 
 from study.algebra.jit import short_runs
+from study.analysis.orders import LEAST, observed_order
 from study.declaration.experiment import experiment, progress
 from study.declaration.options import RisingCounts, Schemes, Tolerances
 from study.experiments import coordinates
@@ -21,9 +22,9 @@ from study.scheme.named import schemes as schemes_by_name
 #: Whether an order was measured, or why it is missing.
 STATUSES = ("measured", "does_not_apply", "failed", "exact")
 
-#: Limits of the fit of an order: smallest and largest error that counts, relative to the motion, and largest and
-#: smallest number of errors in the fit. The fit takes the errors with the finest steps.
-SMALLEST, LARGEST, MOST, LEAST = 1e-11, 1.0, 4, 3
+#: Limits of the fit of an order: smallest and largest error that counts, relative to the motion, and largest number of
+#: errors in the fit. The fit takes the errors with the finest steps.
+SMALLEST, LARGEST, MOST = 1e-11, 1.0, 4
 
 
 def _applies(circumstance: Circumstance, scheme: Scheme) -> bool:
@@ -48,7 +49,7 @@ def _order(counts: np.ndarray, error: np.ndarray) -> tuple[float, str]:
     places = np.flatnonzero(useful & (error > SMALLEST))[-MOST:]
     if len(places) < LEAST:
         return np.nan, "exact"
-    return float(-np.polyfit(np.log(counts[places]), np.log(error[places]), 1)[0]), "measured"
+    return observed_order(counts[places], error[places]), "measured"
 
 
 @experiment("order_under_reality")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from paper.orders import observed_order
+from paper.orders import order_at_finest
 
 
 @pytest.mark.parametrize("order", [1, 2, 5])
@@ -13,7 +13,7 @@ def test_a_power_law_is_found(order):
     error = xr.DataArray(
         0.3 * (steps / 8.0) ** -order, {"steps_per_period": steps}, attrs={"units": "1"}, name="max_trajectory_error"
     )
-    assert observed_order(error) == pytest.approx(order, abs=1e-9)
+    assert order_at_finest(error) == pytest.approx(order, abs=1e-9)
 
 
 def test_errors_that_follow_no_power_law_have_no_order():
@@ -24,6 +24,6 @@ def test_errors_that_follow_no_power_law_have_no_order():
         attrs={"units": "1"},
         name="phase_error",
     )
-    assert np.isnan(observed_order(crossing))
+    assert np.isnan(order_at_finest(crossing))
     floor = xr.DataArray(np.full(6, 1e-13), {"steps_per_period": steps}, attrs={"units": "1"}, name="phase_error")
-    assert np.isnan(observed_order(floor))
+    assert np.isnan(order_at_finest(floor))
