@@ -6,7 +6,8 @@ from jaxtyping import Bool, Float
 #: Smallest number of errors in a fit by default.
 LEAST = 3
 
-Numbers, Counted = Float[np.ndarray, " steps"], Bool[np.ndarray, " steps"]
+Numbers = Float[np.ndarray, " steps"]
+Counted = Bool[np.ndarray, " steps"]
 
 
 def observed_order(steps: Numbers, errors: Numbers, counts: Counted | None = None, least: int = LEAST) -> float:

@@ -1,6 +1,7 @@
 """Loads f(t) of the named problems."""
 
 from collections.abc import Callable
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -59,12 +60,12 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
 
 def later(problem: Problem, samples: int) -> Problem:
     """The problem whose record begins with a later sample. Such problems share one compiled program."""
-    ground = problem.ground.later(samples)
 
-    def grounds(one: Problem) -> tuple[GroundMotion, GroundMotion]:
-        load = one.load.load if isinstance(one.load, _Scaled) else one.load
+    def grounds(one: Any) -> tuple[GroundMotion, GroundMotion]:
+        load: Any = one.load.load if isinstance(one.load, _Scaled) else one.load
         return one.ground, load.ground
 
+    ground = grounds(problem)[0].later(samples)
     return eqx.tree_at(grounds, problem, (ground, ground)).examined()
 
 

@@ -143,8 +143,8 @@ class _Ladder:
         """
         errors, shape = self._errors(), (-1, len(self.periods))
         tried, found = np.unique(errors[0].index.get_level_values("steps_per_period"))[::-1], []
-        dividing = divides(self.scale / tried, self.motion.spacing) == 1
-        for part in [np.full(len(tried), True)] if dividing.all() else [np.full(len(tried), True), dividing]:
+        dividing, every = divides(self.scale / tried, self.motion.spacing).astype(bool), np.full(len(tried), True)
+        for part in [every] if dividing.all() else [every, dividing]:
             fine_first = tried[part]
             for quantity, allowed in limits:
                 error, largest = (one[quantity].values.reshape(shape)[::-1][part] for one in errors)

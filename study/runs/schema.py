@@ -27,7 +27,8 @@ _OF_RUNS = {
 }
 
 
-Sizes, Flags = Float[np.ndarray, " sizes"], Int[np.ndarray, " sizes"]
+Sizes = Float[np.ndarray, " sizes"]
+Flags = Int[np.ndarray, " sizes"]
 
 
 def divides(step_sizes: Sizes, spacing: float) -> Flags:
