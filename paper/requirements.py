@@ -69,7 +69,7 @@ def one_of(known: Sequence[str]) -> Requirement:
 def steps_of_portrait(least: int) -> Requirement:
     """Require that a phase portrait has at least the given number of steps."""
     return lambda portrait: (
-        f"has a duration of less than {least} steps, which a figure and the ledger need"
+        f"has a duration of less than {least} steps, which the ledger needs"
         if portrait["duration"] / portrait["dt"] < least
         else ""
     )

@@ -114,7 +114,7 @@ def test_what_is_shipped_has_all_that_is_asked(config):
         ("large_steps", {"dt_over_period": [0.3, 0.01]}, "large_steps.dt_over_period must be in ascending order"),
         ("energy_drift", {"steps_per_period": {"first": 10, "last": 24, "step": 1}}, "leaves out 25"),
         ("energy_drift.steps_per_period", {"step": 5}, "energy_drift.steps_per_period.step must be at most 0.5"),
-        ("phase_portrait.hardening", {"duration": 0.1}, "phase_portrait.hardening has a duration of less than"),
+        ("phase_portrait.hardening", {"duration": 0.05}, "phase_portrait.hardening has a duration of less than"),
         ("atlas", {"schemes": ["rk4", "houbolt"]}, "atlas.schemes"),
         ("atlas.amplitudes", {"first": 1, "last": 2, "count": 3}, "no amplitude within a factor of 3 of the paper's"),
         ("stability.roots", {"tolerances": [1e-3]}, "stability.roots.tolerances must have 3 entries, not 1"),
