@@ -12,7 +12,7 @@ from docs.text import table
 from docs.theory import ROUND_OFF, Theory
 from paper.figures.outcome_map import outcome_map
 from paper.figures.style import OUTCOME_STYLES
-from paper.orders import PERIODS, order_at_finest
+from paper.measures.orders import PERIODS, order_at_finest
 from paper.published import printed_cpu_times, printed_energy_errors
 from study.words import listed, number, percent
 

@@ -12,8 +12,8 @@ import xarray as xr
 import study
 from docs.text import definitions, table
 from docs.theory import PERIODS, ROUND_OFF, STEPS, TRIED
+from paper.measures.orders import lost as loses_order
 from paper.tables.decision import steps_of
-from paper.tables.order_under_reality import lost as loses_order
 from study.runs.needs import NO_VALUE, TIED
 from study.words import listed, number, percent
 

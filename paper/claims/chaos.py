@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 
 from paper.claims.ledger import PRACTICE, STUDY, Finding, claim, when
-from paper.claims.terms import FAITHFUL, REASONABLE, RULE
-from paper.claims.wording import listed, number
+from paper.terms import FAITHFUL, REASONABLE, RULE
+from paper.wording import listed, number
 
 #: Largest difference from two of an observed order that counts as second order.
 NEARLY_TWO = 0.3

@@ -5,7 +5,9 @@ import xarray as xr
 
 from paper.claims.introduction import PERIODS
 from paper.claims.ledger import Finding, by_name, claim, errors, most, when
-from paper.claims.terms import (
+from paper.published import PROBLEMS, same, twice
+from paper.requirements import steps_of_portrait
+from paper.terms import (
     ALMOST,
     DISSIPATIVE,
     FAITHFUL,
@@ -16,9 +18,7 @@ from paper.claims.terms import (
     REASONABLE,
     SIGNIFICANTLY,
 )
-from paper.claims.wording import joined, listed, number
-from paper.published import PROBLEMS, same, twice
-from paper.requirements import steps_of_portrait
+from paper.wording import joined, listed, number
 
 #: Name of each problem of the paper, as the claims write it.
 _SPRINGS = {

@@ -4,7 +4,8 @@ import xarray as xr
 
 from paper.claims.comparisons import at_step
 from paper.claims.ledger import Finding, by_name, claim, when
-from paper.claims.terms import (
+from paper.published import PROBLEMS
+from paper.terms import (
     APART,
     DISSIPATIVE,
     EXPLICIT,
@@ -15,8 +16,7 @@ from paper.claims.terms import (
     MOST,
     REASONABLE,
 )
-from paper.claims.wording import joined, listed, number, title
-from paper.published import PROBLEMS
+from paper.wording import joined, listed, number, title
 from study.words import span
 
 

@@ -9,9 +9,9 @@ Otherwise the repeats do not decide about the ratio. A claim is undecided if its
 import xarray as xr
 
 from paper.claims.ledger import Finding, claim, most
-from paper.claims.terms import IMPLICIT_NEWMARK, MUCH_LESS, SLIGHTLY_MORE
-from paper.claims.wording import joined, listed, title
 from paper.published import PROBLEMS
+from paper.terms import IMPLICIT_NEWMARK, MUCH_LESS, SLIGHTLY_MORE
+from paper.wording import joined, listed, title
 
 _ON_THE_PROCESSOR = "this depends on the processor"
 Ratios = dict[str, tuple[float, float, float]]

@@ -4,7 +4,9 @@ import numpy as np
 
 from paper.claims.comparisons import claim_period, claim_printed_error
 from paper.claims.ledger import Finding, by_name, claim, errors, when
-from paper.claims.terms import (
+from paper.published import printed_energy_errors
+from paper.requirements import OF_THE_DRIFT, rising
+from paper.terms import (
     ALMOST,
     EXPLICIT,
     GROWN,
@@ -15,9 +17,7 @@ from paper.claims.terms import (
     UNCONDITIONAL,
     UNSTABLE,
 )
-from paper.claims.wording import joined, listed, number
-from paper.published import printed_energy_errors
-from paper.requirements import OF_THE_DRIFT, rising
+from paper.wording import joined, listed, number
 
 #: Problems of the two springs: the hardening spring, and the softening spring with both initial displacements.
 _OF_TWO_SPRINGS = ["hardening", "softening", "softening_large"]

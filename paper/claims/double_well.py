@@ -4,8 +4,8 @@ import numpy as np
 
 from paper.claims.comparisons import claim_period
 from paper.claims.ledger import Finding, by_name, claim, when
-from paper.claims.terms import APART, AT_REST, DAMPED, EXPLICIT, IRREGULAR, REASONABLE, ROUND_OFF
-from paper.claims.wording import listed, number, title
+from paper.terms import APART, AT_REST, DAMPED, EXPLICIT, IRREGULAR, REASONABLE, ROUND_OFF
+from paper.wording import listed, number, title
 from study.words import span
 
 #: Initial energy above rest, (E₀ − E_rest)/|E₀|, for S₁ = −0.5, S₂ = −1 and u₀ = 0.5.

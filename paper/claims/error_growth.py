@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from paper.claims.ledger import STUDY, Finding, claim, when
-from paper.claims.wording import number
+from paper.wording import number
 from study.words import span
 
 #: Smallest relative error above round-off, and largest errors of displacement and of the energy of a motion that is not

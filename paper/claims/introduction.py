@@ -3,9 +3,9 @@
 import numpy as np
 
 from paper.claims.ledger import Finding, by_name, claim
-from paper.claims.terms import APART, ROUND_OFF
-from paper.claims.wording import joined, listed, number
 from paper.published import same, twice
+from paper.terms import APART, ROUND_OFF
+from paper.wording import joined, listed, number
 from study.words import span
 
 PERIODS = {"hardening": 0.15, "softening": 1.14, "softening_large": 1.8, "double_well": 7.3}

@@ -3,8 +3,8 @@
 import numpy as np
 
 from paper.claims.ledger import Finding, claim, when
-from paper.claims.terms import ALMOST, REASONABLE, ROUND_OFF, SECOND_ORDER, THIRD_ORDER
-from paper.claims.wording import listed, number
+from paper.terms import ALMOST, REASONABLE, ROUND_OFF, SECOND_ORDER, THIRD_ORDER
+from paper.wording import listed, number
 
 
 def _undamped(spectral, variable):

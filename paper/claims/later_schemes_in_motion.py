@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 
 from paper.claims.ledger import PRACTICE, STUDY, Finding, claim, most, when
-from paper.claims.terms import ALMOST, GREATLY, ROUND_OFF, SECOND_ORDER, SIGNIFICANTLY, THIRD_ORDER
-from paper.claims.wording import listed, number
-from paper.tables.order_under_reality import LOST
+from paper.measures.orders import LOST
+from paper.terms import ALMOST, GREATLY, ROUND_OFF, SECOND_ORDER, SIGNIFICANTLY, THIRD_ORDER
+from paper.wording import listed, number
 from study.analysis.orders import observed_order
 
 _REALITY = "order_under_reality.schemes"

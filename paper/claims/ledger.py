@@ -7,10 +7,10 @@ from typing import Any
 
 import xarray as xr
 
-from paper.claims.terms import MOST
 from paper.data import of_the_paper
 from paper.products import Product, Requirements, enter, reads_of
 from paper.published import SCHEMES
+from paper.terms import MOST
 
 
 class Verdict(StrEnum):

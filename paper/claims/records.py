@@ -1,8 +1,8 @@
 """Claims on the step under records of ground motion, decided by our runs."""
 
 from paper.claims.ledger import PRACTICE, Finding, claim, when
-from paper.numbers.record_error import ONE_CURVE, SCHEME, over_period, predicted, scatter
-from paper.numbers.what_moves import QUANTITIES, of_choices, of_medians
+from paper.measures.record_error import ONE_CURVE, SCHEME, over_period, predicted, scatter
+from paper.measures.what_moves import QUANTITIES, of_choices, of_medians
 from study.words import number
 
 #: Factor within which a prediction agrees with most runs, and share of these runs.

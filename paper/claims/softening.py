@@ -2,9 +2,9 @@
 
 from paper.claims.comparisons import at_step, claim_period, claim_printed_error, lost_energy
 from paper.claims.ledger import Finding, by_name, claim, errors, most, when
-from paper.claims.terms import ALIKE, FAITHFUL, FAR_OFF, REASONABLE
-from paper.claims.wording import joined, listed
 from paper.published import PROBLEMS
+from paper.terms import ALIKE, FAITHFUL, FAR_OFF, REASONABLE
+from paper.wording import joined, listed
 
 claim_period("3.2", "softening", 2, "The period of this oscillator is equal to 1·14")
 

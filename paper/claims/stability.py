@@ -1,10 +1,10 @@
 """Claims about stability at large steps and over long times."""
 
 from paper.claims.ledger import PRACTICE, XIE_EXTENDED, Finding, by_name, claim, most, when
-from paper.claims.terms import CHAOTIC, DAMPED, FAITHFUL, REASONABLE, ROUND_OFF, RULE
-from paper.claims.wording import joined, listed, number
+from paper.measures.outcomes import is_outcome, near_1996, some_near_1996
 from paper.requirements import rising, spans
-from paper.tables.outcomes_near_1996 import is_outcome, near_1996, some_near_1996
+from paper.terms import CHAOTIC, DAMPED, FAITHFUL, REASONABLE, ROUND_OFF, RULE
+from paper.wording import joined, listed, number
 
 #: Dissipative schemes whose tongues are compared with the tongues of ``FAITHFUL``.
 CLOSING = ["hht_alpha", "bathe"]

@@ -4,11 +4,11 @@ import numpy as np
 import xarray as xr
 
 from paper.claims.ledger import PRACTICE, XIE_EXTENDED, Finding, by_name, claim, most, when
-from paper.claims.terms import DISSIPATIVE, EXPLICIT, FAITHFUL, GREATLY, MOST, REASONABLE, RULE
-from paper.claims.wording import joined, listed
 from paper.data import TURNING
 from paper.published import SCHEMES
 from paper.requirements import samples_of_history
+from paper.terms import DISSIPATIVE, EXPLICIT, FAITHFUL, GREATLY, MOST, REASONABLE, RULE
+from paper.wording import joined, listed
 
 #: Structures with modes that are too fast for most of the steps to resolve.
 STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]

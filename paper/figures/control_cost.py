@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from paper.data import SOLVERS
 from paper.figures.style import PAGE, curve_styles_in_order, legend_below, letter, panels, wrapped
-from paper.numbers.step_control import ALLOWED
+from paper.measures.step_control import ALLOWED
 from paper.products import figure
 
 #: Schemes and general solver in the figure, and the maximum number of panels.

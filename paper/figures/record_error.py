@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from paper.figures.style import PAGE, legend_below, letter, panels
-from paper.numbers.record_error import SCHEME, predicted
+from paper.measures.record_error import SCHEME, predicted
 from paper.products import figure
 
 #: Colour, marker and label of steps that divide the spacing of the record, and of others.

@@ -6,7 +6,7 @@ from matplotlib.ticker import NullFormatter
 
 from paper.data import of_kinds
 from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels, thinned
-from paper.numbers.spectrum import LONG, share_beyond
+from paper.measures.spectrum import LONG, share_beyond
 from paper.products import figure
 
 #: Two implicit schemes, one with damping, and two explicit ones.

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from paper.figures.style import PAGE, curve_styles_in_order, letter, panels
-from paper.numbers.step_control import PROBLEM, SCHEME
+from paper.measures.step_control import PROBLEM, SCHEME
 from paper.products import figure
 
 #: Smallest ratio of estimate to true error that is shown; the closed form of the ratio is zero at turning points.

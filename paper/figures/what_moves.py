@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.figures.style import PAGE, curve_styles_in_order, legend_below, letter, panels
-from paper.numbers.what_moves import CHOSEN, QUANTITIES, of_choices, of_medians, of_records
+from paper.measures.what_moves import CHOSEN, QUANTITIES, of_choices, of_medians, of_records
 from paper.products import figure
 
 #: Smallest change in percent that is drawn; smaller ones are drawn there.

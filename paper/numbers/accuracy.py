@@ -3,10 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from paper.claims.terms import FAITHFUL
-from paper.claims.wording import joined
 from paper.products import numbers
 from paper.tables.stability import GAIN, PROBLEMS
+from paper.terms import FAITHFUL
+from paper.wording import joined
 
 #: Schemes whose loss of amplitude the text compares with linear theory.
 _DAMPED = ["hht_alpha_1996", "bathe", "rk4"]

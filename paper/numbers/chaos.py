@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 
 from paper.claims.chaos import NEARLY_TWO, contraction_ratio, fewest_steps, lost_again, orders_of_means, ueda_of
-from paper.claims.terms import FAITHFUL
-from paper.claims.wording import number
 from paper.products import numbers
+from paper.terms import FAITHFUL
+from paper.wording import number
 from study.words import listed, span
 
 #: Number of standard errors of an interval.

@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 
 from paper.claims.error_growth import exponents
-from paper.claims.wording import number
 from paper.products import numbers
+from paper.wording import number
 from study.words import span
 
 #: Measure of each number, and whether it is that of the schemes that keep the energy.

@@ -3,17 +3,11 @@
 import numpy as np
 import xarray as xr
 
+from paper.measures.kinks import GAINED, KINKED, LOST, REMEMBER, at_equal_forces
 from paper.products import numbers
 from paper.requirements import fourfold
 from study.words import span
 
-#: Problems whose force depends on the history of the motion.
-REMEMBER = ["yielding", "hysteretic"]
-#: Problems with a kink of the force, except contact.
-KINKED = [*REMEMBER, "shaken"]
-#: Observed order below which Runge-Kutta has lost its order. Ratio of the error of another scheme to the error of
-#: Runge-Kutta above which Runge-Kutta is more accurate.
-LOST, GAINED = 3.0, 1.5
 #: Error of the balance of energies, in percent of the energy, below which the balance counts as kept.
 KEPT = 0.01
 #: Smallest number of steps in a period that resolves the motion.
@@ -23,14 +17,6 @@ RESOLVED = 64
 def _orders(kinks: xr.Dataset, problem: str, *schemes: str) -> str:
     """Range of the observed orders of some schemes, as whole numbers because errors at kinks decrease irregularly."""
     return span(kinks.observed_order.sel(problem=problem, scheme=list(schemes)), ".0f")
-
-
-def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
-    """Error of central difference with 4N steps per period divided by the error of Runge-Kutta with N, along N."""
-    four_times = 4 * kinks.steps_per_period
-    steps = kinks.steps_per_period[four_times.isin(kinks.steps_per_period)]
-    central = kinks.error.sel(scheme="central_difference", steps_per_period=(4 * steps).values)
-    return central.assign_coords(steps_per_period=steps.values) / kinks.error.sel(scheme="rk4", steps_per_period=steps)
 
 
 @numbers(

@@ -2,9 +2,9 @@
 
 import xarray as xr
 
-from paper.claims.terms import FAITHFUL
 from paper.products import numbers
 from paper.requirements import rising
+from paper.terms import FAITHFUL
 
 
 @numbers(

@@ -3,9 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from paper.claims.wording import joined
+from paper.measures.orders import LOST
 from paper.products import numbers
-from paper.tables.order_under_reality import LOST
+from paper.wording import joined
 from study.words import printed, span
 
 #: Circumstances with kinks of the force, and smooth circumstances.

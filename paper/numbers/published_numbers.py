@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 
 from paper.claims.published_numbers import largest_step, steps_of_orbit
-from paper.claims.terms import ROUND_OFF
 from paper.products import numbers
+from paper.terms import ROUND_OFF
 
 _NEEDED = ["arenstorf", "van_der_pol", "loaded_bar"]
 

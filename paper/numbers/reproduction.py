@@ -3,11 +3,11 @@
 import numpy as np
 import xarray as xr
 
-from paper.claims.terms import DISSIPATIVE, FAITHFUL
 from paper.data import of_the_tables
 from paper.products import numbers
 from paper.published import SCHEMES, once, printed_energy_errors, same, twice
 from paper.requirements import OF_THE_DRIFT, OF_THE_TABLES
+from paper.terms import DISSIPATIVE, FAITHFUL
 from study.words import number, span
 
 #: Schemes whose energies grow on the softening spring from its large amplitude.

@@ -4,11 +4,11 @@ import numpy as np
 import xarray as xr
 
 from paper.claims.ledger import by_name
-from paper.claims.terms import CHAOTIC, DAMPED, DISSIPATIVE, FAITHFUL
+from paper.measures.outcomes import FAILURES, SPAN, is_outcome, near_1996
 from paper.products import numbers
 from paper.published import PROBLEMS
 from paper.requirements import contained, rising
-from paper.tables.outcomes_near_1996 import FAILURES, SPAN, is_outcome, near_1996
+from paper.terms import CHAOTIC, DAMPED, DISSIPATIVE, FAITHFUL
 from study.words import span
 
 

@@ -5,11 +5,11 @@ import xarray as xr
 
 from paper.claims.ledger import by_name
 from paper.claims.structures import SAMPLES_OF_SAWTOOTH, kept, sawtooth
-from paper.claims.wording import joined
 from paper.data import TURNING
 from paper.figures.energy_growth import CEILING, FLOOR, sizes
 from paper.products import numbers
 from paper.requirements import samples_of_history
+from paper.wording import joined
 from study.words import printed, span
 
 #: Schemes without numerical damping with which the text compares the energy-momentum method.

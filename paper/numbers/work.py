@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 
 from paper.data import fewest
+from paper.measures.respects import ALLOWED
 from paper.products import numbers
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
-from paper.respects import ALLOWED
 from paper.tables.models import ERROR
 from paper.tables.whole_motion import ERROR as WHOLE
 from study.words import listed, relative_to

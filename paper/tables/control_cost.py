@@ -5,7 +5,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import SOLVERS, fewest
-from paper.numbers.step_control import ALLOWED, with_control
+from paper.measures.step_control import ALLOWED, with_control
 from paper.products import table
 
 

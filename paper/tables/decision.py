@@ -29,8 +29,10 @@ def steps_of(one: xr.Dataset) -> str:
     """The step of a need or decision: steps in a time scale, or its size in ms under records."""
     if one.problem.item() == "records":
         return f"{number(1e3 * one.step_size.item(), 2)} ms"
+    # a multiple of the spacing of a record need not be a whole part of the time scale
+    steps = f"{one.steps_per_period.item():,.1f}".removesuffix(".0")
     at_most = AT_MOST if one.verdict.item() == COARSEST else ""
-    return f"{at_most}{one.steps_per_period.item():,.0f}{FINEST if one.smaller_steps.item() == 0 else ''}"
+    return f"{at_most}{steps}{FINEST if one.smaller_steps.item() == 0 else ''}"
 
 
 def cost_of(one: xr.Dataset) -> str:

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from paper.claims.wording import joined, number
+from paper.measures.respects import costs, respects
 from paper.products import table
-from paper.respects import costs, respects
+from paper.wording import joined, number
 from study.runs.needs import dominated
 
 

@@ -4,16 +4,8 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import families
+from paper.measures.orders import lost
 from paper.products import table
-
-#: Decrease of an order above which it counts as lost.
-LOST = 0.5
-
-
-def lost(orders: xr.Dataset) -> xr.DataArray:
-    """Whether a quantity has lost order, or does not converge, over (scheme, circumstance, quantity)."""
-    failed = orders.status == orders.status.flag_meanings.split().index("failed")
-    return failed | (orders.order - orders.observed_order > LOST)
 
 
 def _titles(flags: xr.DataArray) -> str:

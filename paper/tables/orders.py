@@ -4,7 +4,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import families, of_the_paper
-from paper.orders import PERIODS, order_at_finest
+from paper.measures.orders import PERIODS, order_at_finest
 from paper.products import table
 from paper.published import SCHEMES
 

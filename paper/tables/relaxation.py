@@ -3,9 +3,9 @@
 import pandas as pd
 import xarray as xr
 
-from paper.claims.wording import number
 from paper.products import table
 from paper.published import PROBLEMS, STEPS, printed_energy_errors
+from paper.wording import number
 
 
 @table("Runge-Kutta with relaxation", requires={"relaxation.problems": PROBLEMS, "relaxation.steps_per_period": STEPS})

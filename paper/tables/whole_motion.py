@@ -13,7 +13,7 @@ SHOWN = ["central_difference", "average_acceleration", "generalized_alpha", "bat
 
 
 def _steps(need: xr.Dataset) -> str:
-    return f"{need.steps_per_period.item():,.0f}" if need.step_size > 0 else "–"
+    return f"{need.steps_per_period.item():,.1f}".removesuffix(".0") if need.step_size > 0 else "–"
 
 
 @table("Steps for the displacement and for the whole motion", requires={"runs.schemes": SHOWN[:2]})

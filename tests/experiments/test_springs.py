@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import study
-from paper.claims import terms
+from paper import terms
 from paper.published import printed_cpu_times, printed_energy_errors, same, twice
 from study import io
 from study.experiments.cpu_time import cpu_time

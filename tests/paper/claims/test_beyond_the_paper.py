@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from paper.claims import materials, stability, structures
-from paper.numbers.kinks import KINKED
+from paper.measures.kinks import KINKED
 from tests.paper.claims.made_up import filled
 
 

@@ -6,8 +6,8 @@ import xarray as xr
 
 from paper.claims import comparisons, softening
 from paper.claims.ledger import Verdict
-from paper.claims.terms import DISSIPATIVE
 from paper.published import STEPS
+from paper.terms import DISSIPATIVE
 from tests.paper.claims.made_up import accuracy, energy_error
 
 

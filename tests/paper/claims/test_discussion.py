@@ -6,8 +6,8 @@ import xarray as xr
 
 from paper.claims import discussion, double_well
 from paper.claims.ledger import Verdict
-from paper.claims.terms import DAMPED
 from paper.published import SCHEMES
+from paper.terms import DAMPED
 from tests.paper.claims.made_up import energy_error, filled
 
 #: Step sizes as fractions of the period. They form 80 pairs of neighbours, and a twentieth of these pairs is four.

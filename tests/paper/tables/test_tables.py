@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from paper.measures.outcomes import accurate_up_to, first_of, near_1996
 from paper.tables import claims, outcomes_near_1996, robustness
-from paper.tables.outcomes_near_1996 import accurate_up_to, first_of, near_1996
 
 NAMES = ["accurate", "bounded", "damped_to_rest", "in_the_wrong_well", "chaotic", "growing", "no_solution_found"]
 

@@ -23,6 +23,8 @@ FLOOR = 1e-10
 SATURATED = 0.5
 #: Number of step sizes in a fit, each twice the next finer one.
 POINTS = 5
+#: Decrease of an order above which it counts as lost.
+LOST = 0.5
 #: Largest difference between the slopes of neighbouring pairs of step sizes in a fit.
 STEADY = 0.2
 
@@ -48,3 +50,9 @@ def order_at_finest(error: xr.DataArray) -> float:
     steps, values = error.steps_per_period.values[finest], values[finest]
     slopes = np.diff(np.log(values)) / np.diff(np.log(steps))
     return observed_order(steps, values) if np.ptp(slopes) < STEADY else np.nan
+
+
+def lost(orders: xr.Dataset) -> xr.DataArray:
+    """Whether a quantity has lost order, or does not converge, over (scheme, circumstance, quantity)."""
+    failed = orders.status == orders.status.flag_meanings.split().index("failed")
+    return failed | (orders.order - orders.observed_order > LOST)

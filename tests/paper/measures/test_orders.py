@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from paper.orders import order_at_finest
+from paper.measures.orders import order_at_finest
 
 
 @pytest.mark.parametrize("order", [1, 2, 5])

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from paper.respects import costs, respects
+from paper.measures.respects import costs, respects
 from study.runs.needs import dominated, needs, of_problems
 from tests.paper.claims.made_up import filled
 from tests.runs.made_up import runs

@@ -3,7 +3,7 @@
 import pytest
 import xarray as xr
 
-from paper.claims.wording import joined, listed, number, title
+from paper.wording import joined, listed, number, title
 
 DATA = {
     "over_schemes": xr.Dataset(coords={"scheme": ["rk4"], "scheme_title": ("scheme", ["Runge-Kutta"])}),

@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 from paper.claims import records
-from paper.numbers.record_error import order, predicted, scatter
-from paper.numbers.what_moves import of_choices, of_medians, of_records
+from paper.measures.record_error import order, predicted, scatter
+from paper.measures.what_moves import of_choices, of_medians, of_records
 
 
 def _errors(load=0.0, averaged=0.0):

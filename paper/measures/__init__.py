@@ -1,0 +1,1 @@
+"""What several products compute from datasets."""
