@@ -13,9 +13,6 @@ from paper.products import figure
 SHOWN = [
     "average_acceleration",
     "central_difference",
-    "newmark_dissipative",
-    "houbolt",
-    "hht_alpha_1996",
     "rk4",
     "rho_bathe",
     "gauss4",
