@@ -6,7 +6,7 @@ import xarray as xr
 from paper.measures.kinks import GAINED, KINKED, LOST, REMEMBER, at_equal_forces
 from paper.products import numbers
 from paper.requirements import fourfold
-from study.words import span
+from study.words import number, span
 
 #: Error of the balance of energies, in percent of the energy, below which the balance counts as kept.
 KEPT = 0.01
@@ -59,7 +59,7 @@ def of_kinks(kinks: xr.Dataset) -> dict:
         "kinks_rk4_dividing": span(dividing.dividing_order.sel(scheme=["rk4"]), ".0f"),
         "kinks_average_dividing": span(dividing.dividing_order.sel(scheme=["average_acceleration"]), ".0f"),
         "dividing_keeps_the_order": bool(dividing.dividing_order.sel(scheme="rk4") > LOST),
-        "kinks_gain_dividing": f"{(average_dividing / rk4_dividing)[0].item():.2g}",
+        "kinks_gain_dividing": number((average_dividing / rk4_dividing)[0].item(), 2),
         "kinks_error_dividing": f"{100 * rk4_dividing[0].item():.2g}",
         "kinks_spacing_parts": f"{int(kinks.steps_per_spacing[0])}",
         "kinks_yoshida": _orders(kinks, "yielding", "yoshida4"),
