@@ -84,7 +84,7 @@ def _run_of_intensities():
 
 
 def test_every_example_is_tested():
-    others = {"scheme.py", "intensities.py", "plate.py", "opensees_frame.py", "opensees_gap.py"}
+    others = {"scheme.py", "intensities.py", "plate.py", "opensees_frame.py", "opensees_gap.py", "parts.py"}
     assert {path.name for path in FOLDER.glob("*.py")} == {place.split(":")[0] for place in PROBLEMS} | others
 
 

@@ -174,5 +174,6 @@ def test_the_notebook_runs_with_the_wheel(wheel, tmp_path):
     environment = os.environ | {"PYTHONPATH": str(tmp_path / "package"), "MPLBACKEND": "agg"}
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-4000:]
-    assert "1 % of displacement: Central difference, 0.14 s" in done.stdout and "page of" in done.stdout
+    # which of the two is faster is measured, and may change on a busy machine
+    assert re.search(r"central_difference +explicit +0\.14 ", done.stdout) and "page of" in done.stdout
     assert f"{wheel.name}[reference,paper] {tmp_path / 'package'}" in done.stdout

@@ -22,7 +22,8 @@ _OF_AVERAGE = {"record_error.schemes": [SCHEME]}
 def power_above_decides(record_error):
     one = record_error.sel(scheme=SCHEME)
     value, step = scatter(one, one.power_above), scatter(one, one.of_period)
-    return Finding(f"{value:.2f}, and {step:.2f} about (ωΔt)²", value <= ONE_CURVE)
+    holds = value <= ONE_CURVE
+    return Finding(f"{value:.2f}, and {step:.2f} about (ωΔt)²", holds, when(not holds, "power near 1/Δt decides it"))
 
 
 @claim(
@@ -35,7 +36,8 @@ def period_and_load_decide(record_error):
     one = record_error.sel(scheme=SCHEME)
     ratio = one.error.sel(load="samples") / predicted(one)
     share = float(((ratio > 1 / FACTOR) & (ratio < FACTOR)).sum() / ratio.notnull().sum())
-    return Finding(f"{100 * share:.3g} %", share >= MOST_RUNS)
+    holds = share >= MOST_RUNS
+    return Finding(f"{100 * share:.3g} %", holds, when(not holds, "the prediction is that of a long motion"))
 
 
 @claim(
@@ -46,7 +48,9 @@ def period_and_load_decide(record_error):
 )
 def mean_load_restores(record_error):
     plain, mean = (over_period(record_error, load) for load in ("samples", "averages"))
-    return Finding(f"{number(plain, 2)}; {number(mean, 2)}", mean < RESTORED < plain)
+    holds = mean < RESTORED < plain
+    reason = when(not holds, "the two loads do not differ enough at the steps tried")
+    return Finding(f"{number(plain, 2)}; {number(mean, 2)}", holds, reason)
 
 
 @claim(

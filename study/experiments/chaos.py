@@ -123,7 +123,11 @@ def chaos(
             **coordinates.problem_coordinates([problem]),
             **coordinates.scheme_coordinates(schemes),
             **coordinates.steps_per_period_coordinate(steps_per_period),
-            "place": ("place", np.arange(EXPONENTS), {"long_name": "place of the exponent in descending order"}),
+            "place": (
+                "place",
+                np.arange(EXPONENTS),
+                {"long_name": "place of the exponent in descending order", "units": "1"},
+            ),
             "periods": ("problem", [periods], {"long_name": "length of the runs in periods", "units": "1"}),
             "runs": ("problem", [runs], {"long_name": "number of runs", "units": "1"}),
         },

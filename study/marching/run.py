@@ -2,8 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -310,8 +309,7 @@ def run(
             arguments = {name: value[place] for name, value in own.items()}
             return march_lanes(program, (*of_place, arguments), counts[place] if counts.ndim else counts, every, room)
 
-        with _one_sentence(bool(values)):
-            result = marched(plain)
+        result = _traced(bool(values), marched, plain)
         unsolved = result.status == NO_SOLUTION
         if not (method.explicit or equation.linear):  # a Newton correction may end where the force is not finite
             unsolved |= result.status == NOT_FINITE
@@ -343,23 +341,26 @@ def run(
         for x, n in ((start, np.ndim(equation.u0)), (velocity, np.ndim(equation.u0)), (step_size, 0))
     )
     arguments = {name: value[0] for name, value in values.items()}
-    with _one_sentence(bool(values)):
-        of_lane = Lane.traced(
-            partial(March.of, scheme=method, observers=chosen, bound=limit),
-            (lambda: equation) if make is None else make,
-            (*first, arguments),
-            room + 1,
-            {"u0": start, "v0": velocity, "dt": step_size, "steps": count, "every": every, "samples": room} | values,
-        )
+    of_lane = _traced(
+        bool(values),
+        Lane.traced,
+        partial(March.of, scheme=method, observers=chosen, bound=limit),
+        (lambda: equation) if make is None else make,
+        (*first, arguments),
+        room + 1,
+        {"u0": start, "v0": velocity, "dt": step_size, "steps": count, "every": every, "samples": room} | values,
+    )
     parts = save if isinstance(save, Parts) else Parts(save)
     return parts.written(dataset, lanes, of_lane)
 
 
-@contextmanager
-def _one_sentence(family: bool) -> Iterator[None]:
-    """Errors of a trace without the traceback through the march; in a family, they name the function of a problem."""
+def _traced(family: bool, trace: Callable, *arguments: Any) -> Any:
+    """The value of a function that traces a march.
+
+    An error has no traceback through the march; in a family, it names the function that makes the problems.
+    """
     try:
-        yield
+        return trace(*arguments)
     except NOT_TRACEABLE as error:
         if not family:
             raise

@@ -162,7 +162,7 @@ def test_one_core_gives_the_same_bytes_as_two(project, tmp_path):
 def test_an_edited_figure_script_redraws_that_figure(copy):
     script = copy / "paper" / "figures" / "instability.py"
     script.write_text(script.read_text() + "\n# edited\n")
-    assert _would_run(copy) == {"figures/instability", "manuscript", "supplement", "replication"}
+    assert _would_run(copy) == {"figures/instability", "manuscript", "supplement", "replication", "README"}
 
 
 def test_a_wrong_configuration_stops_before_any_work(project, tmp_path):
