@@ -67,7 +67,7 @@ def as_runs(spectrum: xr.Dataset) -> xr.Dataset:
     # a scheme that refuses the oscillators has no error at any step; a run that failed has none at its step
     ran = error.notnull().any(["quantity", "step_size"]).expand_dims(step_size=dt).reset_coords(drop=True)
     ds = ds.assign(tried=ran.astype(np.int8), uncertainty=("quantity", [0.0]))
-    ds = ds.rename(step_size="size").drop_vars("size")
+    ds = ds.rename(step_size="size").drop_vars("size").drop_attrs()
     return described(
         ds.assign_coords(step_size=("size", dt), steps_per_period=("size", scale / dt)),
         "largest relative error of the peak drift over all oscillators and records",
