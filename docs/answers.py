@@ -12,6 +12,7 @@ from paper.products import reader
 from paper.tables.decision import column, sentence, steps_of
 from paper.tables.models import MODELS
 from study.analysis.duration import step_exponent
+from study.runs.needs import TIED
 from study.scheme.codes import names_in_codes
 from study.words import number
 
@@ -81,6 +82,7 @@ def data(needed: xr.Dataset) -> dict[str, Any]:
             "model": models.get(name, ""),
             "scale": number(scale, 2),
             "decided": decided,
+            "duration": number(decided * scale, 3),
             "omega": number(omega, 3),
             "unknowns": unknowns,
             "records": name == "records",
@@ -94,13 +96,14 @@ def data(needed: xr.Dataset) -> dict[str, Any]:
         )
     ]
     schemes = [
-        {"title": title, "explicit": bool(explicit), "inCodes": bool(within), "codes": codes[name]}
-        for name, title, explicit, within in zip(
-            *(needed[one].values.tolist() for one in ("scheme", "scheme_title", "explicit", "in_codes")), strict=True
+        {"title": title, "explicit": bool(explicit), "codes": codes[name]}
+        for name, title, explicit in zip(
+            *(needed[one].values.tolist() for one in ("scheme", "scheme_title", "explicit")), strict=True
         )
     ]
     return {
         "first": FIRST,
+        "tied": TIED,
         "problems": of_problems,
         "quantities": needed.quantity.values.tolist(),
         "errors": [column(error) for error in needed.allowed_error.values],

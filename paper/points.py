@@ -1,4 +1,4 @@
-"""The points of a figure as a table, for readers who draw it anew."""
+"""The points of a figure as a table, for readers who draw it again."""
 
 from collections.abc import Iterator
 

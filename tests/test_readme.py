@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+import unicodedata
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ import study
 from docs.decisions import by_model
 from paper import products
 from paper.claims import ledger
+from study.analysis.duration import step_exponent
 from tests.snippets import blocks, run_examples
 
 PROJECT = Path(__file__).parent.parent
@@ -44,6 +46,14 @@ def test_the_links_of_the_readme_lead_to_files_and_headings():
     inside = [one for one in links if not one.startswith("https://doi.org/")]
     assert len(inside) > 8
     assert [one for one in inside if not (one[1:] in headings if one[0] == "#" else (PROJECT / one).exists())] == []
+
+
+def test_the_readme_states_the_law_of_longer_durations():
+    stated = {"½": ["central_difference"], "¼": ["fox_goodwin"], "⅔": ["hht_alpha", "generalized_alpha", "bathe"]}
+    for fraction, names in stated.items():
+        assert fraction in README
+        for one in (study.schemes[name] for name in names):
+            assert step_exponent(one.order, one.keeps_energy) == pytest.approx(unicodedata.numeric(fraction))
 
 
 #: Program that runs the files of CONTRIBUTING, and makes and prints their products.

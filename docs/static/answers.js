@@ -3,7 +3,6 @@ const form = document.getElementById("answers");
 if (form) {
   const needs = JSON.parse(document.getElementById("needs").textContent);
   const {model, quantity, error, periods, kind, code} = form.elements;
-  const tie = 1.1; // numbers of forces up to this multiple of the least tie, as in study/runs/needs.py
 
   const fill = (select, options, chosen) => {
     select.replaceChildren(...options.map(([value, text]) => new Option(text, value)));
@@ -17,7 +16,7 @@ if (form) {
   // the cheapest scheme; among ties the one with the smallest error
   const decide = (rows) => {
     const least = Math.min(...rows.map(cost));
-    return rows.filter((row) => cost(row) <= tie * least).reduce((best, row) => (row[8] < best[8] ? row : best));
+    return rows.filter((row) => cost(row) <= needs.tied * least).reduce((best, row) => (row[8] < best[8] ? row : best));
   };
   const ranked = (rows) => {
     const left = [...rows], order = [];
@@ -67,7 +66,7 @@ if (form) {
     }
     if (!groups.length) parts.push(element("p", "No step tried keeps this error with a scheme of this kind and program."));
     parts.push(element("p", `Measured on: ${problem.title}, ${problem.unknowns} unknown${problem.unknowns > 1 ? "s" : ""}, ` +
-      (problem.records ? "each run 20 s long; ω of the shortest period. " :
+      (problem.records ? `each run ${problem.duration} s long; ω of the shortest period. ` :
         `period T = ${problem.scale} s, highest ω = ${problem.omega} /s, ${problem.decided} T. `) +
       (periods.value > problem.decided ? "The step for the longer duration follows from a law of free vibration; it was not run." : "")));
     const table = document.createElement("table"), body = table.createTBody();

@@ -7,8 +7,9 @@ from paper.data import fewest
 from paper.measures.respects import ALLOWED
 from paper.products import numbers
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
-from paper.tables.models import ERROR
+from paper.tables.models import ERROR, answers
 from paper.tables.whole_motion import ERROR as WHOLE
+from study.runs.needs import WHOLE_MOTION
 from study.words import listed, relative_to
 
 #: Error of the displacement at which the fastest schemes and solvers are compared.
@@ -75,7 +76,9 @@ def of_decisions(decisions: xr.Dataset, needs: xr.Dataset) -> dict:
         "decided_errors": listed(f"{100 * error:g}" for error in decisions.allowed_error.values),
         "decided_periods": listed(sorted({f"{one:,.0f}" for one in springs.decided.values})),
         "error_relative_to": relative_to(),
+        "whole_bounds": listed(f"{100 * WHOLE_MOTION[one]:g}" for one in ("velocity", "acceleration", "energy")),
         "whole_error": f"{100 * WHOLE:g}",
+        "models_kinds": len(answers(decisions)),
         "models_error": f"{100 * ERROR:g}",
         "candidates": needs.sizes["scheme"],
         "models_candidates": int(needs.in_codes.sum()),

@@ -1,4 +1,4 @@
-"""What the whole motion costs beside the displacement alone."""
+"""Steps for the whole motion, compared with those for the displacement alone."""
 
 import pandas as pd
 import xarray as xr

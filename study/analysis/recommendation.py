@@ -179,12 +179,11 @@ def over_duration(
             "verdict": np.where(rounded.notna(), "extrapolated", table.verdict),
         }
     ).sort_values("force_evaluations", kind="stable")
-    best = found.dropna(subset="step_size").groupby("kind", sort=False).head(1)
     found.attrs = {
         "answer": [
             f"{percent(error)} of {quantity} over {number(duration)} s, {row.kind}: {titles[name]}, "
             f"{step_with_unit(row.step_size)} (extrapolated)"
-            for name, row in best.iterrows()
+            for name, row in firsts(found).iterrows()
         ],
         "notes": [
             f"Steps are extrapolated from runs over {number(known)} s by Δt ∝ n^(−exponent), with the number n of "

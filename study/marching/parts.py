@@ -117,7 +117,7 @@ def _opened(path: Path, run: str) -> xr.Dataset:
 
 
 class Lane(NamedTuple):
-    """The traced program of one lane of an ensemble, and what tells its run from others.
+    """The traced program of one lane of an ensemble, and what distinguishes its run from others.
 
     Attributes
     ----------
