@@ -11,7 +11,7 @@ Work = dict[str, str]
 
 _ENTRY = re.compile(r"^@(\w+)\{([^\s,]+),\n(.*?)\n\}$", re.MULTILINE | re.DOTALL)
 _FIELD = re.compile(r"  (\w+) = \{(.*)\},?")
-_PLACE = re.compile(r"(, (sections?|chapter) [\w., ]+?| \([^)]*\))?\.( |$)")
+_PLACE = re.compile(r"(, (sections?|chapters?) [\w., ]+?| \([^)]*\))?\.( |$)")
 
 
 #: Combining character of each accent of LaTeX.

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from paper.data import SOLVERS
-from paper.figures.style import PAGE, legend_below, letter, panels
+from paper.figures.style import PAGE, legend_below, letter, panels, whole_decades
 from paper.products import figure
 
 PROBLEM, PERIODS = "softening", 100
@@ -73,8 +73,8 @@ def draw(data: xr.Dataset) -> Figure:
         for error in (0.1, 0.01, 0.001):
             axes.axhline(error, color="0.8", lw=0.6, zorder=0)
         axes.set(xscale="log", yscale="log", ylim=(BOTTOM, TOP), xlabel=label)
-        low, high = axes.get_xlim()
-        axes.set_xlim(low / 3, high * 3)  # with room for names
+        # the panels have the same width whatever times were measured
+        whole_decades(axes)
         letter(axes, place, "speed against error" if place == 0 else "forces against error")
     row[0].set_ylabel("error of the displacement")
     legend_below(picture, columns=6)

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import COLUMN, legend_below, panels
+from paper.figures.style import COLUMN, legend_below, panels, whole_decades
 from paper.products import figure
 
 #: Markers of the panels, and their colours, which differ in greyscale.
@@ -27,5 +27,6 @@ def draw(mesh: xr.Dataset) -> Figure:
         axes.plot(one.mesh_ratio, one, marker=marker, color=colour, label=f"{name} masses")
     axes.axhline(1, color="0.6", linewidth=0.8)
     axes.set(xscale="log", yscale="log", xlabel="ω of the mesh / ω of the motion", ylabel="time, implicit / explicit")
+    whole_decades(axes)
     legend_below(picture, columns=2)
     return picture

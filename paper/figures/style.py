@@ -21,6 +21,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from paper.data import families
 from paper.points import points
@@ -112,6 +113,13 @@ def wrapped(title: str, width: int) -> str:
     """A title in lines of limited length, without a break around an equals sign or after the word "order"."""
     kept = title.replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}").replace("order ", "order\N{NO-BREAK SPACE}")
     return textwrap.fill(kept, width)
+
+
+def whole_decades(axes: Axes) -> None:
+    """End a logarithmic x-axis at powers of ten, and label only these."""
+    low, high = np.log10(axes.get_xlim())
+    axes.set_xlim(10.0 ** np.floor(low), 10.0 ** np.ceil(high))
+    axes.xaxis.set_minor_formatter(NullFormatter())
 
 
 def letter(axes: Axes, index: int, title: str) -> None:
