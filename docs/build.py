@@ -19,11 +19,11 @@ import study
 from docs import accessible, answers, confirmed, decisions, gallery
 from docs.conformance_page import REPORTS, codes_page, conformance_page
 from docs.docstrings import parsed
+from docs.figures_page import figures_page
 from docs.plan import OF_SCHEMES, PAGES, PRODUCTS
 from docs.scheme_page import Library, scheme_page
 from docs.scheme_table import index_page
 from docs.tables_page import claims_page, tables_page
-from paper.manuscript import listing
 from paper.products import reader
 from study.problem.named import makers
 from study.scheme.named import ALIASES
@@ -67,7 +67,7 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
     made = {f"schemes/{name}.md": scheme_page(library.subject(name), library) for name in library.schemes}
     made["schemes/index.md"] = index_page(library)
     made |= {"claims.md": claims_page(results), "tables.md": tables_page(results)}
-    made["files.md"] = listing()
+    made["figures.md"] = figures_page()
     made |= {"how_to/conformance.md": conformance_page(), "how_to/codes.md": codes_page()}
     made |= {f"included/{name}.md": text for name, text in decisions.tables(results).items()}
     made["included/answers.md"] = answers.form(results)

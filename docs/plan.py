@@ -23,6 +23,8 @@ OF_SCHEMES = (
 NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
 #: Declarations of all tables of the study, and the name of the table of claims.
 TABLES, LEDGER = tuple(one for one in discover(["tables"]) if one.kind == "table"), "claims"
+#: Declarations of all figures of the study.
+FIGURES = tuple(one for one in discover(["figures"]) if one.kind == "figure")
 #: Files of the results that are copied into the site.
 PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf", "replication.pdf", "assessment/driven.html")
 
@@ -41,10 +43,9 @@ def shown(root: Path) -> list[Path]:
 
 def reads() -> list[str]:
     """The files of the results that the site reads."""
-    pages = "\n".join(page.read_text(encoding="utf-8") for page in sorted(PAGES.rglob("*.md")))
     questions = "\n".join(page.read_text(encoding="utf-8") for page in sorted(PAGES.glob("gallery/*.md")))
     opened = re.findall(r'study\.open_dataset\("([\w/]+)"\)', questions)
     datasets = dict.fromkeys([*OF_SCHEMES, "decisions", *opened])
-    figures = dict.fromkeys(re.findall(r"/(figures/\w+\.svg)", pages))
+    figures = [f"figures/{one.name}.svg" for one in FIGURES]
     tables = [f"tables/{one.name}.csv" for one in TABLES]
     return [*(f"{name}.nc" for name in datasets), *figures, NUMBERS, *tables, *PRODUCTS]

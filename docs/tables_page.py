@@ -8,6 +8,7 @@ import pandas as pd
 
 from docs.plan import LEDGER, TABLES
 from docs.text import described, narrowed
+from paper.manuscript import places
 from study.io import read
 
 #: Columns of the ledger, in the order of its page.
@@ -78,12 +79,11 @@ def _section(title: str, about: str, frame: pd.DataFrame) -> str:
 
 def tables_page(results: Path) -> str:
     """The page of all tables except the ledger, each with a filter by words."""
-    shown = [one for one in TABLES if one.name != LEDGER]
-    sections = [
-        _section(one.title, (one.function.__doc__ or "").strip().splitlines()[0], _read(results, one.name))
-        for one in shown
-    ]
+    shown, known, sections = [one for one in TABLES if one.name != LEDGER], places(), []
+    for one in shown:
+        place, about = known.get((one.kind, one.name)), (one.function.__doc__ or "").strip().splitlines()[0]
+        sections.append(_section(one.title, about + (f" {place}." if place else ""), _read(results, one.name)))
     links = ", ".join(f"[{one.title}](#{one.title.lower().replace(' ', '-')})" for one in shown)
-    first = "The tables of the article and its supplement. `results/tables/` has them as CSV and LaTeX."
+    first = "The tables of the study. `results/tables/` has them as CSV and LaTeX."
     text = "\n\n".join(["# All tables", first, f"{links}.", *sections]) + "\n"
     return described("All tables of the study of time integration schemes, each with a filter.", text, hide_toc=True)

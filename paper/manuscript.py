@@ -56,9 +56,21 @@ def numbered(text: Path) -> list[tuple[str, str]]:
     return found
 
 
+#: Name of each text, by the stem of its file.
+_TITLES = {"manuscript": "Article", "supplement": "Supplement", "replication": "Replication"}
+
+
+def places() -> dict[tuple[str, str], str]:
+    """Where the texts have a figure or table, as in "Figure S3 of the supplement", by its kind and name."""
+    return {
+        (label.split()[0].lower(), name): f"{label} of the {_TITLES[text.stem].lower()}"
+        for text in TEXTS
+        for label, name in numbered(text)
+    }
+
+
 def listing() -> str:
     """The files of all figures and tables of the texts, as Markdown."""
-    titles = {"manuscript": "Article", "supplement": "Supplement", "replication": "Replication"}
     parts = ["# Figures and tables"]
     parts.append(
         "Which file is which figure and table of the texts. A figure is there as `.pdf`, as `.svg` whose text stays "
@@ -70,7 +82,7 @@ def listing() -> str:
             f"| {label} | {f'`{label.split()[0].lower()}s/{name}`' if name else 'in the text only'} |"
             for label, name in numbered(text)
         ]
-        parts.append("\n".join([f"## {titles[text.stem]}\n", "| number | file |", "| --- | --- |", *rows]))
+        parts.append("\n".join([f"## {_TITLES[text.stem]}\n", "| number | file |", "| --- | --- |", *rows]))
     return "\n\n".join(parts) + "\n"
 
 
@@ -99,7 +111,6 @@ _REQUIRES = {
     "sensitivity.problem": "double_well",
     "sensitivity.perturbation": 1e-10,
     "stability.roots.paper_dt": 2.5,
-    "stability.numerical_map.problem": "double_well",
     "atlas.problems": as_many(3),
     "robustness.problems": as_many(3),
 }

@@ -83,7 +83,6 @@ def of_structures(
         **{f"sawtooth_{name}": f"{a:.2f}" for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
         "chain_best": f"{100 * structures.displacement_error.sel(problem='fpu_chain').min().item():.2g}",
         "long_time": f"{long_times.t.max().item():,.0f}",
-        "long_sample": f"{long_times.t[1].item():.0f}",
         "long_step": f"{long_times.dt.item():.2f}",
         **_plateaus(structures),
         "stiff_soft_steps": stiff_soft.steps_per_period.item(),

@@ -4,7 +4,6 @@ import numpy as np
 import xarray as xr
 
 from paper.data import fewest
-from paper.measures.respects import ALLOWED
 from paper.products import numbers
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
 from paper.tables.models import ERROR, answers
@@ -51,11 +50,8 @@ def of_work(work: xr.Dataset) -> dict:
         "work_rk4_ms": f"{1e3 * rk4.time_per_run.item():.1f}",
         "work_heyoka_finest": f"{heyoka.solver_max_trajectory_error.item():.0e}",
         "work_heyoka_ms": f"{1e3 * heyoka.solver_time_per_run.item():.1f}",
-        "work_finest_steps": f"{work.steps_per_period.max().item():,}",
         "work_loosest": f"{np.log10(spring.tolerance.max().item()):.0f}",
         "work_tightest": f"{np.log10(spring.tolerance.min().item()):.0f}",
-        "work_diffrax_step": f"{spring.diffrax_rk4_time_per_step.dropna('steps_per_period')[-1].item():.0f}",
-        "work_rk4_step": f"{spring.median_time_per_step.sel(scheme='rk4').isel(steps_per_period=-1).item():.0f}",
     }
 
 
@@ -82,7 +78,6 @@ def of_decisions(decisions: xr.Dataset, needs: xr.Dataset) -> dict:
         "models_error": f"{100 * ERROR:g}",
         "candidates": needs.sizes["scheme"],
         "models_candidates": int(needs.in_codes.sum()),
-        "respects_error": f"{100 * ALLOWED:g}",
     }
 
 

@@ -1,0 +1,22 @@
+"""All figures of the study as a page of the site."""
+
+from docs.plan import FIGURES
+from docs.text import described
+from paper.manuscript import places
+
+
+def figures_page() -> str:
+    """The page of all figures, each with its caption and its place in the texts."""
+    known, sections = places(), []
+    for one in FIGURES:
+        title, place = one.name.replace("_", " ").capitalize(), known.get((one.kind, one.name))
+        sections.append(
+            f"## {title}\n\n```{{figure}} /figures/{one.name}.svg\n:alt: {title}\n:class: paper\n:loading: lazy\n\n"
+            f"{one.caption}{f' {place}.' if place else ''}\n```"
+        )
+    first = (
+        "`results/figures/` has each figure as PDF, as SVG whose text stays text, as PNG with 300 dots per inch, and "
+        "its points as CSV."
+    )
+    text = "\n\n".join(["# All figures", first, *sections]) + "\n"
+    return described("All figures of the study of time integration schemes, with their captions.", text)
