@@ -11,7 +11,7 @@
 # make cluster        runs the pipeline on a Slurm of this machine
 # make archive        packs the finished study
 # make conformance    builds the wheel of the conformance kit
-# make wheel          builds the wheel of the package, and checks it for package indexes
+# make wheel          builds the wheel of the package, checks it for package indexes, and renders the conda recipe
 # make citation       validates CITATION.cff
 # make lock           updates the pinned versions in requirements.txt
 
@@ -103,6 +103,8 @@ wheel: .venv/ready
 	@rm -rf build/package && mkdir -p build/package && cp -r pyproject.toml README.md LICENSE study reference build/package
 	$(BIN)/pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/wheel ./build/package
 	$(BIN)/uv tool run twine check --strict build/wheel/*.whl
+	$(BIN)/uv run --quiet --no-project --with py-rattler-build python -c \
+	  "from rattler_build import Stage0Recipe; print(*Stage0Recipe.from_file('recipe/recipe.yaml').render())"
 
 # validate CITATION.cff; a test compares it with codemeta.json and .zenodo.json
 citation: .venv/ready
