@@ -1,6 +1,7 @@
 """The full and the short table of decisions, and the input lines of their schemes, as parts of pages."""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import pandas as pd
@@ -10,9 +11,9 @@ import study
 from docs.plan import DECISION
 from docs.text import table
 from paper.products import reader
-from paper.tables.decision import NO_BREAK, column, rows_of, sentence, steps_of
-from paper.tables.models import answers
-from study.runs.needs import CODES
+from paper.tables.decision import NO_BREAK, column, limits_of, rows_of, sentence, steps_of
+from paper.tables.models import FILTER, answers
+from study.runs.needs import CODES, FILTERS
 from study.scheme.codes import NameInCode, names_in_codes
 from study.words import number
 
@@ -21,13 +22,22 @@ _HEAD = ("scheme", "code", "name and parameters", "remark")
 _QUANTITIES = ("displacement", "peak drift")
 
 
-def short_cell(one: xr.Dataset) -> str:
-    """A decision in few words: scheme, step and Δt·ω; a dash if no scheme keeps the error."""
-    if not one.step_size > 0:
+def step_cell(need: xr.Dataset) -> str:
+    """The step of a need or decision with its unit; a dash if no step keeps the error."""
+    if not need.step_size > 0:
         return "–"
-    step = steps_of(one)
-    counted = (step if one.problem.item() == "records" else f"{step} steps").replace(" ", NO_BREAK)
-    return f"{one.scheme_title.item()}: {counted}, ωΔt{NO_BREAK}={NO_BREAK}{number(one.omega_step.item(), 2)}"
+    step = steps_of(need)
+    return (step if need.problem.item() == "records" else f"{step} steps").replace(" ", NO_BREAK)
+
+
+def short_cell(decision: xr.Dataset, limits: Mapping[str, float]) -> str:
+    """A decision in few words: scheme, step, and Δt·ω < its stability limit; a dash if no scheme keeps the error."""
+    if not decision.step_size > 0:
+        return "–"
+    limit = limits.get(decision.scheme.item(), math.inf)
+    below = f" < {limit:.3g}" if math.isfinite(limit) else ""
+    condition = f"ωΔt = {number(decision.omega_step.item(), 2)}{below}".replace(" ", NO_BREAK)
+    return f"{decision.scheme_title.item()}: {step_cell(decision)}, {condition}"
 
 
 def _input_lines(schemes: Iterable[str], codes: tuple[str, ...] = ("",)) -> list[NameInCode]:
@@ -38,12 +48,13 @@ def _input_lines(schemes: Iterable[str], codes: tuple[str, ...] = ("",)) -> list
 
 def recommended(results: Path) -> dict[str, str]:
     """The schemes of OpenSees, Abaqus and LS-DYNA for three errors, and their input lines, as tables in Markdown."""
-    decisions = reader(results)("decisions").sel(filter="codes")
+    read = reader(results)
+    decisions, limits = read("decisions").sel(filter="codes"), limits_of(read("spectral"))
     rows, chosen = [], set()
     for problem, quantity, kind in rows_of(decisions.expand_dims("filter")):
         if quantity in _QUANTITIES:
             one = decisions.sel(problem=problem, quantity=quantity, kind=kind)
-            cells = [short_cell(one.sel(allowed_error=error)) for error in one.allowed_error.values]
+            cells = [short_cell(one.sel(allowed_error=error), limits) for error in one.allowed_error.values]
             rows.append([sentence(one.problem_title.item()), kind, *cells])
             chosen |= {*one.scheme.values}
     lines = [
@@ -60,7 +71,7 @@ def measured(one: xr.Dataset) -> str:
     """What was run for a decision: the problem, its quantity and unknowns, and the duration in periods."""
     title, quantity = sentence(one.problem_title.item()), one.quantity.item()
     if one.problem.item() == "records":
-        return f"{title}: {quantity} in {one.starts.item()} runs"
+        return f"{title}: {quantity} in {one.starts.item()} runs, samples every {number(1e3 * one.spacing.item())} ms"
     unknowns, many = one.unknowns.item(), one.decided.item()
     times = f"{number(many)} period{'s' * (many != 1)} T = {number(one.time_scale.item(), 2)} s"
     return f"{title}, {unknowns} unknown{'s' * (unknowns > 1)}: {quantity} over {times}"
@@ -68,15 +79,18 @@ def measured(one: xr.Dataset) -> str:
 
 def by_model(results: Path) -> str:
     """The schemes of the programs for an error of one percent by kind of model, as a table in Markdown."""
-    decisions = answers(reader(results)("decisions"))
-    chosen = {name for one in decisions.values() for name in one.scheme.values.ravel()}
-    lines = {one.scheme: f"`{one.name}`" for one in _input_lines(chosen, ("OpenSees",))}
+    read = reader(results)
+    decisions, limits = answers(read("decisions")), limits_of(read("spectral"))
+    usual = read("needs").sel(scheme="average_acceleration", condition=FILTERS[FILTER][0])
+    chosen = {name for decision in decisions.values() for name in decision.scheme.values.ravel()}
+    lines = {name.scheme: f"`{name.name}`" for name in _input_lines(chosen, ("OpenSees",))}
     rows = []
-    for model, one in decisions.items():
-        kinds = [one.sel(kind=kind) for kind in ("explicit", "implicit")]
+    for model, both in decisions.items():
+        kinds = [both.sel(kind=kind) for kind in ("explicit", "implicit")]
         line = next((lines[kind.scheme.item()] for kind in reversed(kinds) if kind.scheme.item() in lines), "–")
-        rows.append([model, *map(short_cell, kinds), line, measured(one)])
-    head = ["model", "explicit", "implicit", "OpenSees, implicit", "measured"]
+        need = usual.sel({name: both[name] for name in ("problem", "quantity", "allowed_error")})
+        rows.append([model, *(short_cell(kind, limits) for kind in kinds), line, step_cell(need), measured(both)])
+    head = ["model", "explicit", "implicit", "OpenSees, implicit", "by average acceleration", "measured"]
     return table(head, rows, numbers_from=len(head))
 
 

@@ -45,7 +45,7 @@ def reads() -> list[str]:
     """The files of the results that the site reads."""
     questions = "\n".join(page.read_text(encoding="utf-8") for page in sorted(PAGES.glob("gallery/*.md")))
     opened = re.findall(r'study\.open_dataset\("([\w/]+)"\)', questions)
-    datasets = dict.fromkeys([*OF_SCHEMES, "decisions", *opened])
+    datasets = dict.fromkeys([*OF_SCHEMES, "decisions", "spectral", *opened])
     figures = [f"figures/{one.name}.svg" for one in FIGURES]
     tables = [f"tables/{one.name}.csv" for one in TABLES]
     return [*(f"{name}.nc" for name in datasets), *figures, NUMBERS, *tables, *PRODUCTS]

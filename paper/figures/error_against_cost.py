@@ -26,7 +26,7 @@ NO_FORCE = "heyoka"
 TOP, BOTTOM = 1.0, 1e-10
 #: Label of each cost, with the names of its variables for schemes and for solvers.
 _COSTS = {
-    "time of a hundred periods (s)": ("time_per_run", "solver_time_per_run"),
+    "computing time (s)": ("time_per_run", "solver_time_per_run"),
     "evaluations of the force": ("force_evaluations", "solver_evaluations"),
 }
 
@@ -75,7 +75,7 @@ def draw(data: xr.Dataset) -> Figure:
         axes.set(xscale="log", yscale="log", ylim=(BOTTOM, TOP), xlabel=label)
         # the panels have the same width whatever times were measured
         whole_decades(axes)
-        letter(axes, place, "speed against error" if place == 0 else "forces against error")
+        letter(axes, place, "error against computing time" if place == 0 else "error against forces")
     row[0].set_ylabel("error of the displacement")
     legend_below(picture, columns=6)
     return picture

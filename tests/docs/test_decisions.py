@@ -22,6 +22,7 @@ PROJECT = Path(__file__).parent.parent.parent
 
 def _decision(**values) -> xr.Dataset:
     usual = {
+        "scheme": "bathe",
         "scheme_title": "Bathe",
         "verdict": 0,
         "smaller_steps": 3.0,
@@ -37,13 +38,14 @@ def _decision(**values) -> xr.Dataset:
     "omega_step, printed", [(1.7e6, "1.7 × 10⁶"), (5e-5, "5 × 10⁻⁵"), (1700.0, "1700"), (0.0537, "0.054")]
 )
 def test_a_cell_states_the_product_of_frequency_and_step(omega_step, printed):
-    cell = short_cell(_decision(omega_step=omega_step, verdict=1)).replace("\u00a0", " ")
-    assert cell == f"Bathe: ≤ 10 steps, ωΔt = {printed}"
+    decision = _decision(omega_step=omega_step, verdict=1)
+    assert short_cell(decision, {}).replace("\u00a0", " ") == f"Bathe: ≤ 10 steps, ωΔt = {printed}"
+    assert short_cell(decision, {"bathe": 2.0}).replace("\u00a0", " ") == f"Bathe: ≤ 10 steps, ωΔt = {printed} < 2"
 
 
 def test_a_step_in_seconds_is_not_a_number_of_steps():
-    assert short_cell(_decision(problem="records")).startswith("Bathe: 2.5\u00a0ms, ωΔt")
-    assert short_cell(_decision(step_size=float("nan"))) == "–"
+    assert short_cell(_decision(problem="records"), {}).startswith("Bathe: 2.5\u00a0ms, ωΔt")
+    assert short_cell(_decision(step_size=float("nan")), {}) == "–"
 
 
 def _parsed(cell: str) -> tuple[str, float]:
@@ -107,6 +109,7 @@ def test_tables_explorer_and_recommend_give_one_answer(tmp_path):
         study.io.write(one.assign_attrs(source=study.io.SOURCE), tmp_path / f"{name}.nc")
     limits = (("scheme", "damping_ratio"), [[2.0], [np.inf], [np.inf]])
     spectral = xr.Dataset({"stability_limit": limits}, {"scheme": ["cheap", "dear", "stiff"], "damping_ratio": [0.0]})
+    study.io.write(spectral.assign_attrs(source=study.io.SOURCE), tmp_path / "spectral.nc")
     short = recommended(tmp_path)["recommended"]
     _check_one_answer(decided, short, tabulate(decided, spectral), in_explorer(decided), tmp_path)
 
