@@ -58,6 +58,19 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
     return eqx.tree_at(lambda p: p.load, problem, _Scaled(load, factor * before)).examined()
 
 
+def restarted(problem: Problem, factor: float) -> Problem:
+    """The problem with its initial velocity multiplied by ``factor``.
+
+    At rest the initial displacement is multiplied instead, and from equilibrium the load. Multiplying all of them would
+    only scale the motion of a mass on a stop. Such problems share one compiled program.
+    """
+    if np.any(problem.v0):
+        return eqx.tree_at(lambda p: p.v0, problem, factor * problem.v0)
+    if np.any(problem.u0):
+        return eqx.tree_at(lambda p: p.u0, problem, factor * problem.u0)
+    return excited(problem, factor)
+
+
 def later(problem: Problem, samples: int) -> Problem:
     """The problem whose record begins with a later sample. Such problems share one compiled program."""
 

@@ -31,6 +31,11 @@ COARSEST = 4
 OF_SPACING = (*reversed(DIVIDING), *(1 / number for number in DIVIDING[1:]))
 #: Number of samples in a time scale at which errors of several unknowns are measured. Numbers of steps are multiples.
 SAMPLES = 10
+#: Number of steps in an octave that confirm a step, with one unknown and with several, whose runs take longer.
+CONFIRMING, CONFIRMING_SEVERAL = 30, 8
+#: Relative distance of further steps from whole numbers of steps in a time scale, and the number up to which they are
+#: run. A resonance holds some schemes at an even number of steps in a period: the error is small there, large beside.
+BESIDE, COARSE = 1e-4, 200
 #: Quantities whose steps are found to two digits. Errors of others are measured at the steps that are tried.
 DECIDED = ("displacement", "energy")
 
@@ -94,6 +99,8 @@ class _Ladder:
         A row for each number of steps and each duration, from the problem's own start.
     varied
         A row for each run from another start.
+    confirming
+        Numbers of steps that were tried only to confirm coarser ones.
     """
 
     def __init__(self, scheme: Scheme, motion: Motion, scale: float, periods: list[float], decided: float):
@@ -101,6 +108,7 @@ class _Ladder:
         self.periods, self.decided = np.array(periods), periods.index(decided)
         self.multiple, self.halved = SAMPLES if motion.sampled else 1, motion.sampled
         self.rows, self.varied = pd.DataFrame(), pd.DataFrame()
+        self.confirming: set[float] = set()
 
     def _made(self, start: Start, counts: Iterable[float], periods: Iterable[float]) -> pd.DataFrame:
         counts_of = {self.scale / one: one for one in counts}
@@ -143,6 +151,7 @@ class _Ladder:
         """
         errors, shape = self._errors(), (-1, len(self.periods))
         tried, found = np.unique(errors[0].index.get_level_values("steps_per_period"))[::-1], []
+        proposed = ~np.isin(tried, [*self.confirming])
         dividing, every = divides(self.scale / tried, self.motion.spacing).astype(bool), np.full(len(tried), True)
         for part in [every] if dividing.all() else [every, dividing]:
             fine_first = tried[part]
@@ -150,14 +159,16 @@ class _Ladder:
                 error, largest = (one[quantity].values.reshape(shape)[::-1][part] for one in errors)
                 place = int(unbroken(keeps(error, largest, self.periods, allowed)[:, self.decided]).sum())
                 coarser = fine_first[place] if place < len(fine_first) else 0.0
-                found.append((fine_first[place - 1] if place else math.inf, coarser))
+                kept = fine_first[:place][proposed[part][:place]]
+                found.append((kept[-1] if len(kept) else math.inf, coarser))
         return found
 
     def search(self, limits: list[Limit], finest: int, starts: list[Start]) -> None:
         """Make runs at half octaves until a finer octave confirms each need, then between need and next coarser step.
 
         All numbers of steps of two digits in between are tried. Under a record, numbers whose steps divide its spacing
-        are tried too. The steps that are needed and the next finer ones are run from all starts.
+        are tried too. Then finer steps confirm each need, up to twice as many. The steps that are needed and the next
+        finer ones are run from all starts.
         """
         of_record = self.scale / (self.motion.spacing * np.array(OF_SPACING))  # NaN without a record
         top = COARSEST
@@ -176,12 +187,27 @@ class _Ladder:
             if new := new - known:
                 self.run(new)
                 continue
+            if new := {one for need, _ in needed[: len(limits)] for one in self._finer(need)} - known:
+                self.confirming |= {one for one in new if one != two_digits(one, self.multiple)}
+                self.run(new)
+                continue
             varied = set(self.varied.steps_per_period) if len(self.varied) else set()
             wanted = {need for need, _ in needed if need < math.inf}
             wanted |= {min((one for one in known if one > need), default=need) for need in wanted}
             if not starts or not wanted - varied:
                 return
             self.vary(wanted - varied, starts)
+
+    def _finer(self, need: float) -> list[float]:
+        """Numbers of steps that confirm a need, up to twice as many, on one geometric ladder."""
+        if need == math.inf:
+            return []
+        of_octave = CONFIRMING_SEVERAL if self.halved else CONFIRMING
+        first = math.ceil(math.log2(need / COARSEST) * of_octave - 0.5)
+        numbers = [COARSEST * 2 ** ((first + k + 0.5) / of_octave) for k in range(of_octave)]
+        if self.halved:  # several unknowns are compared with the reference at samples only
+            return [max(round(number / self.multiple), 1) * self.multiple for number in numbers]
+        return numbers + [k * (1 + BESIDE) for k in range(math.ceil(need), int(min(2 * need, COARSE)) + 1)]
 
 
 def between(coarser: float, need: float, multiple: int = 1) -> list[int]:
@@ -218,8 +244,9 @@ def runs(
     xarray.Dataset
         Over (scheme, size, quantity, periods): ``error`` from the problem's own start, and ``largest_error`` from all
         starts, NaN where only the own start was run. Over (scheme, size, periods): ``status``, and the costs of a run.
-        Over (scheme, size): ``tried``. Over size: ``step_size``, ``steps_per_period``, ``omega_step``, and ``divides``,
-        whether the step size divides the spacing of a record. Values of runs that were not made or failed are NaN.
+        Over (scheme, size): ``tried``. Over size: ``step_size``, ``steps_per_period``, ``omega_step``, ``divides``,
+        whether the step size divides the spacing of a record, and ``proposed``, whether it may be an answer. Values of
+        runs that were not made or failed are NaN.
 
     Raises
     ------
@@ -232,7 +259,8 @@ def runs(
     others = motion.others(starts)
     uncertainty = {name: motion.uncertainty[name] for name in DECIDED if name in motion.names}
     limits = [(name, error) for name, own in uncertainty.items() for error in errors if error >= CERTAIN * own]
-    parts = {}
+    parts: dict[str, xr.Dataset] = {}
+    confirming: set[float] = set()
     for name in schemes:
         scheme = schemes_by_name[name]
         if scheme.refusal(motion.problem):
@@ -241,6 +269,7 @@ def runs(
         ladder = _Ladder(scheme, motion, scale, periods, decided)
         ladder.search(limits, finest, others)
         parts[name] = ladder.dataset()
+        confirming |= ladder.confirming
     ds = xr.concat(parts.values(), "scheme", join="outer").assign_coords(scheme=list(parts)).reindex(scheme=schemes)
     ds = (
         ds.sortby("steps_per_period").rename(steps_per_period="size").transpose("scheme", "size", "quantity", "periods")
@@ -253,7 +282,11 @@ def runs(
     instants = f"{SAMPLES} samples in a time scale" if motion.sampled else "steps"
     counts = ds["size"].values
     return described(
-        ds.drop_vars("size").assign_coords(step_size=("size", scale / counts), steps_per_period=("size", counts)),
+        ds.drop_vars("size").assign_coords(
+            step_size=("size", scale / counts),
+            steps_per_period=("size", counts),
+            proposed=("size", (~np.isin(counts, [*confirming])).astype(np.int8)),
+        ),
         f"largest error over all unknowns and {instants}, relative to the largest value",
         time_scale=scale,
         highest_frequency=highest_frequency_along(motion.problem, motion.solution),

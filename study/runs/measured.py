@@ -16,7 +16,7 @@ from study.assessment.solution import DenseSolution
 from study.marching.ensemble import FEW
 from study.marching.run import sweep
 from study.mechanics.definition import Problem
-from study.mechanics.loads import excited, later
+from study.mechanics.loads import excited, later, restarted
 from study.observer.base import Observer
 from study.observer.motion import Quantity
 from study.scheme.base import Scheme
@@ -29,7 +29,7 @@ VARIATION, VARIATION_WITH_KINKS = 0.01, 0.05
 
 @dataclass(frozen=True)
 class Start:
-    """A problem with changed initial values or load, and the reference of its quantities."""
+    """A problem with a changed start or load, and the reference of its quantities."""
 
     problem: Problem
     targets: dict[str, Target]
@@ -124,14 +124,14 @@ class Motion:
         """Other starts of the motion.
 
         Under a record, they begin 1, 2, ... ``number`` samples later, since a multiple of the record would only scale a
-        linear motion. Otherwise initial values and load are multiplied by ``number`` equally spaced factors within
-        ``VARIATION`` of one, or within ``VARIATION_WITH_KINKS``.
+        linear motion. Otherwise the start is multiplied (:func:`study.mechanics.loads.restarted`) by ``number`` equally
+        spaced factors within ``VARIATION`` of one, or within ``VARIATION_WITH_KINKS``.
         """
         if self.problem.ground is not None and np.isfinite(self.spacing):
             return [self._solved(later(self.problem, samples)) for samples in range(1, number + 1)]
         kinked = self.problem.kinked or self.problem.history is not None
         factors = 1 + (VARIATION_WITH_KINKS if kinked else VARIATION) * np.linspace(-1, 1, number)
-        return [self._solved(excited(self.problem, factor, displaced=True)) for factor in factors]
+        return [self._solved(restarted(self.problem, factor)) for factor in factors]
 
     def _solved(self, problem: Problem) -> Start:
         reference = Reference(problem, self.duration)

@@ -137,7 +137,7 @@ def _meets(runs: xr.Dataset, condition: str) -> xr.DataArray:
 
 
 def needs(runs: xr.Dataset, allowed_errors: Sequence[float]) -> xr.Dataset:
-    """The largest step size that keeps each allowed error, as all smaller step sizes of the scheme do.
+    """The largest proposed step size that keeps each allowed error, as all smaller step sizes of the scheme do.
 
     Parameters
     ----------
@@ -180,11 +180,12 @@ def _needed(runs: xr.Dataset, condition: str, allowed: float) -> xr.Dataset:
     within = keeps(runs.error.values, runs.largest_error.values, runs.periods.values, allowed)
     kept = ((runs.error.copy(data=within) & _meets(runs, condition)) | ~counted).transpose(..., "size")
     kept = kept.copy(data=unbroken(kept.values)) & counted
-    place = xr.where(kept, np.arange(runs.sizes["size"]), -1).max("size")
+    number, proposed = xr.DataArray(np.arange(runs.sizes["size"]), dims="size"), counted & (runs.proposed == 1)
+    place = xr.where(kept & proposed, number, -1).max("size")
     at = runs.reset_coords(sizes).isel(size=place.clip(min=0))
-    costs = {name: at[name] / at.duration for name in COSTS} | {"smaller_steps": kept.sum("size") - 1}
+    costs = {name: at[name] / at.duration for name in COSTS} | {"smaller_steps": (kept & (number < place)).sum("size")}
     one = at[[*sizes, "error", "largest_error"]].assign(costs).where(place >= 0)
-    return one.assign(verdict=_verdict(runs, counted, place, allowed)).reset_coords(drop=True)
+    return one.assign(verdict=_verdict(runs, proposed, place, allowed)).reset_coords(drop=True)
 
 
 def _verdict(runs: xr.Dataset, counted: xr.DataArray, place: xr.DataArray, allowed: float) -> xr.DataArray:

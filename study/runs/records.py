@@ -69,7 +69,9 @@ def as_runs(spectrum: xr.Dataset) -> xr.Dataset:
     ds = ds.assign(tried=ran.astype(np.int8), uncertainty=("quantity", [0.0]))
     ds = ds.rename(step_size="size").drop_vars("size").drop_attrs()
     return described(
-        ds.assign_coords(step_size=("size", dt), steps_per_period=("size", scale / dt)),
+        ds.assign_coords(
+            step_size=("size", dt), steps_per_period=("size", scale / dt), proposed=("size", np.ones(len(dt), np.int8))
+        ),
         "largest relative error of the peak drift over all oscillators and records",
         time_scale=scale,
         decided=duration,

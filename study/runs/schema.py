@@ -20,6 +20,7 @@ _OF_RUNS = {
     **{name: attributes | {"units": "1"} for name, attributes in COSTS.items()},
     "step_size": {"long_name": "step size", "units": "s"},
     "status": flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8),
+    "proposed": {"long_name": "1 if the step may be an answer, 0 if it only confirms coarser ones", "units": "1"},
     "tried": {"long_name": "1 if the scheme was run with this step size", "units": "1"},
     "uncertainty": {"long_name": "difference of the two solvers of the reference, relative", "units": "1"},
     "duration": {"long_name": "duration of the run", "units": "s"},

@@ -41,6 +41,7 @@ def runs(error, problem: str = "swing", **others) -> xr.Dataset:
             "step_size": ("size", 2.0 / COUNTS),
             "steps_per_period": ("size", COUNTS.astype(float)),
             "omega_step": ("size", 6.0 / COUNTS),
+            "proposed": ("size", others.get("proposed", np.ones(len(COUNTS), int))),
             "divides": ("size", others.get("divides", np.ones(len(COUNTS), int))),
             "time_scale": 2.0,
             "decided": 10.0,

@@ -5,7 +5,8 @@ import pytest
 
 import study
 from study.problem.inelastic import BOUNCE
-from study.runs.experiment import OF_SPACING, SAMPLES, between, runs, time_scale, two_digits
+from study.runs import experiment
+from study.runs.experiment import BESIDE, OF_SPACING, SAMPLES, between, runs, time_scale, two_digits
 from study.runs.needs import needs
 
 PERIODS, ERRORS = [2.0, 3.0, 4.0], [0.1, 0.01]
@@ -47,12 +48,26 @@ def test_the_step_of_two_digits_is_the_largest_that_keeps_the_error(pulse):
             tried = own.isel(size=np.flatnonzero(own.tried))
             count = needed.steps_per_period.sel(scheme=name, allowed_error=allowed).item()
             before = [one for one in range(1, int(count)) if two_digits(one) == one][-1]
-            assert before in tried.steps_per_period
+            coarser = tried.isel(
+                size=np.flatnonzero((tried.steps_per_period >= before) & (tried.steps_per_period < count))
+            )
+            assert not (coarser.largest_error.fillna(coarser.error).sel(periods=3) <= allowed).all()
             at = tried.isel(size=int(np.flatnonzero(tried.steps_per_period == count)[0]))
             assert (at.largest_error.sel(periods=3) <= allowed) and (
                 at.largest_error.sel(periods=3) >= at.error.sel(periods=3)
             )
     assert (needed.smaller_steps.sel(scheme="rk4") >= 1).all()
+
+
+def test_a_step_that_a_resonance_favours_is_no_answer(monkeypatch):
+    """42 steps of Fox and Goodwin's method in a period of the softening spring err by 0.03 %, and 42.004 by 8.4 %."""
+    monkeypatch.setattr(experiment, "time_scale", lambda problem: 1.14187632340189)
+    one = runs("softening", ["fox_goodwin"], [0.01], [100.0], 100.0, 100, 0)
+    error = one.error.sel(scheme="fox_goodwin", quantity="displacement", periods=100)
+    beside = [float(error[abs(one.steps_per_period.values - count).argmin()]) for count in (42, 42 * (1 + BESIDE))]
+    assert beside[0] < 0.001 and beside[1] == pytest.approx(0.0843, rel=0.01)
+    needed = needs(one, [0.01]).sel(quantity="displacement", condition="practice")
+    assert needed.steps_per_period.item() > 50 and needed.steps_per_period.item() in one.steps_per_period
 
 
 def test_a_scheme_that_refuses_a_problem_has_no_value():
