@@ -109,6 +109,7 @@ def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
         "rederived": f"{free.order_rederived.sel(scheme='generalized_alpha').item():.1f}",
         "rederived_damped": f"{damped.order_rederived.sel(scheme='generalized_alpha').item():.1f}",
         "unlimited": tried.scheme.size,
+        "unlimited_steps": tried.dt_over_period.size,
         "unlimited_springs": joined(tried.problem_title.values, {}),
         "unlimited_gained": int(gained.sum()),
         "unlimited_gain": bool(gained.any()),
