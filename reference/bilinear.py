@@ -24,8 +24,9 @@ Rows = Float[np.ndarray, "lanes samples"]
 #: Tolerance of the time of an event: its last correction, relative to the interval in which the event is sought.
 CONVERGED = 1e-9
 
-#: Largest number of corrections of the time of an event.
-MOST_CORRECTIONS = 60
+#: Number of corrections of the time of an event by Newton's iteration, and after them by bisection. Bisection ends also
+#: where the round-off of a small velocity is larger than the tolerance.
+NEWTON, BISECTIONS = 30, 31
 
 
 def motion_after(
@@ -44,17 +45,19 @@ def motion_after(
 def time_of(level: Lanes | float, derivative: int, end: Lanes, start: np.ndarray) -> Lanes:
     """Time up to ``end`` at which displacement (``derivative`` 0) or velocity (1) passes a level.
 
-    The time is found by Newton's iteration. A correction that leaves the bracket is replaced by a bisection.
+    The time is found by Newton's iteration. A correction that leaves the bracket is replaced by a bisection, as are all
+    corrections after the first ``NEWTON``.
     """
     low, high, tau = np.zeros_like(end), end, end / 2
     rises = motion_after(end, *start)[derivative] > level
-    for _ in range(MOST_CORRECTIONS):
+    for correction in range(NEWTON + BISECTIONS):
         value, slope = motion_after(tau, *start)[derivative : derivative + 2]
         before = (value > level) != rises
         low, high = np.where(before, tau, low), np.where(before, high, tau)
         with np.errstate(divide="ignore", invalid="ignore"):
             newton = tau - (value - level) / slope
-        tau, last = np.where((low <= newton) & (newton <= high), newton, (low + high) / 2), tau
+        within = (correction < NEWTON) & (low <= newton) & (newton <= high)
+        tau, last = np.where(within, newton, (low + high) / 2), tau
         if np.all(np.abs(tau - last) <= CONVERGED * end):
             return tau
     raise RouteFailed("the time of an event was not found.")

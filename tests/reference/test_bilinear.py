@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy.integrate
 import scipy.interpolate
 
 from reference import bilinear, piecewise
@@ -40,3 +41,27 @@ def test_an_oscillator_thrown_by_a_pulse_has_its_closed_peak():
     )
     damped = np.exp(-0.1 * np.pi / np.sqrt(1 - 0.1**2))
     assert peak[0] == pytest.approx(3 / 16 * (1 + damped), rel=1e-12)
+
+
+def test_the_time_of_an_event_is_found_where_round_off_exceeds_its_tolerance():
+    # a yield point right after a turning point of a record that falls steeply
+    level, end = np.array([-0.013047530328549328]), np.array([0.0011282289979270997])
+    u, v, c, k, q0, q1 = start = np.array(
+        [
+            [-0.013047489678297275],
+            [0.0],
+            [0.3141592653589793],
+            [9.869604401089358],
+            [-0.37096184656033604],
+            [-482.7100636187148],
+        ]
+    )
+    of_motion = scipy.integrate.solve_ivp(
+        lambda t, y: [y[1], (q0 + q1 * t - c * y[1] - k * (u + y[0]))[0]],
+        (0, end[0]),
+        [0.0, v[0]],
+        events=lambda t, y: y[0] - (level - u)[0],
+        rtol=1e-12,
+        atol=1e-20,
+    )
+    assert bilinear.time_of(level, 0, end, start) == pytest.approx(of_motion.t_events[0], rel=1e-7)
