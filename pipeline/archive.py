@@ -77,8 +77,10 @@ def configuration() -> dict:
 
 
 def _files_of(part: Any) -> set[Path]:
-    """The files that a configuration, or a part of it, names as ``FILE.py:NAME``."""
+    """The files that a configuration, or a part of it, names as ``FILE.py:NAME`` or by their folder."""
     if isinstance(part, str):
+        if os.path.isdir(part):
+            return {path for path in Path(part).iterdir() if path.is_file() and not path.name.startswith(".")}
         file = part.rpartition(":")[0]
         return {Path(file)} if file.endswith(".py") and Path(file).is_file() else set()
     parts = part.values() if isinstance(part, dict) else part if isinstance(part, list) else ()
@@ -86,7 +88,7 @@ def _files_of(part: Any) -> set[Path]:
 
 
 def own_files(configuration: dict) -> list[Path]:
-    """The user's files of problems, schemes and quantities that a configuration names, in alphabetical order.
+    """The user's files of problems, schemes, quantities and records that a configuration names, in alphabetical order.
 
     Raises
     ------

@@ -8,6 +8,7 @@ import shutil
 import socket
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ class Refused(Exception):
 
 
 def planned(root: str, configuration: Any) -> dict[str, Any]:
-    """The plan of :mod:`pipeline.plan`, which is kept until a source or the configuration changes.
+    """The plan of :mod:`pipeline.plan`, kept until a source, the configuration or a folder in it changes.
 
     Raises
     ------
@@ -36,15 +37,24 @@ def planned(root: str, configuration: Any) -> dict[str, Any]:
             Path(folder).mkdir(parents=True, exist_ok=True)
         if (free := shutil.disk_usage(".").free) < ROOM:
             raise Refused(f"only {free:,} bytes are free in '{Path.cwd()}': make room, and call again.")
-        return _planned(root, json.dumps(configuration))
+        return _planned(root, json.dumps(configuration), str([*_listings(configuration)]))
     except OSError as error:
         raise Refused(f"'{error.filename}' cannot be written: {error.strerror}.") from None
 
 
-def _planned(root: str, configuration: str) -> dict[str, Any]:
+def _listings(value: Any) -> Iterator[list[tuple[str, int]]]:
+    """Names and times of change of the files in each folder that a configuration names."""
+    if isinstance(value, str) and os.path.isdir(value):
+        yield sorted((one.name, one.stat().st_mtime_ns) for one in os.scandir(value))
+    elif isinstance(value, dict | list):
+        for one in value.values() if isinstance(value, dict) else value:
+            yield from _listings(one)
+
+
+def _planned(root: str, configuration: str, listings: str) -> dict[str, Any]:
     files = sorted(path for room in ROOMS for path in Path(root, room).rglob("*") if path.suffix in (".py", ".md"))
     content = b"".join(str(path).encode() + path.read_bytes() for path in files)
-    key = hashlib.sha256(f"{sys.version}{root}{configuration}".encode() + content).hexdigest()
+    key = hashlib.sha256(f"{sys.version}{root}{configuration}{listings}".encode() + content).hexdigest()
     if PLAN.exists() and (plan := json.loads(PLAN.read_text()))["key"] == key:
         return plan
     command = [sys.executable, "-m", "pipeline.plan", root]

@@ -7,23 +7,45 @@ import xarray as xr
 
 from reference import bilinear, linear
 from study.declaration.experiment import Options, experiment, progress
-from study.declaration.options import Count, RecordDuration, RecordPeriods, Sizes
+from study.declaration.options import Count, Folder, RecordDuration, RecordPeriods, Sizes
+from study.mechanics.ground import GroundMotion
 from study.problem.inelastic import yielding_under_record
-from study.problem.records import family
+from study.problem.records import family, files_in
 
 #: Factors of the number of parts of an interval between two samples, in each of which events are sought. With the
 #: factor 1 every part is as long as the smallest spacing. Peaks are computed with both factors; their difference gives
 #: the uncertainty.
 FACTORS = (1, 2)
+#: Largest spacing of a record over the shortest period. Half a period must be longer than the spacing.
+LONGEST_SPACING = 0.4
 #: Options that determine the records and oscillators.
-SHARED = ("spacings", "corners", "kappas", "seeds", "duration", "periods", "reduction")
+SHARED = ("spacings", "corners", "kappas", "seeds", "duration", "periods", "reduction", "folder")
 
 
 def _options(configuration: Mapping) -> Options:
-    return {key: configuration["record_error"][key] for key in SHARED}
+    return {key: configuration["record_error"][key] for key in SHARED if key in configuration["record_error"]}
 
 
-@experiment("reference/record_error", section="record_error", options=_options)
+def _files(options: Options) -> list[str]:
+    return [str(path) for path in files_in(options["folder"])] if "folder" in options else []
+
+
+def _check(options: Options, configuration: Mapping) -> str | None:
+    """Refuse records that cannot be read, or whose samples are too far apart for the exact motions."""
+    try:
+        grounds = [GroundMotion.read(path) for path in _files(options)]
+    except (OSError, ValueError) as error:
+        return f"folder: {error}"
+    for one in grounds:
+        if one.dt > LONGEST_SPACING * min(options["periods"]):
+            return (
+                f"folder: the samples of '{one.title}' are {one.dt:g} s apart, and must be at most {LONGEST_SPACING:g} "
+                f"of the shortest of record_error.periods apart, {min(options['periods']):g} s."
+            )
+    return None
+
+
+@experiment("reference/record_error", section="record_error", options=_options, files=_files, check=_check)
 def record_error(
     spacings: Sizes,
     corners: Sizes,
@@ -32,28 +54,30 @@ def record_error(
     duration: RecordDuration,
     periods: RecordPeriods,
     reduction: Count,
+    folder: Folder | None = None,
 ) -> xr.Dataset:
     """Compute exact peaks of linear and yielding oscillators, and the displacement of the linear ones at every sample.
 
-    The strength of a yielding oscillator is the largest force of the elastic one over ``reduction``. Records shorter
-    than the longest are padded with NaN. The uncertainty of the peak follows from a second solution that seeks events
-    at twice as many instants.
+    The strength of a yielding oscillator is the largest force of the elastic one over ``reduction``. The records in the
+    files of ``folder`` follow the stochastic ones. Records shorter than the longest are padded with NaN. The
+    uncertainty of the peak follows from a second solution that seeks events at twice as many instants.
     """
-    grounds = family(spacings, corners, kappas, seeds, duration)
+    grounds = family(spacings, corners, kappas, seeds, duration, folder)
     oscillators = [yielding_under_record(grounds[0], period, 1.0) for period in periods]
     of_period = np.array([[one.force.stiffness, one.damping] for one in oscillators])  # type: ignore[attr-defined]
     hardening = float(oscillators[0].force.hardening)  # type: ignore[attr-defined]
-    shape, most = (len(grounds), len(periods)), max(len(one.acceleration) for one in grounds)
+    counts = np.array([len(one.acceleration) for one in grounds])
+    shape, most = (len(grounds), len(periods)), counts.max()
     ground, u = np.full((len(grounds), most), np.nan), np.full((*shape, most), np.nan)
     peak, uncertainty = np.zeros((2, *shape, 2))
     of_record = np.array([float(one.dt) for one in grounds])
     for row, one in zip(ground, grounds, strict=True):
         row[: len(one.acceleration)] = one.acceleration
     stiffness, damping = np.tile(of_period, (len(grounds), 1)).T
-    for spacing in np.unique(of_record):
-        progress(f"linear motions under records every {1e3 * spacing:g} ms")
-        there = of_record == spacing
-        samples = ground[there][:, np.isfinite(ground[there]).all(axis=0)]
+    for spacing, count in np.unique([of_record, counts], axis=1).T:
+        progress(f"linear motions under records of {count:.0f} samples every {1e3 * spacing:g} ms")
+        there = (of_record == spacing) & (counts == count)
+        samples = ground[there, : int(count)]
         lanes, which = np.repeat(samples, len(periods), axis=0), np.repeat(there, len(periods))
         peak[there, :, 0], u[there, :, : samples.shape[1]] = (
             one.reshape(len(samples), len(periods), *one.shape[1:])
@@ -94,6 +118,7 @@ def record_error(
         },
         coords={
             "record": ("record", [one.title for one in grounds], {"long_name": "record"}),
+            "source": ("record", [one.source for one in grounds], {"long_name": "origin of the record"}),
             "period": ("period", periods, {"long_name": "period of small motions", "units": "s"}),
             "spring": ("spring", ["linear", "yielding"], {"long_name": "kind of spring"}),
         },

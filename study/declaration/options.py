@@ -135,6 +135,8 @@ Name = Annotated[str, Checked(_plain)]
 PlainNames = Annotated[list[Name], _FEW, _DISTINCT]
 #: Place of a Python object in a file, as FILE.py:NAME.
 Place = Annotated[str, Len(1, 1000)]
+#: Path of a folder, relative to the working folder.
+Folder = Annotated[str, Len(1, 1000)]
 #: Name of a problem, or place of a problem in a file, as FILE.py:NAME.
 ProblemPlace = Annotated[str, Len(1, 1000), Names("problem")]
 #: Name of any problem.

@@ -1,7 +1,7 @@
 """Errors of steps under records of several spacings and spectra, as predicted from the power of each record."""
 
 from fractions import Fraction
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NotRequired
 
 import equinox as eqx
 import jax
@@ -14,7 +14,7 @@ from study import io
 from study.algebra.arrays import Scalar
 from study.analysis.record_error import record_error as predicted
 from study.declaration.experiment import experiment, progress
-from study.declaration.options import Count, RecordDuration, RecordPeriods, Schemes, Sizes, section
+from study.declaration.options import Count, Folder, RecordDuration, RecordPeriods, Schemes, Sizes, section
 from study.experiments import coordinates
 from study.marching.run import sweep
 from study.mechanics.ground import GroundMotion
@@ -111,6 +111,7 @@ class _RecordError(TypedDict):
     periods: RecordPeriods
     reduction: Count
     schemes: Schemes
+    folder: NotRequired[Folder]
 
 
 @experiment(
@@ -221,6 +222,7 @@ def record_error(schemes: Schemes) -> xr.Dataset:
         coords={
             **coordinates.scheme_coordinates(schemes),
             "record": exact.record,
+            "source": exact.source,
             "spacing": exact.spacing,
             "period": exact.period,
             "spring": exact.spring,

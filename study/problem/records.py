@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -52,14 +53,44 @@ def point_source(seed: int, spacing: float, corner: float, kappa: float, duratio
     return GroundMotion(LARGEST / np.abs(samples).max() * samples, spacing, title=title, source="Boore (2003)")
 
 
+def files_in(folder: str | Path) -> list[Path]:
+    """Files of a folder with records in alphabetical order; hidden files and subfolders are left out.
+
+    Raises
+    ------
+    ValueError
+        If the folder does not exist or holds no file.
+    """
+    if not Path(folder).is_dir():
+        raise ValueError(f"there is no folder '{folder}'.")
+    found = sorted(path for path in Path(folder).iterdir() if path.is_file() and not path.name.startswith("."))
+    if not found:
+        raise ValueError(f"the folder '{folder}' holds no file, and must hold records of acceleration.")
+    return found
+
+
 def family(
-    spacings: Sequence[float], corners: Sequence[float], kappas: Sequence[float], seeds: int, duration: float
+    spacings: Sequence[float],
+    corners: Sequence[float],
+    kappas: Sequence[float],
+    seeds: int,
+    duration: float,
+    folder: str | None = None,
 ) -> list[GroundMotion]:
-    """El Centro, 1940, up to the duration, and a stochastic record for every combination, each from its own noise."""
+    """El Centro, 1940, up to the duration, and a stochastic record for every combination, each from its own noise.
+
+    The whole records of a folder follow, whose files must state their units and spacings.
+
+    Raises
+    ------
+    ValueError
+        If the folder holds no file, or one that is not such a record.
+    """
     measured = GroundMotion.el_centro()
     first = measured.acceleration[: round(duration / measured.dt) + 1]
     combinations = itertools.product(spacings, corners, kappas, range(seeds))
     return [
         GroundMotion(first, measured.dt, title=measured.title, source=measured.source),
         *(point_source(1 + n, *one[:3], duration) for n, one in enumerate(combinations)),
+        *(GroundMotion.read(path) for path in (files_in(folder) if folder else ())),
     ]

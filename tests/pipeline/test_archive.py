@@ -20,19 +20,21 @@ def test_files_that_are_new_are_packed_and_those_that_git_ignores_are_not(tmp_pa
 
 
 @pytest.mark.parametrize("outside", [True, False])
-@pytest.mark.parametrize("section", ["assess", "own_schemes"])
+@pytest.mark.parametrize("section", ["assess", "own_schemes", "record_error"])
 def test_a_file_outside_of_the_project_is_refused_with_what_to_do(tmp_path, monkeypatch, outside, section):
     (tmp_path / "project").mkdir()
     monkeypatch.chdir(tmp_path / "project")
     (tmp_path / "frame.py").write_text("")
     file = "../frame.py" if outside else str(tmp_path / "frame.py")
-    used = (
-        {"own_schemes": [f"{file}:mine"]} if section == "own_schemes" else {"assess": {"a": {"problem": f"{file}:f"}}}
-    )
+    used = {
+        "assess": {"a": {"problem": f"{file}:f"}},
+        "own_schemes": [f"{file}:mine"],
+        "record_error": {"folder": str(Path(file).parent)},
+    }
     with pytest.raises(
         SystemExit, match=rf"the configuration names '{file}', which an archive cannot hold: put the file"
     ):
-        archive.own_files(used)
+        archive.own_files({section: used[section]})
 
 
 def test_what_is_hidden_is_no_product(tmp_path, monkeypatch):

@@ -171,6 +171,26 @@ def test_mistakes_get_a_sentence(config, change, sentence):
     assert sentence in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    "content, sentence",
+    [
+        (None, "record_error.folder: there is no folder"),
+        ("notes", "has no columns of numbers"),
+        ("0 1\n0.01 2", "does not state its unit"),
+        ("t (s), a (m/s2)\n0, 1\n0.1, 2", "'record' are 0.1 s apart, and must be at most 0.4 of the shortest"),
+    ],
+)
+def test_records_of_a_folder_are_read_before_any_work(config, tmp_path, content, sentence):
+    folder = tmp_path / "records"
+    config["record_error"]["folder"] = str(folder)
+    if content is not None:
+        folder.mkdir()
+        (folder / "record.txt").write_text(content)
+    with pytest.raises(ValueError, match=r"^record_error\.folder: ") as caught:
+        _check(config)
+    assert sentence in str(caught.value) and len(str(caught.value).splitlines()) == 1
+
+
 #: Strategy for values that a user may put into a configuration by mistake.
 _ODD = st.one_of(
     st.sampled_from([None, True, -1, 0, 1, 7, 10**7, 10**30, 1e-12, 1e300, math.nan, math.inf, "", "all", "hardening"]),

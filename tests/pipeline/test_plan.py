@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from paper import products
-from pipeline import paper
+from pipeline import paper, start
 from pipeline.plan import plan
 from pipeline.step import Job
 from tests.pipeline.pipeline import PROJECT
@@ -49,6 +49,18 @@ def test_an_edited_problem_concerns_what_runs_it_and_a_new_one_nothing_else(jobs
 def test_the_site_depends_on_the_modules_that_its_pages_import(jobs):
     imported = {f"paper/{name}.py" for name in ("data", "tables/decision", "tables/orders", "figures/style")}
     assert imported <= {*jobs["site", ""].inputs} and "paper/figures/atlas.py" not in jobs["site", ""].inputs
+
+
+def test_the_records_of_a_folder_are_inputs(tmp_path):
+    configuration = yaml.safe_load((PROJECT / "config" / "study.yaml").read_text())
+    configuration["record_error"]["folder"] = str(tmp_path)
+    (tmp_path / "a.txt").write_text("t (s), a (m/s2)\n0, 1\n0.01, 2")
+    jobs = {step["name"]: step["jobs"] for step in plan(Path(), configuration)["steps"]}
+    assert str(tmp_path / "a.txt") in jobs["reference_record_error"][""]["inputs"]
+    # Snakemake makes another plan if a file is added
+    before = [*start._listings(configuration)]
+    (tmp_path / "b.txt").touch()
+    assert before != [*start._listings(configuration)]
 
 
 def test_schemes_and_data_that_no_option_names_are_inputs(jobs):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from study.problem.records import FINEST, family, point_source
+from study.problem.records import FINEST, family, files_in, point_source
 
 
 def test_the_power_follows_the_source_and_the_decay():
@@ -23,6 +23,14 @@ def test_a_coarse_record_is_the_fine_one_without_what_its_samples_would_alias():
     likeness = [np.corrcoef(coarse, one[::8])[0, 1] for one in (slow, fine)]
     assert likeness[0] > 0.999 > 0.95 > likeness[1]
     assert np.abs(coarse).max() == pytest.approx(3.0)
+
+
+def test_a_folder_without_records_is_refused(tmp_path):
+    (tmp_path / ".hidden").touch()
+    (tmp_path / "folder").mkdir()
+    for folder, sentence in ((tmp_path, "holds no file"), (tmp_path / "none", "there is no folder")):
+        with pytest.raises(ValueError, match=sentence):
+            files_in(folder)
 
 
 def test_a_family_holds_the_measured_record_and_all_combinations():
