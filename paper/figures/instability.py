@@ -1,5 +1,6 @@
-"""Motion of the α-method, whose energy grows on a softening spring (Figure 3 of the paper), and energies of all."""
+"""Motion of the α-method, whose energy grows on a softening spring (Figure 3 of the paper), and energies near by."""
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -12,15 +13,21 @@ SCHEME = "hht_alpha_1996"
 @figure(
     "Figure 3 of Xie (1996): the α-method on the softening spring from the displacement 10 at eight steps per "
     "period. (a) Displacement; the band is the range of the exact motion. (b) The same run in the phase plane; the "
-    "exact orbit is filled. (c) Energy of all schemes.",
+    "exact orbit is filled. (c) Energy of all schemes. (d) Share of the runs at close "
+    "steps, from starts that differ by round-off, whose largest energy does not exceed a value.",
     portrait="phase_portrait/softening_large",
     reference="reference/softening_large",
-    requires={"phase_portrait.softening_large.schemes": [SCHEME]},
+    window="step_window",
+    requires={
+        "phase_portrait.softening_large.schemes": [SCHEME],
+        "step_window.problem": "softening_large",
+        "step_window.schemes": [SCHEME],
+    },
 )
-def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
-    """Displacement and orbit of the α-method, with the exact range and orbit in grey; energy of every scheme."""
-    figure = empty(COLUMN, 10)
-    grid = figure.add_gridspec(2, 2)
+def draw(portrait: xr.Dataset, reference: xr.Dataset, window: xr.Dataset) -> Figure:
+    """Displacement and orbit of the α-method, with the exact range and orbit in grey; energies of every scheme."""
+    figure = empty(COLUMN, 14)
+    grid = figure.add_gridspec(3, 2)
     history, plane = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
     energy = figure.add_subplot(grid[1, :])
     run = portrait.sel(scheme=SCHEME)
@@ -33,7 +40,8 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     plane.fill(reference.u, reference.v, color="0.8", zorder=0)
     plane.set(xlabel="displacement $u$", ylabel="velocity $\\dot u$ (1/s)")
     letter(plane, 1, "its phase portrait")
-    for place, (name, look) in enumerate(curve_styles(portrait.scheme).items()):
+    looks = curve_styles(portrait.scheme)
+    for place, (name, look) in enumerate(looks.items()):
         one = portrait.sel(scheme=name)
         height = 1 + one.energy_error
         marked = (0.02 + 0.03 * place, 0.2) if height.notnull().any() else None
@@ -41,5 +49,12 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     energy.set(xlabel="elapsed periods", ylabel="energy $E/E_0$", yscale="log")
     energy.set_ylim(bottom=1e-3)
     letter(energy, 2, "energy of all schemes")
+    close = figure.add_subplot(grid[2, :])
+    for name in window.scheme.values:
+        largest = np.sort(1 + window.largest_gain.sel(scheme=name).values, axis=None)
+        look = {key: looks[name][key] for key in ("color", "linestyle")}
+        close.plot(largest, np.arange(1, largest.size + 1) / largest.size, **look)
+    close.set(xlabel="largest energy $E/E_0$", ylabel="share of runs", xscale="log")
+    letter(close, 3, "runs at close steps and starts")
     legend_below(figure, columns=3, axes=energy)
     return figure

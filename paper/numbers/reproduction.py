@@ -6,14 +6,12 @@ import xarray as xr
 from paper.data import of_the_tables
 from paper.products import numbers
 from paper.published import SCHEMES, once, printed_energy_errors, same, twice
-from paper.requirements import OF_THE_DRIFT, OF_THE_TABLES
-from paper.terms import DISSIPATIVE, FAITHFUL
+from paper.requirements import OF_THE_DRIFT, OF_THE_TABLES, spans
+from paper.terms import DISSIPATIVE, FAITHFUL, UNSTABLE
 from study.words import number, span
 
 #: Schemes whose energies grow on the softening spring from its large amplitude.
 _GROWING = ["average_acceleration", "central_difference", "hht_alpha_1996"]
-#: Largest relative difference at which a step counts as close to the step of 1996, an eighth of the period.
-NEAR = 0.01
 
 
 def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
@@ -94,28 +92,30 @@ def of_the_softening_spring(portrait: xr.Dataset) -> dict:
     }
 
 
-def _near_an_eighth(parts: list[float]) -> str:
-    """Require at least two step sizes within ``NEAR`` of an eighth of the period."""
-    near = np.abs(np.array(parts) * 8 - 1) <= NEAR
-    return "" if near.sum() > 1 else f"needs two steps within {100 * NEAR:g} % of an eighth"
-
-
 @numbers(
     portrait="phase_portrait/softening_large",
+    window="step_window",
     requires={
         "phase_portrait.softening_large.schemes": _GROWING,
-        "large_steps.problems": ["softening_large"],
-        "large_steps.schemes": _GROWING,
-        "large_steps.dt_over_period": _near_an_eighth,
+        "step_window.problem": "softening_large",
+        "step_window.schemes": _GROWING,
+        "step_window.dt_over_period": spans(1 / 8),
     },
 )
-def of_instability(portrait: xr.Dataset, large_steps: xr.Dataset) -> dict:
-    """Largest energy divided by the initial energy, in the run of 1996 and at steps close to the step of this run."""
-    near = large_steps.isel(dt_over_period=np.flatnonzero(abs(large_steps.dt_over_period.values * 8 - 1) <= NEAR))
-    close = 1 + near.max_energy_error.sel(problem="softening_large") / 100
+def of_instability(portrait: xr.Dataset, window: xr.Dataset) -> dict:
+    """Largest energy over the initial one, in the run of 1996 and at steps and starts close to those of this run."""
+    close = 1 + window.largest_gain
+    alpha = window.largest_gain.sel(scheme="hht_alpha_1996")
     growth = 1 + portrait.energy_error.max("t")
     others = growth.sel(scheme=[name for name in _GROWING if name != "hht_alpha_1996"])
-    return {"others_grow_too": bool((others > 2).all())} | {
+    return {
+        "others_grow_too": bool((others > 2).all()),
+        "near_steps": window.sizes["dt_over_period"],
+        "near_within": number(100 * abs(8 * window.dt_over_period - 1).max().item(), 2),
+        "near_starts": window.sizes["start"],
+        "near_starts_within": number(window.perturbation.item() * np.ptp(window.start.values), 2),
+        "near_grown": f"{100 * (100 * alpha > UNSTABLE).mean().item():.0f}",
+    } | {
         key: value
         for name in _GROWING
         for key, value in {

@@ -17,6 +17,7 @@ from study.experiments.phase_portrait import phase_portrait
 from study.experiments.relaxation import relaxation
 from study.experiments.sensitivity import APART, sensitivity
 from study.experiments.spectral import spectral
+from study.experiments.step_window import step_window
 from study.marching.result import UNBOUNDED
 
 PRINTED = printed_energy_errors()
@@ -100,6 +101,23 @@ def test_neighbours_part_only_where_the_motion_is_chaotic():
     chaotic, damped = (parted.sel(scheme=name) for name in ("average_acceleration", "newmark_dissipative"))
     assert (chaotic.parted_at_step[1:] > 40).all() and len(set(chaotic.changes_of_sign.values)) > 3
     assert (damped.parted_at_step == -1).all() and len(set(damped.changes_of_sign.values)) == 1
+
+
+def test_a_window_of_steps_has_the_gains_of_single_runs():
+    span = {"first": 0.12, "last": 0.13, "count": 3}
+    window = step_window("softening_large", ["hht_alpha_1996"], span, perturbation=1e-3, periods=10).squeeze("scheme")
+    assert window.largest_gain.shape == (3, 41) and (window.status == 0).all()
+    for start, part in ((0, 0.125), (-20, 0.13)):
+        single = study.run(
+            "softening_large",
+            "hht_alpha_1996",
+            dt=1.8 * part,
+            steps=round(10 / part),
+            u0=10.0 + 1e-3 * start,
+            observe="energy_error",
+        )
+        ours = window.largest_gain.sel(start=start).sel(dt_over_period=part, method="nearest")
+        assert ours == pytest.approx(single.energy_error.max().item(), rel=1e-6)
 
 
 def test_linear_theory_of_two_schemes_that_are_known():

@@ -39,6 +39,17 @@ def test_a_smaller_step_is_unstable_next_to_a_larger_reasonable_one(small, large
     assert discussion.smaller_may_be_unstable(data).holds == holds
 
 
+@pytest.mark.parametrize(
+    "gains, holds, qualified",
+    [([2, 3, 4], True, ""), ([0.5, 3, 4], True, "67 % of 3 such"), ([0, 0.5, 3], False, "33 % of 3 such")],
+)
+def test_the_alpha_method_is_unstable_if_most_close_runs_gain_energy(gains, holds, qualified):
+    gain = xr.DataArray([[gains]], dims=["scheme", "dt_over_period", "start"], coords={"scheme": ["hht_alpha_1996"]})
+    finding = discussion.alpha_is_unstable(gain.to_dataset(name="largest_gain"))
+    assert finding.holds == holds and qualified in finding.qualification
+    assert bool(finding.qualification) == bool(qualified)
+
+
 def _double_well(lost=900 / 7, gained=0.0, undamped=0.0):
     """Signed energy errors of all schemes; arguments are in percent. By default the damped schemes end at rest."""
     error = filled(0.0, scheme=SCHEMES, t=[0.0, 2.5, 5.0])
