@@ -22,7 +22,7 @@ def of_record_error(errors: xr.Dataset) -> dict:
     law = predicted(one)
     ratio = one.error.sel(load="samples") / law
     runs = ratio.notnull()
-    stochastic = (errors.source == _STOCHASTIC).values
+    stochastic = (errors.origin == _STOCHASTIC).values
     low, high = np.nanpercentile(ratio, RANGE)
     scatters = {
         name: scatter(one, by) for name, by in {"law": law, "step": one.of_period, "power": one.power_above}.items()

@@ -118,7 +118,7 @@ def record_error(
         },
         coords={
             "record": ("record", [one.title for one in grounds], {"long_name": "record"}),
-            "source": ("record", [one.source for one in grounds], {"long_name": "origin of the record"}),
+            "origin": ("record", [one.source for one in grounds], {"long_name": "origin of the record"}),
             "period": ("period", periods, {"long_name": "period of small motions", "units": "s"}),
             "spring": ("spring", ["linear", "yielding"], {"long_name": "kind of spring"}),
         },

@@ -142,3 +142,26 @@ def test_tongues_are_closed_where_their_edges_are_missing(closed, holds, reason)
     edge.loc[{"scheme": closed, "steps_per_period": 10, "epsilon": 0.1, "tongue": 2}] = np.nan
     finding = stability.dissipation_closes_tongues(xr.Dataset({"edge": edge}))
     assert (finding.holds, finding.qualification) == (holds, reason)
+
+
+@pytest.mark.parametrize(
+    "failing, holds, found",
+    [
+        ({"average_acceleration": [10, 40], "implicit_midpoint": [20]}, True, ["40", "20", "none"]),
+        ({"average_acceleration": [10], "implicit_midpoint": [20], "energy_momentum": [10]}, False, ["10", "20", "10"]),
+        ({"average_acceleration": [10]}, False, ["10", "none", "none"]),
+    ],
+)
+def test_failures_of_rotating_structures_are_thresholds(failing, holds, found):
+    names = ["average_acceleration", "implicit_midpoint", "energy_momentum"]
+    along = {"problem": ["elastic_pendulum", "fpu_chain"], "steps_per_period": [10, 20, 40, 80]}
+    imbalance = filled(0.0, scheme=names, **along)
+    for name, steps in failing.items():
+        imbalance.loc[{"scheme": name, "steps_per_period": steps, "problem": "elastic_pendulum"}] = 0.2
+    imbalance.loc[{"problem": "fpu_chain"}] = 0.2  # this structure does not rotate
+    status = filled(0, scheme=names, **along)
+    finding = structures.conserving_on_stiff_structures(
+        xr.Dataset({"max_energy_imbalance": imbalance, "status": status}).assign_coords(scheme_title=("scheme", names))
+    )
+    assert finding.holds == holds
+    assert [part.rpartition(": ")[2] for part in finding.ours.split("; ")] == found
