@@ -1,5 +1,7 @@
 """Time of an implicit over the time of an explicit scheme, against the frequencies of mesh and motion."""
 
+import itertools
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -8,7 +10,7 @@ from paper.figures.style import COLUMN, legend_below, panels, whole_decades
 from paper.products import figure
 
 #: Markers of the panels, and their colours, which differ in greyscale.
-LOOKS = (("o", "#000000"), ("s", "#0072B2"), ("^", "#D55E00"), ("D", "#E69F00"))
+LOOKS = (("o", "#000000"), ("s", "#0072B2"), ("^", "#D55E00"), ("D", "#E69F00"), ("v", "#CC79A7"))
 
 
 @figure(
@@ -21,7 +23,7 @@ def draw(mesh: xr.Dataset) -> Figure:
     picture, ((axes,),) = panels(1, 1, COLUMN, 6.5)
     names = [f"{rows} × {columns}" for rows, columns in zip(mesh.rows.values, mesh.columns.values, strict=True)]
     implicit, explicit = (mesh.time.sel(scheme=name) for name in ("average_acceleration", "central_difference"))
-    for name, (marker, colour) in zip(dict.fromkeys(names), LOOKS, strict=False):
+    for name, (marker, colour) in zip(dict.fromkeys(names), itertools.cycle(LOOKS), strict=False):
         chosen = np.array([one == name for one in names])
         one = (implicit / explicit).isel(case=chosen)
         axes.plot(one.mesh_ratio, one, marker=marker, color=colour, label=f"{name} masses")
