@@ -54,17 +54,17 @@ def _solve_tridiagonal(bands, rhs):
     """
     lower, middle, upper = bands
     n = len(rhs)
-    rest = n % UNROLL
+    remainder = n % UNROLL
 
     def down(start, size, carry):
         upper, right, above, solved = carry
         rows = (lax.dynamic_slice(x, (start,), (size,)) for x in (lower, middle, upper, right))
-        now = []
+        eliminated = []
         for low, diagonal, high, b in zip(*rows, strict=True):
             pivot = 1 / (diagonal - low * above)
             above, solved = high * pivot, (b - low * solved) * pivot
-            now.append((above, solved))
-        ratios, values = (jnp.stack(x) for x in zip(*now, strict=True))
+            eliminated.append((above, solved))
+        ratios, values = (jnp.stack(x) for x in zip(*eliminated, strict=True))
         place = (start,)
         return (
             lax.dynamic_update_slice(upper, ratios, place),
@@ -76,11 +76,11 @@ def _solve_tridiagonal(bands, rhs):
     def up(start, size, carry):
         right, x = carry
         rows = (lax.dynamic_slice(x, (start,), (size,)) for x in (upper, right))
-        now = []
+        solutions = []
         for ratio, value in reversed(list(zip(*rows, strict=True))):
             x = value - ratio * x
-            now.append(x)
-        return lax.dynamic_update_slice(right, jnp.stack(now[::-1]), (start,)), x
+            solutions.append(x)
+        return lax.dynamic_update_slice(right, jnp.stack(solutions[::-1]), (start,)), x
 
     zero = jnp.zeros((), rhs.dtype)
     carry = upper, rhs, zero, zero
@@ -88,9 +88,9 @@ def _solve_tridiagonal(bands, rhs):
         upper, right, _, _ = down(0, n, carry)
         return up(0, n, (right, zero))[0]
     carry = lax.fori_loop(0, n // UNROLL, lambda i, c: down(i * UNROLL, UNROLL, c), carry)
-    upper, right, _, _ = down(n - rest, rest, carry) if rest else carry
-    back = up(n - rest, rest, (right, zero)) if rest else (right, zero)
-    return lax.fori_loop(0, n // UNROLL, lambda i, c: up(n - rest - (i + 1) * UNROLL, UNROLL, c), back)[0]
+    upper, right, _, _ = down(n - remainder, remainder, carry) if remainder else carry
+    back = up(n - remainder, remainder, (right, zero)) if remainder else (right, zero)
+    return lax.fori_loop(0, n // UNROLL, lambda i, c: up(n - remainder - (i + 1) * UNROLL, UNROLL, c), back)[0]
 
 
 def _solve_banded(bands, rhs):
@@ -109,8 +109,8 @@ def _solve_banded(bands, rhs):
         low, middle, high, b = row
         rhs = jnp.column_stack([high, b - low @ right])
         solved = eliminate(middle - low @ upper, rhs) if k <= SMALL else jnp.linalg.solve(middle - low @ upper, rhs)
-        now = solved[:, :k], solved[:, k]
-        return now, now
+        eliminated = solved[:, :k], solved[:, k]
+        return eliminated, eliminated
 
     def up(below, row):
         upper, right = row

@@ -64,8 +64,8 @@ class BandCholesky(Method):
 
     def __init__(self, pattern: Pattern, order: np.ndarray, half_bandwidth: int):
         self.order, self.place = order, np.argsort(order)
-        one, other = self.place[pattern.rows], self.place[pattern.columns]
-        low, high = np.minimum(one, other), np.maximum(one, other)
+        rows, columns = self.place[pattern.rows], self.place[pattern.columns]
+        low, high = np.minimum(rows, columns), np.maximum(rows, columns)
         self.shape = pattern.size, half_bandwidth + 1
         # flat index of the entry (high, low) in LAPACK's band storage of the lower triangle
         self.entry = low * (half_bandwidth + 1) + (high - low)
@@ -169,14 +169,16 @@ class Factorisations:
     def solved(self, values: np.ndarray, rhs: np.ndarray) -> np.ndarray:
         """The solution (n,) with the matrix of these values (entries,); NaN if the matrix is singular or not finite."""
         with self._alone:  # runs in other threads use the same factors
-            kept = self._of(values.astype(np.float64, copy=False))
+            kept = self._kept_for(values.astype(np.float64, copy=False))
             x = kept.method.solution(kept.factor, rhs.astype(np.float64))
         return x.astype(rhs.dtype, copy=False)
 
-    def _of(self, values: np.ndarray) -> Kept:
+    def _kept_for(self, values: np.ndarray) -> Kept:
         total = float(values.sum())
-        same = (k for k, kept in enumerate(self._kept) if kept.total == total and np.array_equal(kept.values, values))
-        number = next(same, None)
+        numbers = (
+            k for k, kept in enumerate(self._kept) if kept.total == total and np.array_equal(kept.values, values)
+        )
+        number = next(numbers, None)
         if number is not None:
             kept = self._kept.pop(number)
         else:

@@ -34,7 +34,7 @@ def _at_once(*arguments, function, result):
 
 
 def _lowered(context, *arguments, function, result):
-    called, *_ = mlir.emit_python_callback(
+    results, *_ = mlir.emit_python_callback(
         context,
         lambda *arrays: (_silent(function, arrays),),
         None,
@@ -43,7 +43,7 @@ def _lowered(context, *arguments, function, result):
         context.avals_out,
         has_side_effect=False,
     )
-    return called
+    return results
 
 
 mlir.register_lowering(_on_host, _lowered)

@@ -35,11 +35,11 @@ def short_runs() -> Iterator[None]:
     this context must not run in several threads of which some are outside of it.
     """
     global _short
-    before, _short = _short, True
+    previous, _short = _short, True
     try:
         yield
     finally:
-        _short = before
+        _short = previous
 
 
 @functools.cache

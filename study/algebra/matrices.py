@@ -160,8 +160,8 @@ def dense(matrix: Matrix, n: int) -> Full:
             return jnp.diag(jnp.broadcast_to(matrix, n))
 
 
-def _sum_of_bands(one: Banded, other: Banded) -> Banded:
-    wide, narrow = sorted((one, other), key=lambda m: m.half_bandwidth, reverse=True)
+def _sum_of_bands(first: Banded, second: Banded) -> Banded:
+    wide, narrow = sorted((first, second), key=lambda m: m.half_bandwidth, reverse=True)
     gap = wide.half_bandwidth - narrow.half_bandwidth
     end = gap + len(narrow.bands)
     if isinstance(wide.bands, tuple):
@@ -172,11 +172,11 @@ def _sum_of_bands(one: Banded, other: Banded) -> Banded:
 
 
 def _sum_of_sparse(terms):
-    whole = [t for t in terms if isinstance(t, Sparse)]
-    few = [t for t in terms if isinstance(t, SparseEntries)]
-    first, *rest = whole or [few.pop().alone()]
+    matrices = [t for t in terms if isinstance(t, Sparse)]
+    parts = [t for t in terms if isinstance(t, SparseEntries)]
+    first, *rest = matrices or [parts.pop().alone()]
     total = Sparse(sum((t.values for t in rest), start=first.values), first.pattern)
-    for entries in few:
+    for entries in parts:
         total = entries.added_to(total)
     for diagonal in terms:
         if form_of(diagonal) != Form.SPARSE:

@@ -113,14 +113,14 @@ def reads_of(*parts: Any) -> Reads:
     search = _Search()
     for part in parts:
         search.argument(part)
-    return search.found()
+    return search.result()
 
 
 def reads_of_program(program: ClosedJaxpr) -> Reads:
     """What a traced program holds: its operations, numbers and arrays."""
     search = _Search()
     search.program(program)
-    return search.found()
+    return search.result()
 
 
 class _Names(NamedTuple):
@@ -144,19 +144,19 @@ class _Names(NamedTuple):
 @functools.cache
 def _names(code: types.CodeType) -> _Names:
     read, opened, shown, base = set[str](), set[str](), True, ""
-    for one in dis.get_instructions(code):
-        if "GLOBAL" in one.opname or one.opname == "LOAD_NAME":
-            read.add(one.argval)
-            base = one.argval
-        elif one.opname in ("LOAD_ATTR", "LOAD_METHOD"):
-            opened |= {base} if base and one.argval in CHANGING else set()
-        elif one.opname not in ("CACHE", "PRECALL", "PUSH_NULL", "EXTENDED_ARG"):
+    for instruction in dis.get_instructions(code):
+        if "GLOBAL" in instruction.opname or instruction.opname == "LOAD_NAME":
+            read.add(instruction.argval)
+            base = instruction.argval
+        elif instruction.opname in ("LOAD_ATTR", "LOAD_METHOD"):
+            opened |= {base} if base and instruction.argval in CHANGING else set()
+        elif instruction.opname not in ("CACHE", "PRECALL", "PUSH_NULL", "EXTENDED_ARG"):
             base = ""
-        shown &= one.opname not in HIDDEN
+        shown &= instruction.opname not in HIDDEN
     for inner in code.co_consts:
         if isinstance(inner, types.CodeType):
-            of_inner = _names(inner)
-            read, opened, shown = read | of_inner.globals, opened | of_inner.opened, shown and of_inner.shown
+            nested = _names(inner)
+            read, opened, shown = read | nested.globals, opened | nested.opened, shown and nested.shown
     return _Names(frozenset(read), frozenset(opened), shown)
 
 
@@ -191,7 +191,7 @@ class _Search:
         self._held: list[Any] = []
         self._certain, self._traced = True, False
 
-    def found(self) -> Reads:
+    def result(self) -> Reads:
         if not self._certain:
             return Reads.unique()
         return Reads(self._hash.digest(), self._certain, self._held, self._traced)
@@ -202,8 +202,8 @@ class _Search:
             return
         if isinstance(x, Reads) or (_attribute(x, "__wrapped__") and not _attribute(x, "__self__")):
             self.value(x)
-        elif isinstance(own := _attribute(x, "reads"), Reads):
-            self.value(own)
+        elif isinstance(reads := _attribute(x, "reads"), Reads):
+            self.value(reads)
         elif (parts := default_registry.flatten_one_level(x)) is not None:
             self._class(type(x))
             for child in parts[0]:

@@ -62,19 +62,19 @@ def _changed(program: core.ClosedJaxpr, arguments: Sequence, eta: jax.Array, ste
         spread = 1 + jnp.arange(jnp.size(x), dtype=step.dtype).reshape(jnp.shape(x)) * step % 1.0
         return x * (1 + eta * (1 + count * step % 1.0) * spread).astype(jnp.result_type(x))
 
-    def value(of):
-        return of.val if isinstance(of, core.Literal) else values[of]
+    def value(atom):
+        return atom.val if isinstance(atom, core.Literal) else values[atom]
 
     values |= zip(jaxpr.constvars, program.consts, strict=True)
     values |= zip(jaxpr.invars, map(changed, arguments), strict=True)
     for equation in jaxpr.eqns:
         name = equation.primitive.name
         if name in CALLS:
-            results = _changed(equation.params[CALLS[name]], [value(of) for of in equation.invars], eta, step)
+            results = _changed(equation.params[CALLS[name]], [value(atom) for atom in equation.invars], eta, step)
         else:
-            given = list({of: None for of in equation.invars if not isinstance(of, core.Literal)})
-            alone = jaxpr.replace(constvars=[], invars=given, outvars=equation.outvars, eqns=[equation])
-            results = core.jaxpr_as_fun(core.ClosedJaxpr(alone, []))(*map(value, given))
+            inputs = list({atom: None for atom in equation.invars if not isinstance(atom, core.Literal)})
+            single = jaxpr.replace(constvars=[], invars=inputs, outvars=equation.outvars, eqns=[equation])
+            results = core.jaxpr_as_fun(core.ClosedJaxpr(single, []))(*map(value, inputs))
             results = results if name in EXACT else list(map(changed, results))
         values |= zip(equation.outvars, results, strict=True)
-    return [value(of) for of in jaxpr.outvars]
+    return [value(atom) for atom in jaxpr.outvars]

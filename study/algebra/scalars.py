@@ -18,6 +18,6 @@ def is_whole(value: Any, least: int) -> bool:
 def check_unmasked(name: str, value: Any) -> None:
     """Refuse an array with masked entries, or a masked number: NumPy would use values without a meaning."""
     rows = value if isinstance(value, list | tuple) else [value]
-    if any(isinstance(row, np.ma.MaskedArray) for row in rows) and np.ma.is_masked(given := np.ma.asarray(value)):
-        place = ", ".join(str(axis[0]) for axis in np.nonzero(np.atleast_1d(np.ma.getmaskarray(given))))
+    if any(isinstance(row, np.ma.MaskedArray) for row in rows) and np.ma.is_masked(masked := np.ma.asarray(value)):
+        place = ", ".join(str(axis[0]) for axis in np.nonzero(np.atleast_1d(np.ma.getmaskarray(masked))))
         raise ValueError(f"{name} has masked entries, the first at [{place}]: fill them, or leave them out.")

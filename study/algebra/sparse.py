@@ -36,14 +36,14 @@ class Pattern:
 
     def __init__(self, places: ScipySparse, symmetric: bool):
         n = places.shape[0]
-        there = scipy.sparse.csc_array(abs(places) + scipy.sparse.eye_array(n))
-        there = there + there.T
-        there = scipy.sparse.csc_array(scipy.sparse.tril(there) if symmetric else there)
-        there.sort_indices()
+        entries = scipy.sparse.csc_array(abs(places) + scipy.sparse.eye_array(n))
+        entries = entries + entries.T
+        entries = scipy.sparse.csc_array(scipy.sparse.tril(entries) if symmetric else entries)
+        entries.sort_indices()
         self.size, self.symmetric = n, symmetric
-        self.rows = there.indices.astype(np.int32)
-        self.columns = np.repeat(np.arange(n, dtype=np.int32), np.diff(there.indptr))
-        self.starts = there.indptr
+        self.rows = entries.indices.astype(np.int32)
+        self.columns = np.repeat(np.arange(n, dtype=np.int32), np.diff(entries.indptr))
+        self.starts = entries.indptr
         self.diagonal = np.flatnonzero(self.rows == self.columns).astype(np.int32)
         self._matrix = scipy.sparse.csc_array((np.zeros(len(self.rows)), self.rows, self.starts), (n, n))
         self._mirrored, self._alone = self._matrix.T, Lock()
@@ -120,9 +120,9 @@ class Sparse(eqx.Module):
     def band(self, offset: int) -> jax.Array:
         """The entries (i, i + offset), as a vector (n,) with zeros where the pattern has no such entry."""
         rows, columns = self.pattern.rows, self.pattern.columns
-        there = np.flatnonzero(columns - rows == offset)
+        entries = np.flatnonzero(columns - rows == offset)
         values = jnp.asarray(self.values)
-        return jnp.zeros(self.pattern.size, values.dtype).at[rows[there]].set(values[there])
+        return jnp.zeros(self.pattern.size, values.dtype).at[rows[entries]].set(values[entries])
 
     def dense(self) -> jax.Array:
         """The full matrix (n, n)."""
@@ -176,7 +176,7 @@ def is_sparse_of_jax(matrix: Any) -> bool:
     return module is not None and isinstance(matrix, module.BCOO)
 
 
-def of_jax(matrix: Any) -> ScipySparse | Sparse:
+def from_jax(matrix: Any) -> ScipySparse | Sparse:
     """A ``BCOO`` as a matrix of :mod:`scipy.sparse`, or as a :class:`Sparse` if JAX traces its entries."""
     rows, columns = np.asarray(matrix.indices).T
     if not isinstance(matrix.data, jax.core.Tracer):

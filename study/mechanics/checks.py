@@ -12,7 +12,7 @@ import scipy
 from study.algebra.arrays import Matrix, ScipySparse, real_numbers
 from study.algebra.factorisation import is_positive_definite
 from study.algebra.matrices import Banded, MatrixFree
-from study.algebra.sparse import SYMMETRY, Sparse, as_sparse, is_sparse, is_sparse_of_jax, of_jax
+from study.algebra.sparse import SYMMETRY, Sparse, as_sparse, from_jax, is_sparse, is_sparse_of_jax
 from study.mechanics.ground import GroundMotion
 from study.mechanics.terms import Rayleigh
 
@@ -31,7 +31,7 @@ def numbers_or_matrix(name: str, value):
     if is_sparse_of_jax(value):
         if isinstance(value.indices, jax.core.Tracer):
             raise ValueError(f"{name}: JAX may trace the entries of a sparse matrix, but not their positions.")
-        return of_jax(value)
+        return from_jax(value)
     if is_sparse(value):
         if value.ndim != 2:
             raise ValueError(f"{name} must be a matrix; the sparse array has the shape {value.shape}.")

@@ -30,23 +30,23 @@ def _dominant(rng, n, k):
 
 def _matrix(form, n, rng):
     """A random matrix in the form ``form``, and the same matrix as a dense NumPy array."""
-    whole = _dominant(rng, n, HALF_BANDWIDTHS.get(form, n if form in ("dense", "matrix_free") else 0))
+    full = _dominant(rng, n, HALF_BANDWIDTHS.get(form, n if form in ("dense", "matrix_free") else 0))
     match form:
         case "number":
-            return jnp.asarray(whole[0, 0]), whole[0, 0] * np.eye(n)
+            return jnp.asarray(full[0, 0]), full[0, 0] * np.eye(n)
         case "diagonal":
-            return jnp.asarray(np.diag(whole)), whole
+            return jnp.asarray(np.diag(full)), full
         case "tridiagonal":
-            return Banded(tuple(jnp.asarray(_band_of(whole, 1)))), whole
+            return Banded(tuple(jnp.asarray(_band_of(full, 1)))), full
         case "pentadiagonal":
-            return Banded(jnp.asarray(_band_of(whole, 2))), whole
+            return Banded(jnp.asarray(_band_of(full, 2))), full
         case "dense":
-            return jnp.asarray(whole), whole
-    return _matrix_free(whole), whole
+            return jnp.asarray(full), full
+    return _matrix_free(full), full
 
 
-def _matrix_free(whole):
-    return MatrixFree(eqx.Partial(jnp.matmul, jnp.asarray(whole)), jnp.asarray(np.diag(whole).copy()))
+def _matrix_free(full):
+    return MatrixFree(eqx.Partial(jnp.matmul, jnp.asarray(full)), jnp.asarray(np.diag(full).copy()))
 
 
 @pytest.fixture(scope="session")

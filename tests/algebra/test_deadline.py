@@ -15,7 +15,7 @@ from study.algebra.deadline import deadline, until
 def test_a_run_is_given_up_soon_after_the_deadline(steps, lanes):
     """Runs that would take days; lanes run in other threads."""
     problem = study.Problem(lambda u: u, np.ones(2000))
-    of_lanes = {"u0": np.ones((lanes, 2000))} if lanes else {}
+    starts = {"u0": np.ones((lanes, 2000))} if lanes else {}
     with pytest.raises(TimeoutError), until(time.monotonic() + 0.1):
-        study.run(problem, "rk4", observe=[], **steps, **of_lanes)
+        study.run(problem, "rk4", observe=[], **steps, **starts)
     assert deadline() == math.inf

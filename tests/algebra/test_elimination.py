@@ -30,19 +30,19 @@ def _solve(matrix, rhs, symmetric=True):
 @given(seed=SEEDS, n=st.sampled_from([3, 6]))
 def test_solve_undoes_times(make, form, seed, n):
     rng = np.random.default_rng(seed)
-    matrix, whole = make.matrix(form, n, rng)
+    matrix, full = make.matrix(form, n, rng)
     rhs = rng.uniform(0.5, 1.5, n)
-    np.testing.assert_allclose(_solve(matrix, jnp.asarray(rhs), False), np.linalg.solve(whole, rhs), atol=1e-9)
+    np.testing.assert_allclose(_solve(matrix, jnp.asarray(rhs), False), np.linalg.solve(full, rhs), atol=1e-9)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 6, 7, 8, 13])
 def test_tridiagonal_elimination_of_any_length(make, n):
     """The loop eliminates four rows per iteration; lengths below four, multiples of four and others are tested."""
     rng = np.random.default_rng(n)
-    whole, rhs = make.dominant(rng, n, 1), rng.normal(size=n)
-    for bands in (make.band_of(whole, 1), tuple(make.band_of(whole, 1))):
-        found = _solve(Banded(jax.tree.map(jnp.asarray, bands)), jnp.asarray(rhs))
-        np.testing.assert_allclose(found, np.linalg.solve(whole, rhs), rtol=1e-12, atol=1e-14)
+    full, rhs = make.dominant(rng, n, 1), rng.normal(size=n)
+    for bands in (make.band_of(full, 1), tuple(make.band_of(full, 1))):
+        solution = _solve(Banded(jax.tree.map(jnp.asarray, bands)), jnp.asarray(rhs))
+        np.testing.assert_allclose(solution, np.linalg.solve(full, rhs), rtol=1e-12, atol=1e-14)
 
 
 @pytest.mark.parametrize("half_bandwidth", [2, 3, 7])
@@ -51,17 +51,17 @@ def test_elimination_of_blocks(make, half_bandwidth, more):
     """The last block may be complete or incomplete; LAPACK solves blocks of more than four unknowns."""
     n = half_bandwidth + more
     rng = np.random.default_rng(n)
-    whole, rhs = make.dominant(rng, n, half_bandwidth), rng.normal(size=n)
-    found = _solve(Banded(jnp.asarray(make.band_of(whole, half_bandwidth))), jnp.asarray(rhs))
-    np.testing.assert_allclose(found, np.linalg.solve(whole, rhs), rtol=1e-11, atol=1e-13)
+    full, rhs = make.dominant(rng, n, half_bandwidth), rng.normal(size=n)
+    solution = _solve(Banded(jnp.asarray(make.band_of(full, half_bandwidth))), jnp.asarray(rhs))
+    np.testing.assert_allclose(solution, np.linalg.solve(full, rhs), rtol=1e-11, atol=1e-13)
 
 
 def test_a_block_is_pivoted(make):
     """All diagonal entries are zero, so that elimination without pivots would divide by zero."""
-    whole = np.kron(np.eye(3), [[0.0, 2.0], [1.0, 0.0]]) + np.diag(np.full(4, 0.1), 2)
+    full = np.kron(np.eye(3), [[0.0, 2.0], [1.0, 0.0]]) + np.diag(np.full(4, 0.1), 2)
     rhs = np.arange(1.0, 7.0)
-    found = _solve(Banded(jnp.asarray(make.band_of(whole, 2))), jnp.asarray(rhs))
-    np.testing.assert_allclose(found, np.linalg.solve(whole, rhs), rtol=1e-13)
+    solution = _solve(Banded(jnp.asarray(make.band_of(full, 2))), jnp.asarray(rhs))
+    np.testing.assert_allclose(solution, np.linalg.solve(full, rhs), rtol=1e-13)
 
 
 def test_one_diagonal_divides():
@@ -74,46 +74,46 @@ def test_one_diagonal_divides():
 def test_conjugate_gradients_of_a_symmetric_matrix(make, seed):
     rng, n = np.random.default_rng(seed), 8
     root = rng.normal(size=(n, n))
-    whole = root @ root.T + np.diag(rng.uniform(1, 100, n))
+    full = root @ root.T + np.diag(rng.uniform(1, 100, n))
     rhs = rng.uniform(0.5, 1.5, n)
-    found = _solve(make.matrix_free(whole), jnp.asarray(rhs), True)
-    np.testing.assert_allclose(whole @ np.asarray(found), rhs, atol=1e-8)
+    solution = _solve(make.matrix_free(full), jnp.asarray(rhs), True)
+    np.testing.assert_allclose(full @ np.asarray(solution), rhs, atol=1e-8)
 
 
 @settings(max_examples=15, deadline=None)
 @given(seed=SEEDS)
 def test_gmres_of_any_matrix(make, seed):
     rng, n = np.random.default_rng(seed), 8
-    whole, rhs = make.dominant(rng, n, n), rng.uniform(0.5, 1.5, n)
-    found = _solve(make.matrix_free(whole), jnp.asarray(rhs), False)
-    np.testing.assert_allclose(whole @ np.asarray(found), rhs, atol=1e-8)
+    full, rhs = make.dominant(rng, n, n), rng.uniform(0.5, 1.5, n)
+    solution = _solve(make.matrix_free(full), jnp.asarray(rhs), False)
+    np.testing.assert_allclose(full @ np.asarray(solution), rhs, atol=1e-8)
 
 
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_a_force_at_one_place_is_felt_at_all(make, symmetric):
     """If the right side has a single non-zero entry, the iterative solution is accurate at all unknowns."""
     n = 6
-    whole = 2.1 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
-    found = _solve(make.matrix_free(whole), jnp.asarray(np.eye(n)[0]), symmetric)
-    np.testing.assert_allclose(found, np.linalg.solve(whole, np.eye(n)[0]), atol=1e-9)
+    full = 2.1 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    solution = _solve(make.matrix_free(full), jnp.asarray(np.eye(n)[0]), symmetric)
+    np.testing.assert_allclose(solution, np.linalg.solve(full, np.eye(n)[0]), atol=1e-9)
 
 
 def test_a_right_side_of_zeros_has_the_solution_zero(make):
-    whole = 2.1 * np.eye(6) - np.eye(6, k=1) - np.eye(6, k=-1)
-    np.testing.assert_array_equal(_solve(make.matrix_free(whole), jnp.zeros(6), True), np.zeros(6))
+    full = 2.1 * np.eye(6) - np.eye(6, k=1) - np.eye(6, k=-1)
+    np.testing.assert_array_equal(_solve(make.matrix_free(full), jnp.zeros(6), True), np.zeros(6))
 
 
 @settings(max_examples=30, deadline=None)
 @given(seed=SEEDS, n=st.sampled_from([1, 2, 4]), sides=st.sampled_from([None, 3]))
 def test_eliminate_takes_several_right_sides(seed, n, sides):
     rng = np.random.default_rng(seed)
-    whole = np.linalg.qr(rng.normal(size=(n, n)))[0]
+    full = np.linalg.qr(rng.normal(size=(n, n)))[0]
     rhs = rng.normal(size=n if sides is None else (n, sides))
-    found = _eliminate(jnp.asarray(whole), jnp.asarray(rhs))
-    np.testing.assert_allclose(found, np.linalg.solve(whole, rhs), atol=1e-12)
+    solution = _eliminate(jnp.asarray(full), jnp.asarray(rhs))
+    np.testing.assert_allclose(solution, np.linalg.solve(full, rhs), atol=1e-12)
 
 
 def test_eliminate_pivots():
-    whole = np.array([[0.0, 0.0, 3.0], [2.0, 0.0, 1.0], [1.0, 4.0, 1.0]])
+    full = np.array([[0.0, 0.0, 3.0], [2.0, 0.0, 1.0], [1.0, 4.0, 1.0]])
     rhs = np.array([3.0, 5.0, 10.0])
-    np.testing.assert_allclose(_eliminate(jnp.asarray(whole), jnp.asarray(rhs)), np.linalg.solve(whole, rhs))
+    np.testing.assert_allclose(_eliminate(jnp.asarray(full), jnp.asarray(rhs)), np.linalg.solve(full, rhs))

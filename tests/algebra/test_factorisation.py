@@ -14,17 +14,17 @@ from study.algebra.sparse import Pattern
 
 def _mesh(width, length):
     """The stiffness of a grid of springs, fixed at its edges, with the unknowns numbered at random."""
-    line, other = (sparse.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(n, n)) for n in (width, length))
-    grid = sparse.csc_array(sparse.kron(line, sparse.eye_array(length)) + sparse.kron(sparse.eye_array(width), other))
+    across, along = (sparse.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(n, n)) for n in (width, length))
+    grid = sparse.csc_array(sparse.kron(across, sparse.eye_array(length)) + sparse.kron(sparse.eye_array(width), along))
     order = np.random.default_rng(0).permutation(width * length)
     return sparse.csc_array(grid[order][:, order])
 
 
 def _chords(n):
     """The stiffness of a ring of springs with random chords; no numbering of its unknowns has a small bandwidth."""
-    one = np.arange(n)
-    ends = np.concatenate([np.roll(one, 1), np.random.default_rng(0).permutation(n)])
-    springs = sparse.coo_array((np.ones(2 * n), (np.tile(one, 2), ends)), shape=(n, n))
+    nodes = np.arange(n)
+    ends = np.concatenate([np.roll(nodes, 1), np.random.default_rng(0).permutation(n)])
+    springs = sparse.coo_array((np.ones(2 * n), (np.tile(nodes, 2), ends)), shape=(n, n))
     springs = springs + springs.T
     return sparse.csc_array(sparse.diags_array(springs.sum(axis=0) + 1.0) - springs)
 
@@ -37,8 +37,8 @@ def test_the_method_follows_the_pattern(width, expected):
     pattern, rhs = Pattern(matrix, symmetric=True), np.arange(matrix.shape[0], dtype=float)
     solver = Factorisations(pattern)
     assert type(solver._methods[0]) is expected
-    solved = solver.solved(pattern.values(matrix), rhs)
-    np.testing.assert_allclose(matrix @ solved, rhs, atol=1e-9 * np.abs(solved).max())
+    solution = solver.solved(pattern.values(matrix), rhs)
+    np.testing.assert_allclose(matrix @ solution, rhs, atol=1e-9 * np.abs(solution).max())
 
 
 def test_without_the_extra_a_wide_mesh_goes_to_superlu(monkeypatch):
@@ -56,8 +56,8 @@ def test_a_matrix_that_is_not_positive_definite_is_solved_too(stiffness, expecte
     solver = Factorisations(pattern)
     assert type(solver._methods[0]) is expected
     assert is_positive_definite(stiffness) and not is_positive_definite(matrix)
-    solved = solver.solved(pattern.values(matrix), rhs)
-    np.testing.assert_allclose(matrix @ solved, rhs, atol=1e-8 * np.abs(solved).max())
+    solution = solver.solved(pattern.values(matrix), rhs)
+    np.testing.assert_allclose(matrix @ solution, rhs, atol=1e-8 * np.abs(solution).max())
 
 
 @pytest.mark.parametrize("wrong", [0.0, np.nan])

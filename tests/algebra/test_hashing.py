@@ -59,8 +59,8 @@ def test_an_object_without_a_hash_is_a_force_a_load_and_a_quantity(spring):
 
 def test_two_problems_with_one_object_without_a_hash_share_a_program(compiled):
     spring = Spring()
-    one, other = (study.Problem(spring, u0=1.0) for _ in range(2))
-    study.run(one, "rk4", dt=0.01, steps=100)
-    before = len(compiled)
-    study.run(other, "rk4", dt=0.01, steps=100)
-    assert len(compiled) == before
+    first, second = (study.Problem(spring, u0=1.0) for _ in range(2))
+    study.run(first, "rk4", dt=0.01, steps=100)
+    count = len(compiled)
+    study.run(second, "rk4", dt=0.01, steps=100)
+    assert len(compiled) == count

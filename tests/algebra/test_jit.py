@@ -12,9 +12,9 @@ def test_short_runs_have_their_own_programs_with_the_same_results(compiled):
     exact = pytest.approx(np.sum(np.sin(x) ** 2), rel=1e-14)
     with short_runs():
         assert function(x) == exact
-    before = len(compiled)
-    assert before and function(x) == exact and len(compiled) == before + 1
+    count = len(compiled)
+    assert count and function(x) == exact and len(compiled) == count + 1
     with short_runs():
         function(x)
     function(x)
-    assert len(compiled) == before + 1
+    assert len(compiled) == count + 1

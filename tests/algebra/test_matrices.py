@@ -29,8 +29,8 @@ def _columns(matrix, n):
 
 
 @eqx.filter_jit
-def _sum_and_product(one, other, n):
-    return [_columns(combine(one, other, n=n), n) for combine in (linear.add, linear.product)]
+def _sum_and_product(first, second, n):
+    return [_columns(combine(first, second, n=n), n) for combine in (linear.add, linear.product)]
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -38,16 +38,16 @@ def _sum_and_product(one, other, n):
 @given(seed=SEEDS, n=st.sampled_from([1, 2, 9]))
 def test_times_is_the_product_with_a_vector(make, form, seed, n):
     rng = np.random.default_rng(seed)
-    matrix, whole = make.matrix(form, n, rng)
+    matrix, full = make.matrix(form, n, rng)
     x = rng.normal(size=n)
-    np.testing.assert_allclose(_times(matrix, jnp.asarray(x)), whole @ x, atol=1e-13)
+    np.testing.assert_allclose(_times(matrix, jnp.asarray(x)), full @ x, atol=1e-13)
 
 
-@pytest.mark.parametrize("one", FORMS)
-@pytest.mark.parametrize("other", FORMS)
-def test_sums_and_products_of_any_two_forms(make, one, other):
+@pytest.mark.parametrize("left", FORMS)
+@pytest.mark.parametrize("right", FORMS)
+def test_sums_and_products_of_any_two_forms(make, left, right):
     rng, n = np.random.default_rng(0), 7
-    (first, first_whole), (second, second_whole) = make.matrix(one, n, rng), make.matrix(other, n, rng)
+    (first, first_whole), (second, second_whole) = make.matrix(left, n, rng), make.matrix(right, n, rng)
     total, product = _sum_and_product(first, second, n)
     np.testing.assert_allclose(total, first_whole + second_whole, atol=1e-13)
     np.testing.assert_allclose(product, first_whole @ second_whole, atol=1e-12)
@@ -79,17 +79,17 @@ def test_one_unknown_has_numbers():
 @pytest.mark.parametrize("n", [1, 2, 5])
 def test_every_form_but_one_can_be_written_out(make, form, n):
     """Every form except matrix-free becomes a dense matrix, even if a band is wider than the matrix."""
-    matrix, whole = make.matrix(form, n, np.random.default_rng(n))
-    np.testing.assert_array_equal(_dense(matrix, n), whole)
+    matrix, full = make.matrix(form, n, np.random.default_rng(n))
+    np.testing.assert_array_equal(_dense(matrix, n), full)
 
 
 @pytest.mark.parametrize("n, half_bandwidth", [(9, 0), (9, 1), (9, 2), (20, 5)])
 def test_a_matrix_becomes_a_band_and_comes_back(make, n, half_bandwidth):
-    whole = make.dominant(np.random.default_rng(n), n, half_bandwidth)
-    band = linear.banded(whole, 0)
+    full = make.dominant(np.random.default_rng(n), n, half_bandwidth)
+    band = linear.banded(full, 0)
     assert isinstance(band, linear.Banded)
-    np.testing.assert_array_equal(band.bands, make.band_of(whole, half_bandwidth))
-    np.testing.assert_array_equal(_dense(band, n), whole)
+    np.testing.assert_array_equal(band.bands, make.band_of(full, half_bandwidth))
+    np.testing.assert_array_equal(_dense(band, n), full)
 
 
 def test_a_band_is_as_wide_as_asked_at_least():
@@ -98,5 +98,5 @@ def test_a_band_is_as_wide_as_asked_at_least():
 
 
 def test_a_wide_band_stays_a_matrix(make):
-    whole = make.dominant(np.random.default_rng(0), 9, 3)
-    assert linear.banded(whole, 1) is whole
+    full = make.dominant(np.random.default_rng(0), 9, 3)
+    assert linear.banded(full, 1) is full

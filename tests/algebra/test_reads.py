@@ -311,21 +311,21 @@ def test_lanes_read_a_variable_of_the_context():
     problem = study.Problem(lambda u: variable.get() * u, u0=[1.0, 1.0])
     variable.set(4.0)
     end = study.Quantity(lambda u: u[0], name="end", reduce="final")
-    found = study.run(problem, "rk4", u0=np.ones((2, 2)), dt=0.01, steps=100, observe=end).end.values
-    np.testing.assert_allclose(found, np.cos(2.0), rtol=1e-7)
+    ends = study.run(problem, "rk4", u0=np.ones((2, 2)), dt=0.01, steps=100, observe=end).end.values
+    np.testing.assert_allclose(ends, np.cos(2.0), rtol=1e-7)
 
 
 def test_arrays_that_are_arguments_are_not_read():
-    one, other = Module(np.ones(())), Module(np.full((), 2.0))
-    assert reads_of(one) == reads_of(other)
-    assert reads_of(lambda u: one(u)) != reads_of(lambda u: other(u))
+    first, second = Module(np.ones(())), Module(np.full((), 2.0))
+    assert reads_of(first) == reads_of(second)
+    assert reads_of(lambda u: first(u)) != reads_of(lambda u: second(u))
 
 
 def test_equal_numbers_of_other_types_or_signs_differ():
-    found = {
+    distinct = {
         reads_of(functools.partial(helper, value)) for value in (0.0, -0.0, 0, False, np.float64(0), np.float32(0))
     }
-    assert len(found) == 6
+    assert len(distinct) == 6
 
 
 def test_a_value_that_refers_to_itself_ends_the_search():
@@ -369,13 +369,13 @@ def test_programs_follow_what_functions_read(request):
         np.testing.assert_allclose(study.run(problem, "rk4", **options).end, stiffness, rtol=1e-12)
         decay = np.exp(-half) * (np.cos(omega) + half / omega * np.sin(omega))
         exact = stiffness * (1 + decay)
-        found = [
+        ends = [
             study.run(problem, "rk4", u0=2.0, **options).end,
             *study.run(problem, "rk4", u0=[2.0, 2.0], **options).end.values,
             study.run(problem, "rk4", u0=2.0, tolerance=1e-9, duration=1.0, observe=options["observe"]).end,
             study.final_state(problem, "rk4", u0=2.0, **options)["end"],
         ]
-        np.testing.assert_allclose(np.array(found, float), exact, rtol=1e-7)
+        np.testing.assert_allclose(np.array(ends, float), exact, rtol=1e-7)
         end = study.run(family, "rk4", over={"mass": [1.0]}, **options).end.values
         np.testing.assert_allclose(end, stiffness * np.cos(np.sqrt(stiffness)), rtol=1e-8)
         np.testing.assert_allclose(frequencies(problem), np.sqrt(stiffness))
@@ -407,9 +407,9 @@ def test_reads_that_the_search_cannot_see_are_found_by_tracing_without_compiling
     problem = study.Problem(hidden.force, u0=2.0, load=hidden.load)
     observe = study.Quantity(lambda u: u, name="end_u", reduce="final")
     ends = [study.run(problem, "rk4", observe=observe, **steps) for _ in range(2)]
-    before = len(compiled)
+    count = len(compiled)
     ends.append(study.run(problem, "rk4", observe=observe, **steps))
-    assert len(compiled) == before
+    assert len(compiled) == count
     hidden.factor = 100.0
     ends.append(study.run(problem, "rk4", observe=observe, **steps))
     for end, k in zip(ends, (4.0, 4.0, 4.0, 100.0), strict=True):

@@ -11,7 +11,7 @@ WHOLE = np.ma.array([1, 2, 10**6], mask=[False, False, True])
 
 
 @pytest.mark.parametrize(
-    "given, name",
+    "call, name",
     [
         (lambda: study.Problem(lambda u: u, u0=MASKED), "u0"),
         (lambda: study.Problem(lambda u: u, u0=np.zeros(2), stiffness=[MASKED[:2], MASKED[1:]]), "stiffness"),
@@ -31,23 +31,23 @@ WHOLE = np.ma.array([1, 2, 10**6], mask=[False, False, True])
         (lambda: study.materials.elastoplastic(stiffness=MASKED, yield_force=1.0), "an array"),
     ],
 )
-def test_masked_entries_are_refused(given, name):
+def test_masked_entries_are_refused(call, name):
     place = r"\[1, 1\]" if name == "stiffness" else r"\[2\]"
     with pytest.raises(ValueError, match=rf"^{name} has masked entries, the first at {place}: fill them, or leave"):
-        given()
+        call()
 
 
 @pytest.mark.parametrize(
-    "given, name",
+    "call, name",
     [
         (lambda: study.Problem(lambda u: u, u0=np.ma.masked), "u0"),
         (lambda: study.GroundMotion([0.0, 1.0], np.ma.masked, title="quake"), "'quake'"),
         (lambda: study.Quantity(lambda u: u, scale=np.ma.masked), "scale"),
     ],
 )
-def test_a_masked_number_is_refused(given, name):
+def test_a_masked_number_is_refused(call, name):
     with pytest.raises(ValueError, match=rf"^{name} has masked entries, the first at \[0\]: fill them, or leave"):
-        given()
+        call()
 
 
 def test_a_run_of_a_program_with_masked_entries_fails():

@@ -20,46 +20,48 @@ def _random(n, symmetric, seed=0):
 
 
 @pytest.fixture(params=[True, False], ids=["symmetric", "not symmetric"])
-def both(request):
+def matrices(request):
     """A sparse matrix of SciPy, and the same matrix as a Sparse of the study."""
     matrix, pattern = _random(30, request.param)
     return matrix, Sparse(jnp.asarray(pattern.values(matrix)), pattern)
 
 
-def test_algebra_agrees_with_that_of_full_matrices(both):
-    full, ours = both[0].toarray(), both[1]
+def test_algebra_agrees_with_that_of_full_matrices(matrices):
+    full, matrix = matrices[0].toarray(), matrices[1]
     x = np.random.default_rng(1).normal(size=30)
-    np.testing.assert_allclose(dense(ours, 30), full)
-    np.testing.assert_allclose(times(ours, x), full @ x, rtol=1e-13)
-    np.testing.assert_allclose(jax.jit(Sparse.scattered_times)(ours, x), full @ x, rtol=1e-13)
-    np.testing.assert_allclose(times(ours.transposed(), x), full.T @ x, rtol=1e-13)
-    np.testing.assert_allclose(dense(add(ours, x, 2.0, ours, n=30), 30), 2 * full + np.diag(x + 2))
-    np.testing.assert_allclose(dense(product(0.5, ours, 30), 30), full / 2)
-    np.testing.assert_allclose(solve(ours, x), np.linalg.solve(full, x), rtol=1e-12)
+    np.testing.assert_allclose(dense(matrix, 30), full)
+    np.testing.assert_allclose(times(matrix, x), full @ x, rtol=1e-13)
+    np.testing.assert_allclose(jax.jit(Sparse.scattered_times)(matrix, x), full @ x, rtol=1e-13)
+    np.testing.assert_allclose(times(matrix.transposed(), x), full.T @ x, rtol=1e-13)
+    np.testing.assert_allclose(dense(add(matrix, x, 2.0, matrix, n=30), 30), 2 * full + np.diag(x + 2))
+    np.testing.assert_allclose(dense(product(0.5, matrix, 30), 30), full / 2)
+    np.testing.assert_allclose(solve(matrix, x), np.linalg.solve(full, x), rtol=1e-12)
 
 
-def test_lanes_are_solved_one_by_one(both):
+def test_lanes_are_solved_one_by_one(matrices):
     rhs = np.random.default_rng(2).normal(size=(3, 30))
     np.testing.assert_allclose(
-        jax.jit(jax.vmap(lambda b: solve(both[1], b)))(rhs), np.linalg.solve(both[0].toarray(), rhs.T).T, rtol=1e-12
+        jax.jit(jax.vmap(lambda b: solve(matrices[1], b)))(rhs),
+        np.linalg.solve(matrices[0].toarray(), rhs.T).T,
+        rtol=1e-12,
     )
 
 
 @pytest.mark.parametrize("differentiate", [jax.jacfwd, jax.jacrev])
-def test_solutions_and_products_are_differentiated(both, differentiate):
-    matrix, ours = both
+def test_solutions_and_products_are_differentiated(matrices, differentiate):
+    matrix, sparse_matrix = matrices
     rhs = np.random.default_rng(3).normal(size=30)
 
-    def scaled(factor, of):
-        return of(Sparse(ours.values * factor, ours.pattern), rhs * factor**2)
+    def scaled(factor, operation):
+        return operation(Sparse(sparse_matrix.values * factor, sparse_matrix.pattern), rhs * factor**2)
 
-    of_solution = differentiate(lambda factor: scaled(factor, solve))(1.0)
-    np.testing.assert_allclose(of_solution, np.linalg.solve(matrix.toarray(), rhs), rtol=1e-11)  # d(x f)/df = x
-    of_product = differentiate(lambda factor: scaled(factor, times))(1.0)
-    np.testing.assert_allclose(of_product, 3 * (matrix @ rhs), rtol=1e-11)  # d(f³ A b)/df
+    solution_slope = differentiate(lambda factor: scaled(factor, solve))(1.0)
+    np.testing.assert_allclose(solution_slope, np.linalg.solve(matrix.toarray(), rhs), rtol=1e-11)  # d(x f)/df = x
+    product_slope = differentiate(lambda factor: scaled(factor, times))(1.0)
+    np.testing.assert_allclose(product_slope, 3 * (matrix @ rhs), rtol=1e-11)  # d(f³ A b)/df
 
 
 def test_patterns_with_the_same_places_are_equal():
-    (one, pattern), (_, other) = _random(20, True), _random(20, True, seed=1)
-    assert pattern == Pattern(2 * one, True) and hash(pattern) == hash(Pattern(one, True))
-    assert pattern != other and pattern != Pattern(one, False)
+    (matrix, pattern), (_, other) = _random(20, True), _random(20, True, seed=1)
+    assert pattern == Pattern(2 * matrix, True) and hash(pattern) == hash(Pattern(matrix, True))
+    assert pattern != other and pattern != Pattern(matrix, False)
