@@ -108,9 +108,9 @@ class HHTAlpha1996(OneStep):
         u, v, a = state
         c_u, c_v = self.beta * dt**2, self.gamma * dt
         du, dv = predicted(v, a, dt, self.beta, self.gamma)
-        now, f = at(problem, t + dt)
+        end, f = at(problem, t + dt)
         rhs = f + self.alpha * problem.at_time(t).internal_force(u, v)
-        a, effort = balance(now, rhs, u + du, v + dv, c_u, c_v, guess=a, weight=1 + self.alpha)
+        a, effort = balance(end, rhs, u + du, v + dv, c_u, c_v, guess=a, weight=1 + self.alpha)
         return Motion(du + c_u * a, dv + c_v * a, a), effort
 
 

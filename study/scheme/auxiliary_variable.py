@@ -86,29 +86,29 @@ class AuxiliaryVariable(Scheme):
         return jnp.sqrt(problem.potential(u) + self.shift)  # type: ignore[misc]
 
     def start(self, problem, u0, v0, dt):
-        now, effort = average_acceleration.start(problem, u0, v0, dt)
-        before, more = average_acceleration.step(problem, now, 0.0, -dt)
-        roots = self._root(problem, u0), self._root(problem, before.u)
-        return Auxiliary(u0, v0, roots[0], before.u, before.v, roots[1]), effort.then(more)
+        state, effort = average_acceleration.start(problem, u0, v0, dt)
+        previous, more = average_acceleration.step(problem, state, 0.0, -dt)
+        roots = self._root(problem, u0), self._root(problem, previous.u)
+        return Auxiliary(u0, v0, roots[0], previous.u, previous.v, roots[1]), effort.then(more)
 
     def step(self, problem, state, t, dt) -> tuple[Auxiliary, Effort]:
         h = 2 * dt / 3
-        u, v, r = ((4 * now - before) / 3 for now, before in zip(state[:3], state[3:], strict=True))
+        u, v, r = ((4 * value - previous) / 3 for value, previous in zip(state[:3], state[3:], strict=True))
         extrapolated = 2 * state.u - state.u_1
         q = self._root(problem, extrapolated)
         slope = problem.varying_force(extrapolated, v) / q if not problem.linear else jnp.zeros_like(u)
 
         # u₁ = u + h v + h² a, u̇₁ = v + h a and r₁ = r + slopeᵀ (h v + h² a)/2
         effective = _effective(problem, u, h)
-        rest = load(problem, t + dt) - (r + h * jnp.vdot(slope, v) / 2) * slope
+        residual = load(problem, t + dt) - (r + h * jnp.vdot(slope, v) / 2) * slope
         if problem.damping is not None:
-            rest = rest - times(problem.damping, v)
+            residual = residual - times(problem.damping, v)
         if problem.stiffness is not None:
-            rest = rest - times(problem.stiffness, u + h * v)
-        a, of_slope = solve(effective, rest), solve(effective, slope)
-        a = a - h**2 * jnp.vdot(slope, a) / (2 + h**2 * jnp.vdot(slope, of_slope)) * of_slope
-        moved = h * v + h**2 * a
-        return Auxiliary(u + moved, v + h * a, r + jnp.vdot(slope, moved) / 2, *state[:3]), Effort()
+            residual = residual - times(problem.stiffness, u + h * v)
+        a, slope_response = solve(effective, residual), solve(effective, slope)
+        a = a - h**2 * jnp.vdot(slope, a) / (2 + h**2 * jnp.vdot(slope, slope_response)) * slope_response
+        du = h * v + h**2 * a
+        return Auxiliary(u + du, v + h * a, r + jnp.vdot(slope, du) / 2, *state[:3]), Effort()
 
 
 def _effective(problem: Problem, u: Vector, h) -> Matrix:

@@ -91,13 +91,13 @@ class BackwardDifferences(Scheme):
         return math.inf if np.polyval(self.weights[::-1], circle).real.min() > -1e-9 else None
 
     def start(self, problem, u0, v0, dt):
-        now, effort = average_acceleration.start(problem, u0, v0, dt)
-        before, older = now, []
+        state, effort = average_acceleration.start(problem, u0, v0, dt)
+        previous, older = state, []
         for k in range(len(self.weights) - 2):
-            before, more = average_acceleration.step(problem, before, -k * dt, -dt)
-            older.append((before.u, before.v))
+            previous, more = average_acceleration.step(problem, previous, -k * dt, -dt)
+            older.append((previous.u, previous.v))
             effort = effort.then(more)
-        return Memory(now.u, now.v, now.a, tuple(older)), effort
+        return Memory(state.u, state.v, state.a, tuple(older)), effort
 
     def step(self, problem, state, t, dt) -> tuple[Memory, Effort]:
         d, *rest = self.weights

@@ -151,8 +151,10 @@ class Scheme(KeywordsOnly, eqx.Module):
 
     def _parameters(self) -> str:
         """The parameters as they are given, without labels."""
-        shown = [one.name for one in fields(self) if one.name not in ("title", "source", "doi", "stability_limit")]
-        return ", ".join(f"{name}={_short(getattr(self, name))}" for name in shown)
+        names = [
+            field.name for field in fields(self) if field.name not in ("title", "source", "doi", "stability_limit")
+        ]
+        return ", ".join(f"{name}={_short(getattr(self, name))}" for name in names)
 
     def __repr__(self) -> str:
         kind, summary = type(self).__name__, (type(self).__doc__ or "").partition("\n")[0]

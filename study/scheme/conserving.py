@@ -66,7 +66,7 @@ STANDSTILL = {np.dtype("float64"): 1e-5, np.dtype("float32"): 8e-3}
 SMALLEST = {np.dtype("float64"): 1e-150, np.dtype("float32"): 1e-18}
 
 
-def _of_strains(potential: StrainEnergy, u0: Vector) -> Callable:
+def _mean_force_of_strains(potential: StrainEnergy, u0: Vector) -> Callable:
     """The mean force p̄ of a strain energy, computed strain by strain, as a function of u₁."""
     strains, density = potential.strains, potential.density
     slope = jax.grad(lambda strain: jnp.sum(density(strain)))
@@ -96,7 +96,7 @@ def discrete_gradient(problem: Problem, u0: Vector) -> Callable:
     if potential is None:
         raise ValueError("a discrete gradient needs a potential: give Problem(potential=...).")
     if isinstance(potential, StrainEnergy):
-        return _of_strains(potential, u0)
+        return _mean_force_of_strains(potential, u0)
     count(forces=1)
     energy = potential(u0)
 
@@ -245,8 +245,8 @@ class AverageVectorField(OneStep):
         middle, f = at(problem, t + dt / 2)
 
         def mean_force(u1, v_m):
-            between = [middle.internal_force(u + (1 + s) / 2 * (u1 - u), v_m) for s in nodes.tolist()]
-            return sum(w / 2 * force for w, force in zip(weights.tolist(), between, strict=True))
+            forces = [middle.internal_force(u + (1 + s) / 2 * (u1 - u), v_m) for s in nodes.tolist()]
+            return sum(w / 2 * force for w, force in zip(weights.tolist(), forces, strict=True))
 
         a, effort = balance(middle, f, u + dt * v, v, dt**2 / 2, dt / 2, guess, force=mean_force)
         return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort

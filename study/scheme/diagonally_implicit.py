@@ -117,9 +117,9 @@ class DiagonallyImplicit(OneStep):
         tableau = _tableau(self.sub_steps, self.rho_inf)
         for row in tableau[1:].tolist():
             h = row[len(slopes)] * dt
-            before = list(zip(row, slopes, strict=False))
-            dv = dt * sum(w * a for w, (_, a) in before)
-            du = dt * sum(w * v for w, (v, _) in before) + h * (v + dv)
+            terms = list(zip(row, slopes, strict=False))
+            dv = dt * sum(w * a for w, (_, a) in terms)
+            du = dt * sum(w * v for w, (v, _) in terms) + h * (v + dv)
             a, more = balance(*at(problem, t + sum(row) * dt), u + du, v + dv, h**2, h, guess=a)
             slopes.append((v + dv + h * a, a))
             effort = effort.then(more)

@@ -111,9 +111,9 @@ class EmbeddedNystrom(OneStep):
         u, v, a = state
         stages = [a]
         tableau = self.tableau
-        for c, row, of_velocity in zip(tableau.c[1:], tableau.a[1:], tableau.a_velocity[1:].tolist(), strict=True):
-            at = v + dt * _weighted(of_velocity, stages) if problem.damped else v
-            stages.append(acceleration(problem, t + c * dt, u + c * dt * v + dt**2 * _weighted(row, stages), at))
+        for c, row, velocity_row in zip(tableau.c[1:], tableau.a[1:], tableau.a_velocity[1:].tolist(), strict=True):
+            velocity = v + dt * _weighted(velocity_row, stages) if problem.damped else v
+            stages.append(acceleration(problem, t + c * dt, u + c * dt * v + dt**2 * _weighted(row, stages), velocity))
         du, dv = dt**2 * _weighted(tableau.b, stages), dt * _weighted(tableau.b_velocity, stages)
         du_hat, dv_hat = dt**2 * _weighted(tableau.b_hat, stages), dt * _weighted(tableau.b_hat_velocity, stages)
         return Motion(dt * v + du, dv, stages[-1]), Phase(du - du_hat, dv - dv_hat)

@@ -74,10 +74,10 @@ class KickDriftKick(Alternating):
         # the last balance takes the velocity after the kick, from which the next step starts
         parts = [0.5] * (len(rest) - 1) + [1.0]
         effort = Effort()
-        for at, drift, kick, part in zip(accumulate(self.drifts), self.drifts, rest, parts, strict=True):
+        for node, drift, kick, part in zip(accumulate(self.drifts), self.drifts, rest, parts, strict=True):
             h = kick * dt
             du = du + drift * dt * (v + dv)
-            a, kicked = acceleration_within(problem, t + at * dt, u + du, v + dv, part * h, guess=a)
+            a, kicked = acceleration_within(problem, t + node * dt, u + du, v + dv, part * h, guess=a)
             dv, effort = dv + h * a, effort.then(kicked)
         return Motion(du, dv, a), effort
 

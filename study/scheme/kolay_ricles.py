@@ -82,8 +82,8 @@ class KolayRicles(OneStep):
     def _weights(self) -> tuple[float, float]:
         """α_m and α_f."""
         rho = self.rho_inf
-        of_mass = 2 * rho**3 + rho**2 - 1 if self.modified else (2 * rho - 1) * (rho**2 + 1)
-        return of_mass / ((rho + 1) * (rho**2 + 1)), rho / (rho + 1)
+        numerator = 2 * rho**3 + rho**2 - 1 if self.modified else (2 * rho - 1) * (rho**2 + 1)
+        return numerator / ((rho + 1) * (rho**2 + 1)), rho / (rho + 1)
 
     @property
     def velocity_lag(self) -> float:
@@ -98,8 +98,8 @@ class KolayRicles(OneStep):
         mass, n = mass_of(problem), u.size
         matrix = model(problem, u, gamma * dt, beta * dt**2)
 
-        def mixed(of_mass, of_model):
-            return add(product(of_mass, mass, n), product(of_model, matrix, n), n=n)
+        def mixed(mass_weight, model_weight):
+            return add(product(mass_weight, mass, n), product(model_weight, matrix, n), n=n)
 
         effective, new, old = mixed(1.0, 1.0), mixed(1 - alpha_m, 1 - alpha_f), mixed(alpha_m, alpha_f)
 

@@ -29,8 +29,8 @@ class _Weights(NamedTuple):
     rows: np.ndarray
     sums: np.ndarray
     moments: np.ndarray
-    of_velocity: np.ndarray
-    of_displacement: np.ndarray
+    velocity: np.ndarray
+    displacement: np.ndarray
 
 
 @cache
@@ -43,11 +43,11 @@ def _weights(m: int, rho_inf: float) -> _Weights:
     b = (1 / powers) @ inverse
     roots, vectors = np.linalg.eig(a)
     # two conjugate eigenvalues contribute twice the real part of one of them, so only one is kept
-    kept = roots.imag > -1e-12
+    upper = roots.imag > -1e-12
     twice = np.where(roots.imag > 1e-12, 2.0, 1.0)
     rows = np.linalg.inv(vectors)
     weights = roots, rows, rows.sum(axis=1), rows @ c, twice * (b @ vectors), twice * (b @ a @ vectors)
-    return _Weights(c, *(each[kept].astype(complex) for each in weights))
+    return _Weights(c, *(weight[upper].astype(complex) for weight in weights))
 
 
 def _complex(numbers):
@@ -136,22 +136,22 @@ class MixedPade(OneStep):
 
     def increment(self, problem, state, t, dt):
         u, v = state
-        c, *of_roots = _weights(self.terms, self.rho_inf)
+        c, *root_weights = _weights(self.terms, self.rho_inf)
         loads = [_complex(load(problem, t + part * dt)) for part in c.tolist()]
         # the tangent of the force is included, because the oscillator of linear theory has a force p(u) = u and no K
-        of_u = problem.stiffness_at(jnp.zeros_like(u))
+        tangent = problem.stiffness_at(jnp.zeros_like(u))
         u_0, v_0, h = _complex(u), _complex(v), _complex(dt)
         mass, damping, stiffness = (
             _complex(default if x is None else x)
-            for x, default in ((problem.mass, 1.0), (problem.damping, 0.0), (of_u, 0.0))
+            for x, default in ((problem.mass, 1.0), (problem.damping, 0.0), (tangent, 0.0))
         )
         du, dv = dt * v, jnp.zeros_like(v)
-        for root, row, whole, moment, of_velocity, of_displacement in zip(*of_roots, strict=True):
+        for root, row, row_sum, moment, velocity_weight, displacement_weight in zip(*root_weights, strict=True):
             pushes = sum(part * f for part, f in zip(row, loads, strict=True))
-            rest = times(damping, whole * v_0) + times(stiffness, whole * u_0 + moment * h * v_0)
+            resistance = times(damping, row_sum * v_0) + times(stiffness, row_sum * u_0 + moment * h * v_0)
             effective = add(
                 mass, product(root * h, damping, u.size), product((root * h) ** 2, stiffness, u.size), n=u.size
             )
-            a = solve(effective, pushes - rest)
-            dv, du = dv + dt * jnp.real(of_velocity * a), du + dt**2 * jnp.real(of_displacement * a)
+            a = solve(effective, pushes - resistance)
+            dv, du = dv + dt * jnp.real(velocity_weight * a), du + dt**2 * jnp.real(displacement_weight * a)
         return Phase(du, dv), Effort()

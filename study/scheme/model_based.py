@@ -33,14 +33,14 @@ def viscous(problem: Problem, u: Vector, factor: ScalarLike) -> Matrix:
     return add(*terms, n=u.size) if terms else None
 
 
-def model(problem: Problem, u: Vector, of_damping: ScalarLike, of_stiffness: ScalarLike) -> Matrix:
-    """The matrix ``of_damping`` (C + ∂p/∂u̇) + ``of_stiffness`` K of the undeformed structure at rest.
+def model(problem: Problem, u: Vector, damping_factor: ScalarLike, stiffness_factor: ScalarLike) -> Matrix:
+    """The matrix ``damping_factor`` (C + ∂p/∂u̇) + ``stiffness_factor`` K of the undeformed structure at rest.
 
     Of ``u`` only the shape matters.
     """
     with counting():  # not counted: the model is the same in every step
-        stiffness = product(of_stiffness, problem.at_rest().stiffness_at(jnp.zeros_like(u)), u.size)
-    damping = viscous(problem, u, of_damping)
+        stiffness = product(stiffness_factor, problem.at_rest().stiffness_at(jnp.zeros_like(u)), u.size)
+    damping = viscous(problem, u, damping_factor)
     return stiffness if damping is None else add(stiffness, damping, n=u.size)
 
 

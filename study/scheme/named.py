@@ -10,12 +10,12 @@ from study.scheme.base import Scheme
 from study.scheme.contract import check_attributes
 
 
-def _of_families(found: dict[str, Scheme]) -> dict[str, Scheme]:
+def _checked_families(schemes: dict[str, Scheme]) -> dict[str, Scheme]:
     """The schemes, after a check that each of them has a ``family``."""
-    for name, one in found.items():
-        if not hasattr(one, "family"):
+    for name, member in schemes.items():
+        if not hasattr(member, "family"):
             raise ValueError(f"the scheme '{name}' needs a class variable 'family', by which figures group schemes.")
-    return found
+    return schemes
 
 
 #: The schemes of Xie (1996), in the order of its tables.
@@ -52,7 +52,7 @@ ALIASES = {
 #: All schemes by name: first the schemes of 1996, then the others, module by module.
 schemes: Registry[Scheme] = Registry(
     "scheme",
-    _of_families(variables_of_modules(scheme, Scheme, first=OF_1996)),  # type: ignore[type-abstract]
+    _checked_families(variables_of_modules(scheme, Scheme, first=OF_1996)),  # type: ignore[type-abstract]
     aliases=ALIASES,
 )
 
@@ -70,5 +70,5 @@ def register_scheme(name: str, scheme: Scheme) -> None:
     if not isinstance(scheme, Scheme):
         raise TypeError(f"{scheme!r} is no scheme: give an instance of a study.Scheme.")
     check_attributes(scheme)
-    _of_families({name: scheme})
+    _checked_families({name: scheme})
     schemes.add(name, scheme)

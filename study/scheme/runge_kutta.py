@@ -136,9 +136,9 @@ def _twice(problem: Problem, times: tuple[ScalarLike, ScalarLike], u) -> _Twice:
     """The stages at the two times."""
     first, second = map(problem.at_time, times)
 
-    def of_both(force, other, u_stages, v_stages):
+    def interleaved(first_force, second_force, u_stages, v_stages):
         (first_u, second_u), (first_v, second_v) = (x.reshape(*u.shape, 2).T for x in (u_stages, v_stages))
-        return jnp.stack([force(first_u, first_v), other(second_u, second_v)]).T.ravel()
+        return jnp.stack([first_force(first_u, first_v), second_force(second_u, second_v)]).T.ravel()
 
     def doubled(matrix):
         if matrix is None or (isinstance(matrix, np.ndarray | jax.Array) and matrix.ndim == 0):
@@ -155,8 +155,8 @@ def _twice(problem: Problem, times: tuple[ScalarLike, ScalarLike], u) -> _Twice:
 
     structure = 2 * problem.tangent if isinstance(problem.tangent, int) else "dense" if u.ndim == 0 else problem.tangent
     return _Twice(
-        partial(of_both, first.internal_force, second.internal_force),
-        partial(of_both, first.varying_force, second.varying_force),
+        partial(interleaved, first.internal_force, second.internal_force),
+        partial(interleaved, first.varying_force, second.varying_force),
         problem.linear,
         problem.takes_velocity,
         problem.kinked,
@@ -169,7 +169,7 @@ def _twice(problem: Problem, times: tuple[ScalarLike, ScalarLike], u) -> _Twice:
     )
 
 
-def _of_stages(weights: np.ndarray, problem: Problem, size: int) -> Matrix:
+def _stage_matrix(weights: np.ndarray, problem: Problem, size: int) -> Matrix:
     """The weights (2, 2) for every unknown, as a matrix (2n, 2n): full if the tangent is full, otherwise a band."""
     if problem.tangent in (None, "dense"):
         return np.kron(np.eye(size), weights)
@@ -243,7 +243,7 @@ class Gauss4(OneStep):
             rhs = side_by_side(*map(problem.load, times))
         u_stages, v_stages = side_by_side(u + first * dt * v, u + second * dt * v), side_by_side(v, v)
         c_u, c_v = (
-            product(power, _of_stages(weights, problem, u.size), 2 * u.size)
+            product(power, _stage_matrix(weights, problem, u.size), 2 * u.size)
             for power, weights in ((dt**2, _GAUSS @ _GAUSS), (dt, _GAUSS))
         )
         a, effort = balance(stages, rhs, u_stages, v_stages, c_u, c_v, side_by_side(*guess), symmetric=False)

@@ -141,8 +141,8 @@ class Trigonometric(OneStep):
     def increment(self, problem, state, t, dt):
         u, v, g = state
         phase = self._phase(problem, u, dt)
-        _, of_velocity = filters[self.member]
-        cosine, sinc, weight = jnp.cos(phase), _sinc(phase), of_velocity(phase)
+        _, velocity_filter = filters[self.member]
+        cosine, sinc, weight = jnp.cos(phase), _sinc(phase), velocity_filter(phase)
         # −2 sin²(ξ/2) is cos ξ − 1 without cancellation
         du = -2 * jnp.sin(phase / 2) ** 2 * u + dt * sinc * v + dt**2 / 2 * sinc * weight * g
         g_new = self._push(problem, t + dt, u + du, phase)

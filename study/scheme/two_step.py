@@ -70,9 +70,9 @@ class TwoStep(Scheme):
         check_ranges(self, rho_inf=(0.0, 1.0))
 
     def start(self, problem, u0, v0, dt):
-        now, effort = average_acceleration.start(problem, u0, v0, dt)
-        before, more = average_acceleration.step(problem, now, 0.0, -dt)
-        return TwoMotions(*now, *before), effort.then(more)
+        state, effort = average_acceleration.start(problem, u0, v0, dt)
+        previous, more = average_acceleration.step(problem, state, 0.0, -dt)
+        return TwoMotions(*state, *previous), effort.then(more)
 
     def step(self, problem, state, t, dt) -> tuple[TwoMotions, Effort]:
         u, v, a, u_1, v_1, a_1 = state

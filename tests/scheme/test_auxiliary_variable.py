@@ -16,8 +16,8 @@ def test_a_linear_structure_moves_as_by_bdf2():
         stiffness=np.array([[6.0, -2.0], [-2.0, 4.0]]), mass=np.array([2.0, 1.0]), u0=[1.0, 0.0], v0=[0.0, 1.0],
         damping=study.Rayleigh(a=0.1, b=0.05), load=lambda t: jnp.stack([jnp.cos(t), 0.0 * t]),
     )  # fmt: skip
-    one, other = (study.run(problem, scheme, dt=0.3, steps=30) for scheme in (study.AuxiliaryVariable(), "bdf2"))
-    np.testing.assert_allclose(one.u, other.u, atol=1e-13)
+    auxiliary, bdf2 = (study.run(problem, scheme, dt=0.3, steps=30) for scheme in (study.AuxiliaryVariable(), "bdf2"))
+    np.testing.assert_allclose(auxiliary.u, bdf2.u, atol=1e-13)
 
 
 def test_it_is_of_second_order():

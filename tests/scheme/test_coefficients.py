@@ -42,8 +42,8 @@ def newmark(state, t, dt, beta, gamma, w=1.0, r=None):
 
 def wilson(state, t, theta=1.4, beta=1 / 6, gamma=0.5):
     u, v, a = state
-    *_, at_theta = newmark(state, t, theta * DT, beta, gamma)
-    new = (1 - 1 / theta) * a + at_theta / theta
+    *_, a_theta = newmark(state, t, theta * DT, beta, gamma)
+    new = (1 - 1 / theta) * a + a_theta / theta
     u_new = u + DT * v + DT**2 * ((0.5 - beta) * a + beta * new)
     return u_new, v + DT * ((1 - gamma) * a + gamma * new), new
 

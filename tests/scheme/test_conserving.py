@@ -20,11 +20,11 @@ def test_energy_of_a_quartic_is_conserved_to_round_off(name, problem, dt):
 
 
 def test_energy_of_any_potential_is_conserved_by_the_discrete_gradient_alone():
-    ours, quadrature = (
+    gradient, quadrature = (
         study.run("softening", name, dt=1.14 / 8, steps=20_000, observe=["max_energy_error"]).max_energy_error
         for name in ("energy_momentum", "average_vector_field")
     )
-    assert ours < 1e-8 < 1e-3 < quadrature
+    assert gradient < 1e-8 < 1e-3 < quadrature
 
 
 def test_conservation_of_two_masses_on_a_spring():

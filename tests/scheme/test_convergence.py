@@ -48,12 +48,12 @@ def _driven_along(exact, damping=None, mass=None):
     return study.Problem(force, u0, v0, potential=potential, load=load, damping=damping, mass=mass, title="driven")
 
 
-def one(t):
+def motion(t):
     return jnp.cos(t) + 0.3 * jnp.sin(2 * t), -jnp.sin(t) + 0.6 * jnp.cos(2 * t), -jnp.cos(t) - 1.2 * jnp.sin(2 * t)
 
 
 def _two(t):
-    u, v, a = one(t)
+    u, v, a = motion(t)
     return (
         jnp.stack([u, 0.5 * jnp.cos(0.7 * t)]),
         jnp.stack([v, -0.35 * jnp.sin(0.7 * t)]),
@@ -70,7 +70,7 @@ def _observed_orders(problem, scheme, exact, duration, steps):
 
 
 def test_order_of_one_damped_and_driven_oscillator(scheme):
-    orders = _observed_orders(_driven_along(one, damping=0.3), scheme, one, 3.0, STEPS[scheme.order_with_damping])
+    orders = _observed_orders(_driven_along(motion, damping=0.3), scheme, motion, 3.0, STEPS[scheme.order_with_damping])
     assert orders == pytest.approx(scheme.order_with_damping, abs=0.1)
 
 
@@ -79,7 +79,7 @@ def test_a_load_alone_leaves_a_method_its_order(name):
     """These methods assume an acceleration that does not depend on the velocity; a load alone keeps their order."""
     scheme = study.schemes[name]
     assert scheme.order_with_damping < scheme.order
-    orders = _observed_orders(_driven_along(one), scheme, one, 3.0, STEPS[scheme.order])
+    orders = _observed_orders(_driven_along(motion), scheme, motion, 3.0, STEPS[scheme.order])
     assert orders == pytest.approx(scheme.order, abs=0.1)
 
 

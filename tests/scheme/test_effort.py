@@ -72,9 +72,9 @@ def _check(scheme: study.Scheme, problem: study.Problem, calls: list[float], dt:
     return effort
 
 
-def _counted(scheme: study.Scheme, kind: str, **given) -> Effort:
+def _counted(scheme: study.Scheme, kind: str, **options) -> Effort:
     calls: list[float] = []
-    return _check(scheme, _problem(kind, calls), calls, **given)
+    return _check(scheme, _problem(kind, calls), calls, **options)
 
 
 def test_the_forces_of_every_class_of_schemes_are_counted(kind):

@@ -17,11 +17,11 @@ C = np.array(TABLEAU.c)
 )
 def test_conditions_of_order(b, b_velocity, order):
     """Both methods meet Σ b cᵏ = 1/((k + 1)(k + 2)) and Σ b′ cᵏ = 1/(k + 1) up to their order, and not beyond it."""
-    of_u = [np.dot(b, C[: len(b)] ** k) - 1 / ((k + 1) * (k + 2)) for k in range(order)]
-    of_v = [np.dot(b_velocity, C**k) - 1 / (k + 1) for k in range(order + 1)]
-    np.testing.assert_allclose(of_u[:-1], 0, atol=1e-14)
-    np.testing.assert_allclose(of_v[:-1], 0, atol=1e-14)
-    assert abs(of_u[-1]) > 1e-5 and abs(of_v[-1]) > 1e-5
+    displacement_defects = [np.dot(b, C[: len(b)] ** k) - 1 / ((k + 1) * (k + 2)) for k in range(order)]
+    velocity_defects = [np.dot(b_velocity, C**k) - 1 / (k + 1) for k in range(order + 1)]
+    np.testing.assert_allclose(displacement_defects[:-1], 0, atol=1e-14)
+    np.testing.assert_allclose(velocity_defects[:-1], 0, atol=1e-14)
+    assert abs(displacement_defects[-1]) > 1e-5 and abs(velocity_defects[-1]) > 1e-5
 
 
 def test_the_embedded_method_estimates_the_error_with_its_order():

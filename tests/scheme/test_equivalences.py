@@ -21,7 +21,7 @@ def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
 
 
 @pytest.mark.parametrize(
-    "one, other",
+    "scheme, limit",
     [
         (study.HHTAlpha1996(alpha=0.0, beta=0.25, gamma=0.5), study.Newmark(beta=0.25, gamma=0.5)),
         (study.HHTAlpha1996(alpha=0.0, beta=0.3025, gamma=0.6), study.Newmark(beta=0.3025, gamma=0.6)),
@@ -62,9 +62,9 @@ def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
     ],
 )
 @pytest.mark.parametrize("problem", ["hardening", "softening"])
-def test_limits(one, other, problem):
+def test_limits(scheme, limit, problem):
     dt = {"hardening": 0.15, "softening": 1.14}[problem] / 40
-    np.testing.assert_allclose(_trajectory(one, problem, dt), _trajectory(other, problem, dt), rtol=0, atol=1e-11)
+    np.testing.assert_allclose(_trajectory(scheme, problem, dt), _trajectory(limit, problem, dt), rtol=0, atol=1e-11)
 
 
 def test_velocity_verlet_is_registered_once():
@@ -74,8 +74,10 @@ def test_velocity_verlet_is_registered_once():
     problem = study.Problem(
         CubicSpring(100.0, 10.0).force, u0=1.5, v0=2.0, damping=3.0, load=lambda t: 50 * jnp.sin(9 * t)
     )
-    one, other = (_trajectory(scheme, problem, 0.15 / 40) for scheme in (VELOCITY_VERLET, "central_difference"))
-    np.testing.assert_allclose(one, other, atol=1e-12)
+    composed, central = (
+        _trajectory(scheme, problem, 0.15 / 40) for scheme in (VELOCITY_VERLET, "central_difference")
+    )
+    np.testing.assert_allclose(composed, central, atol=1e-12)
 
 
 @pytest.mark.parametrize("problem, dt", [("hardening", 0.15 / 40), ("softening", 1.14 / 40)])
@@ -87,8 +89,8 @@ def test_velocity_verlet_is_registered_once():
     ],
 )
 def test_two_equal_sub_steps_are_two_steps(once, twice, problem, dt):
-    one = _trajectory(once, problem, dt, 100)
-    np.testing.assert_allclose(one, _trajectory(twice, problem, dt / 2, 200)[::2], rtol=0, atol=1e-11)
+    trajectory = _trajectory(once, problem, dt, 100)
+    np.testing.assert_allclose(trajectory, _trajectory(twice, problem, dt / 2, 200)[::2], rtol=0, atol=1e-11)
 
 
 def test_tr_bdf2_is_as_bank_and_others_print_it():
@@ -99,9 +101,9 @@ def test_tr_bdf2_is_as_bank_and_others_print_it():
     half = study.run("hardening", "average_acceleration", dt=g * dt, steps=1).isel(t=1)
     whole = study.run("hardening", tr_bdf2, dt=dt, steps=1).isel(t=1)
     old = np.array([1.5, 0.0])
-    between, new = (np.array([ds.u.item(), ds.v.item()]) for ds in (half, whole))
+    middle, new = (np.array([ds.u.item(), ds.v.item()]) for ds in (half, whole))
     slope = np.array([new[1], -float(force(new[0]))])
-    expected = between / (g * (2 - g)) - old * (1 - g) ** 2 / (g * (2 - g)) + (1 - g) / (2 - g) * dt * slope
+    expected = middle / (g * (2 - g)) - old * (1 - g) ** 2 / (g * (2 - g)) + (1 - g) / (2 - g) * dt * slope
     np.testing.assert_allclose(new, expected, rtol=1e-11)
 
 
@@ -123,8 +125,8 @@ def test_parks_method_is_the_mean_of_bdf2_and_bdf3():
 
 
 def test_the_other_end_of_chung_and_lees_range_is_hulbert_and_chungs():
-    one, other = chung_lee, study.ExplicitAlpha.hulbert_chung(rho_b=0.5)
-    assert (one.alpha_m, one.beta, one.gamma) == pytest.approx((other.alpha_m, other.beta, other.gamma))
+    lee, hulbert = chung_lee, study.ExplicitAlpha.hulbert_chung(rho_b=0.5)
+    assert (lee.alpha_m, lee.beta, lee.gamma) == pytest.approx((hulbert.alpha_m, hulbert.beta, hulbert.gamma))
 
 
 def test_fox_and_goodwin_is_numerov():

@@ -46,10 +46,10 @@ def test_schemes_have_their_order_on_a_parametric_excitation(kind, excited, exac
     assert np.log2(coarse / fine) > scheme.order_with_damping - 0.35
 
 
-def _moved(force, load, **given):
+def _moved(force, load, **options):
     """The same equation twice: with a push as a load, and with the push in the force."""
-    by_load = study.Problem(force, 1.0, 0.3, load=load, **given)
-    return by_load, study.Problem(lambda u, t: force(u) - _push(t), 1.0, 0.3, **given)
+    by_load = study.Problem(force, 1.0, 0.3, load=load, **options)
+    return by_load, study.Problem(lambda u, t: force(u) - _push(t), 1.0, 0.3, **options)
 
 
 def test_a_push_in_the_force_acts_as_a_push_in_the_load(sampled_scheme):
@@ -61,10 +61,10 @@ def test_a_push_in_the_force_acts_as_a_push_in_the_load(sampled_scheme):
     if sampled_scheme == "energy_momentum":
         pytest.skip("it needs a potential")
     by_load, by_force = _moved(lambda u: u + 0.3 * u**3, load)
-    given = {"scheme": sampled_scheme, "dt": dt, "steps": 8}
-    expected, found = (study.run(problem, **given) for problem in (by_load, by_force))
-    np.testing.assert_allclose(found.u, expected.u, rtol=1e-11, atol=1e-12)
-    np.testing.assert_allclose(found.v, expected.v, rtol=1e-11, atol=1e-12)
+    options = {"scheme": sampled_scheme, "dt": dt, "steps": 8}
+    expected, observed = (study.run(problem, **options) for problem in (by_load, by_force))
+    np.testing.assert_allclose(observed.u, expected.u, rtol=1e-11, atol=1e-12)
+    np.testing.assert_allclose(observed.v, expected.v, rtol=1e-11, atol=1e-12)
 
 
 @pytest.mark.parametrize("scheme", ["bathe", "noh_bathe", "gauss4", "central_difference"])
@@ -77,23 +77,23 @@ def test_a_force_may_take_velocity_history_and_time(scheme):
 
     by_load = study.Problem(spring, 0.0, 1.0, load=_push, damping=0.1)
     by_force = study.Problem(pushed, 0.0, 1.0, history=spring.history, damping=0.1)
-    expected, found = (study.run(problem, scheme, dt=0.1, steps=30) for problem in (by_load, by_force))
-    np.testing.assert_allclose(found.u, expected.u, rtol=1e-10, atol=1e-11)
+    expected, observed = (study.run(problem, scheme, dt=0.1, steps=30) for problem in (by_load, by_force))
+    np.testing.assert_allclose(observed.u, expected.u, rtol=1e-10, atol=1e-11)
 
 
 @pytest.mark.parametrize("estimator", ["zienkiewicz_xie_balance", "three_point", "half_step_residual", "step_doubling"])
 def test_controlled_steps_take_the_force_at_the_time_of_the_load(estimator):
     by_load, by_force = _moved(lambda u: u + 0.3 * u**3, _push)
-    given = {"scheme": "average_acceleration", "tolerance": 1e-2, "duration": 5.0, "estimator": estimator}
-    expected, found = (study.run(problem, **given) for problem in (by_load, by_force))
-    np.testing.assert_allclose(found.step_size, expected.step_size, rtol=1e-8)
-    np.testing.assert_allclose(found.u, expected.u, rtol=1e-8)
+    options = {"scheme": "average_acceleration", "tolerance": 1e-2, "duration": 5.0, "estimator": estimator}
+    expected, observed = (study.run(problem, **options) for problem in (by_load, by_force))
+    np.testing.assert_allclose(observed.step_size, expected.step_size, rtol=1e-8)
+    np.testing.assert_allclose(observed.u, expected.u, rtol=1e-8)
 
 
 def test_references_solve_a_parametric_excitation(excited, exact):
     t = np.array([DURATION / 2, DURATION])
-    for found in (diffrax.trajectory(excited, t, 1e-12), sundials.trajectory(excited, t, 1e-12)):
-        np.testing.assert_allclose([found.u[-1], found.v[-1]], exact, rtol=1e-9)
+    for reference in (diffrax.trajectory(excited, t, 1e-12), sundials.trajectory(excited, t, 1e-12)):
+        np.testing.assert_allclose([reference.u[-1], reference.v[-1]], exact, rtol=1e-9)
 
 
 def test_a_switch_in_time_is_a_kink_of_the_reference():
@@ -110,9 +110,9 @@ def test_the_coupling_of_unknowns_is_found_at_other_times_too():
 
 def test_pure_runs_and_ensembles_take_the_time():
     mathieu = oscillators.mathieu
-    given = {"dt": 0.05, "steps": 100}
-    ends = [study.final_state(mathieu(delta), "average_acceleration", **given)["u"] for delta in (1.5, 2.0)]
-    ds = study.run(mathieu, "average_acceleration", over={"delta": np.array([1.5, 2.0])}, **given)
+    options = {"dt": 0.05, "steps": 100}
+    ends = [study.final_state(mathieu(delta), "average_acceleration", **options)["u"] for delta in (1.5, 2.0)]
+    ds = study.run(mathieu, "average_acceleration", over={"delta": np.array([1.5, 2.0])}, **options)
     np.testing.assert_allclose(ds.u.isel(t=-1), ends, rtol=1e-9)
 
 
@@ -120,8 +120,8 @@ def test_the_balance_of_energies_takes_the_work_of_the_force(excited):
     """The trapezoidal rule keeps this balance to round-off."""
     ds = study.run(excited, "average_acceleration", dt=0.1, steps=40, observe=["energy_balance", "internal_force"])
     assert ds.max_energy_imbalance < 1e-12
-    at_start = ds.internal_force.values[0]
-    assert at_start == pytest.approx(1.9 + 0.3)
+    first_force = ds.internal_force.values[0]
+    assert first_force == pytest.approx(1.9 + 0.3)
 
 
 def test_a_scheme_cannot_forget_the_time(excited):

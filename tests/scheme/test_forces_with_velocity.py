@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import study
-from tests.scheme.test_convergence import SIXTH, STEPS, one
+from tests.scheme.test_convergence import SIXTH, STEPS, motion
 
 
 @pytest.mark.parametrize("tangent", ["dense", "diagonal"])
@@ -19,9 +19,9 @@ def test_a_force_linear_in_the_velocity_is_damping(name, tangent):
     u0 = np.linspace(-1, 1, n)
     damped = study.Problem(force, u0=u0, damping=coefficients, tangent=tangent)
     same = study.Problem(lambda u, v: force(u) + coefficients * v, u0=u0, tangent=tangent)
-    one, other = (study.run(problem, name, dt=0.05, steps=100) for problem in (damped, same))
-    np.testing.assert_allclose(one.u, other.u, atol=5e-14)
-    np.testing.assert_allclose(one.v, other.v, atol=5e-13)
+    expected, observed = (study.run(problem, name, dt=0.05, steps=100) for problem in (damped, same))
+    np.testing.assert_allclose(expected.u, observed.u, atol=5e-14)
+    np.testing.assert_allclose(expected.v, observed.v, atol=5e-13)
 
 
 def test_the_order_with_quadratic_drag(sampled_kind):
@@ -35,15 +35,15 @@ def test_the_order_with_quadratic_drag(sampled_kind):
         return 2 * u + u**3 + 0.3 * v * jnp.sqrt(1 + v**2)
 
     def load(t):
-        u, v, a = one(t)
+        u, v, a = motion(t)
         return a + force(u, v)
 
-    u0, v0, _ = one(0.0)
+    u0, v0, _ = motion(0.0)
     problem = study.Problem(force, u0, v0, load=load)
     steps, errors = STEPS[scheme.order_with_damping], []
     for n in steps:
         end = study.run(problem, scheme, dt=3.0 / n, steps=n, every=n).isel(t=-1)
-        errors.append(abs(float(end.u) - float(one(3.0)[0])))
+        errors.append(abs(float(end.u) - float(motion(3.0)[0])))
     orders = -np.diff(np.log(errors)) / np.diff(np.log(steps))
     assert orders == pytest.approx(scheme.order_with_damping, abs=0.15)
 

@@ -37,9 +37,9 @@ def test_changs_method_is_the_trapezoidal_rule_for_a_linear_structure():
         "v0": [0.0, 2.0],
     }
     problem = study.Problem(stiffness=np.array([[6.0, -2.0], [-2.0, 4.0]]), **damped)
-    one, other = (study.run(problem, name, dt=0.5, steps=40) for name in ("chang", "average_acceleration"))
-    np.testing.assert_allclose(one.u, other.u, atol=1e-12)
-    np.testing.assert_allclose(one.v, other.v, atol=1e-12)
+    chang, average = (study.run(problem, name, dt=0.5, steps=40) for name in ("chang", "average_acceleration"))
+    np.testing.assert_allclose(chang.u, average.u, atol=1e-12)
+    np.testing.assert_allclose(chang.v, average.v, atol=1e-12)
 
 
 def test_both_methods_have_the_radius_of_their_parameter_at_infinite_frequency():

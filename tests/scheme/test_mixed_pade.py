@@ -25,8 +25,8 @@ def expansion(upper, lower):
 @pytest.mark.parametrize("terms", [1, 2, 3, 4, 5, 6])
 def test_the_amplification_is_the_mean_of_two_expansions(terms, rho_inf):
     theory = study.LinearTheory(study.MixedPade(terms=terms, rho_inf=rho_inf), STEPS)
-    one, other = (np.array(expansion(upper, terms)) for upper in (terms, terms - 1))
-    numerator, denominator = (rho_inf * one + (1 - rho_inf) * other)[:, ::-1]
+    high, low = (np.array(expansion(upper, terms)) for upper in (terms, terms - 1))
+    numerator, denominator = (rho_inf * high + (1 - rho_inf) * low)[:, ::-1]
     z = 2j * np.pi * STEPS
     r = np.polyval(numerator, z) / np.polyval(denominator, z)
     np.testing.assert_allclose(np.trace(theory.matrices, axis1=1, axis2=2), 2 * r.real, atol=1e-11)

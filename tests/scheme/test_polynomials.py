@@ -160,7 +160,7 @@ def test_hulbert_and_chungs_roots_meet_where_they_say(rho_b):
 
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 @pytest.mark.parametrize(
-    "one, other",
+    "first, second",
     [
         (study.SingleSolve(rho_s=0.8, rho_b=0.8), study.ExplicitAlpha.hulbert_chung(rho_b=0.8)),
         (study.SingleSolve.icl(rho_b=0.5), study.ExplicitAlpha.chung_lee(beta=28 / 27)),
@@ -168,11 +168,11 @@ def test_hulbert_and_chungs_roots_meet_where_they_say(rho_b):
     ],
     ids=["ρ_s = ρ_b", "ICL, ρ_b = ½", "ICL, ρ_b = 1"],
 )
-def test_explicit_methods_with_one_force_share_their_polynomials(one, other, damping_ratio):
+def test_explicit_methods_with_one_force_share_their_polynomials(first, second, damping_ratio):
     """GSSE evaluates its force at another time than the other methods, but has the same sequence of displacements."""
     parts = PARTS[STEPS < 2]
-    of_one, of_other = (_polynomials(scheme, parts, damping_ratio) for scheme in (one, other))
-    np.testing.assert_allclose(of_one, of_other, atol=1e-10)
+    first_polynomials, second_polynomials = (_polynomials(scheme, parts, damping_ratio) for scheme in (first, second))
+    np.testing.assert_allclose(first_polynomials, second_polynomials, atol=1e-10)
 
 
 @pytest.mark.parametrize("rho_s, rho_b", [(0.0, 0.8), (0.125, 0.8), (0.5, 0.9)])

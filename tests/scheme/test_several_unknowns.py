@@ -31,7 +31,7 @@ WAYS = ["average_acceleration", "hht_alpha_1996", "kr_alpha", "chung_lee", "ener
 
 
 @pytest.fixture(scope="module")
-def of_dense_tangent(damped_chain):
+def dense_motion(damped_chain):
     """Function that returns the motion of the chain by a scheme, with a dense tangent."""
     return cache(lambda scheme: _phase(damped_chain("dense"), scheme))
 
@@ -45,10 +45,10 @@ def of_dense_tangent(damped_chain):
         *((scheme, "matrix_free", 1e-9) for scheme in WAYS),
     ],
 )
-def test_the_form_of_the_tangent_makes_no_difference(damped_chain, of_dense_tangent, scheme, structure, tolerance):
+def test_the_form_of_the_tangent_makes_no_difference(damped_chain, dense_motion, scheme, structure, tolerance):
     """The motion of a damped and loaded chain is the same for every form of its tangent."""
     trajectory = _phase(damped_chain(structure), scheme)
-    np.testing.assert_allclose(trajectory, of_dense_tangent(scheme), rtol=0, atol=tolerance)
+    np.testing.assert_allclose(trajectory, dense_motion(scheme), rtol=0, atol=tolerance)
 
 
 @pytest.mark.parametrize("name", [*WAYS, "central_difference", "houbolt", "wilson_theta", "bathe", "rk4"])
@@ -61,7 +61,7 @@ def test_uncoupled_oscillators_are_as_many_single_ones(name):
         load=lambda t: jnp.full(N, jnp.cos(t)), **common,
     )  # fmt: skip
     single = study.Problem(spring.force, 1.0, 0.5, potential=spring.potential, load=jnp.cos, **common)
-    alone = np.stack([_phase(single, name, u0=each) for each in u0], axis=-1)
+    alone = np.stack([_phase(single, name, u0=start) for start in u0], axis=-1)
     np.testing.assert_allclose(_phase(together, name), alone, rtol=0, atol=1e-12)
 
 
@@ -99,25 +99,25 @@ def test_a_joint_without_mass_leaves_the_springs_in_series(name):
     # the joint starts in balance
     series = study.Problem(potential=springs, u0=[u0 / 3, u0], v0=[v0 / 3, v0], mass=[0.0, 2.0])
     single = study.Problem(lambda u: 2 * u, u0, v0, potential=lambda u: u * u, mass=2.0)
-    both = _phase(series, name)
-    np.testing.assert_allclose(both[..., 1], _phase(single, name), rtol=0, atol=1e-9)
+    motion = _phase(series, name)
+    np.testing.assert_allclose(motion[..., 1], _phase(single, name), rtol=0, atol=1e-9)
     # Wilson's method balances the forces beyond the end of the step
     if name != "wilson_theta":
-        np.testing.assert_allclose(both[0, :, 0], both[0, :, 1] / 3, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(motion[0, :, 0], motion[0, :, 1] / 3, rtol=0, atol=1e-9)
 
 
-def _of_chain(u):
+def _chain_energy(u):
     return jnp.sum(_hardening(_elongations(u)))
 
 
 @pytest.mark.parametrize("structure", ["tridiagonal", "matrix_free"])
 def test_a_mean_force_of_the_whole_potential_couples_all(structure):
-    problem = study.Problem(potential=_of_chain, u0=np.linspace(0, 1, N), v0=np.zeros(N), tangent=structure)
+    problem = study.Problem(potential=_chain_energy, u0=np.linspace(0, 1, N), v0=np.zeros(N), tangent=structure)
     with pytest.raises(ValueError, match=r"makes the tangent of 'unnamed problem' full: give it a StrainEnergy"):
         study.run(problem, "energy_momentum", dt=DT, steps=1)
 
 
 def test_a_mean_force_of_the_whole_potential_keeps_its_energy():
-    problem = study.Problem(potential=_of_chain, u0=np.linspace(0, 1, N), v0=np.zeros(N), tangent="dense")
+    problem = study.Problem(potential=_chain_energy, u0=np.linspace(0, 1, N), v0=np.zeros(N), tangent="dense")
     ds = study.run(problem, "energy_momentum", dt=0.3, steps=200, observe=["max_energy_error"])
     assert ds.status == 0 and ds.max_energy_error < 1e-9

@@ -48,9 +48,9 @@ def test_every_kind_of_state_gives_the_numbers_of_full_matrices(state_kind):
         with pytest.raises(ValueError, match=r"'sparse'"):
             _motion(sparse_model, state_kind)
         return
-    one, other = _motion(sparse_model, state_kind), _motion(full_model, state_kind)
-    assert one.status == other.status
-    np.testing.assert_allclose(one.u, other.u, atol=1e-11)
+    sparse_run, full_run = _motion(sparse_model, state_kind), _motion(full_model, state_kind)
+    assert sparse_run.status == full_run.status
+    np.testing.assert_allclose(sparse_run.u, full_run.u, atol=1e-11)
 
 
 @pytest.mark.parametrize("scheme", ["average_acceleration", "bathe", "rk4"])
@@ -63,9 +63,9 @@ def test_a_stiffness_next_to_the_force_is_the_force_with_it(scheme):
         mass=MASS.toarray(),
     )
     options = {"observe": ["trajectory", "max_energy_error"]}
-    one, other = (_motion(model, scheme, **options) for model in (_model(), inside))
-    np.testing.assert_allclose(one.u, other.u, atol=1e-11)
-    np.testing.assert_allclose(one.max_energy_error, other.max_energy_error, rtol=1e-7)
+    separate, combined = (_motion(model, scheme, **options) for model in (_model(), inside))
+    np.testing.assert_allclose(separate.u, combined.u, atol=1e-11)
+    np.testing.assert_allclose(separate.max_energy_error, combined.max_energy_error, rtol=1e-7)
 
 
 def test_one_unknown_and_diagonals_may_have_a_stiffness():
@@ -109,30 +109,32 @@ def test_damping_loads_and_ground_are_those_of_full_matrices(damping):
         "ground": study.GroundMotion(np.sin(np.arange(100.0)), 0.02),
         "load": lambda t: jnp.sin(t) * jnp.ones(N),
     }
-    one, other = (_motion(_model(full, **terms), "average_acceleration") for full in (False, True))
-    np.testing.assert_allclose(one.u, other.u, atol=1e-11)
+    sparse_run, full_run = (_motion(_model(full, **terms), "average_acceleration") for full in (False, True))
+    np.testing.assert_allclose(sparse_run.u, full_run.u, atol=1e-11)
 
 
 def test_a_force_of_the_velocity_is_that_of_full_matrices():
     terms = {"force": lambda u, v: _force(u) + jnp.zeros_like(v).at[5].set(2.0 * v[5] - v[6]), "potential": None}
-    one, other = _model(**terms), _model(True, **terms)
-    assert not one.tangent.pattern.symmetric
-    np.testing.assert_allclose(_motion(one, "bathe").u, _motion(other, "bathe").u, atol=1e-11)
+    sparse_problem, full_problem = _model(**terms), _model(True, **terms)
+    assert not sparse_problem.tangent.pattern.symmetric
+    np.testing.assert_allclose(_motion(sparse_problem, "bathe").u, _motion(full_problem, "bathe").u, atol=1e-11)
 
 
 def test_unknowns_may_have_no_mass():
     has = np.ones(N)
     has[4] = 0.0
-    some = sparse.csc_array(sparse.diags_array(has) @ MASS @ sparse.diags_array(has))
-    one, other = (_model(full, mass=some, u0=np.zeros(N), v0=has * START) for full in (False, True))
-    assert one.massless
-    np.testing.assert_allclose(_motion(one, "bathe").u, _motion(other, "bathe").u, atol=1e-11)
+    singular_mass = sparse.csc_array(sparse.diags_array(has) @ MASS @ sparse.diags_array(has))
+    sparse_problem, full_problem = (
+        _model(full, mass=singular_mass, u0=np.zeros(N), v0=has * START) for full in (False, True)
+    )
+    assert sparse_problem.massless
+    np.testing.assert_allclose(_motion(sparse_problem, "bathe").u, _motion(full_problem, "bathe").u, atol=1e-11)
 
 
 def test_the_form_of_the_force_may_be_declared():
-    found = _model()
-    assert found.tangent.colours == 1
-    assert _model(tangent="diagonal").tangent.pattern == found.tangent.pattern
+    detected = _model()
+    assert detected.tangent.colours == 1
+    assert _model(tangent="diagonal").tangent.pattern == detected.tangent.pattern
     contact = _model(
         tangent=sparse.csc_array(([1.0, 1.0], ([0, 9], [9, 0])), (N, N)),
         force=lambda u: jnp.zeros_like(u),
@@ -155,7 +157,7 @@ def test_ensembles_and_derivatives_of_sparse_models():
     def last(factor, problem):
         return jnp.sum(study.final_state(problem, "average_acceleration", dt=0.05, steps=5, u0=factor * START)["u"])
 
-    slopes = [jax.jacfwd(last)(1.0, one) for one in (model, _model(full=True))]
+    slopes = [jax.jacfwd(last)(1.0, problem) for problem in (model, _model(full=True))]
     np.testing.assert_allclose(jax.jacrev(last)(1.0, model), slopes[1], rtol=1e-10)
     np.testing.assert_allclose(slopes[0], slopes[1], rtol=1e-10)
 

@@ -27,8 +27,8 @@ def test_symplectic_maps_keep_areas(name):
                                   "blanes_moan4", "velocity_verlet"])  # fmt: skip
 def test_symmetric_schemes_come_back(name):
     problem = study.problems["softening"]
-    there = study.run(problem, name, dt=0.05, steps=40).isel(t=-1)
-    back = study.Problem(problem.force, float(there.u), -float(there.v), potential=problem.potential)
-    again = study.run(back, name, dt=0.05, steps=40).isel(t=-1)
-    assert again.u.item() == pytest.approx(4.0, abs=1e-10)
-    assert again.v.item() == pytest.approx(0.0, abs=1e-9)
+    end = study.run(problem, name, dt=0.05, steps=40).isel(t=-1)
+    back = study.Problem(problem.force, float(end.u), -float(end.v), potential=problem.potential)
+    returned = study.run(back, name, dt=0.05, steps=40).isel(t=-1)
+    assert returned.u.item() == pytest.approx(4.0, abs=1e-10)
+    assert returned.v.item() == pytest.approx(0.0, abs=1e-9)

@@ -13,7 +13,7 @@ CHAIN = fpu_chain(separate=True)
 
 
 @pytest.fixture(scope="module")
-def at_one():
+def reference():
     """Displacement of the chain at t = 1, by 2000 steps of the Runge-Kutta method."""
     return study.run(CHAIN, "rk4", dt=1 / 2000, steps=2000, every=2000).u.values[-1]
 
@@ -29,28 +29,28 @@ def test_a_linear_problem_is_solved_exactly(member):
 
 @pytest.mark.parametrize("member", filters)
 def test_without_a_stiffness_it_is_velocity_verlet(member):
-    one, other = (
+    trigonometric, verlet = (
         study.run("softening", scheme, dt=0.05, steps=50)
         for scheme in (study.Trigonometric(member=member), "velocity_verlet")
     )
-    np.testing.assert_allclose(one.u, other.u, atol=1e-11)
+    np.testing.assert_allclose(trigonometric.u, verlet.u, atol=1e-11)
 
 
 @pytest.mark.parametrize("member", filters)
-def test_the_error_is_of_second_order_beyond_the_limit_of_verlet_and_below_the_resonances(member, at_one):
+def test_the_error_is_of_second_order_beyond_the_limit_of_verlet_and_below_the_resonances(member, reference):
     """The error is below 1.5 Δt² up to ωΔt = 2.5, ω = 50. Velocity Verlet, stable up to 2, errs by 60 to 120 Δt²."""
     steps = np.array([20, 40, 80, 160])
     ends = [
         study.run(CHAIN, study.Trigonometric(member=member), dt=1 / n, steps=n, every=n).u.values[-1] for n in steps
     ]
-    constants = np.abs(np.array(ends) - at_one).max(axis=1) * steps**2
+    constants = np.abs(np.array(ends) - reference).max(axis=1) * steps**2
     assert (constants < 1.5).all()
     assert np.log2(constants[-2] / constants[-1]) == pytest.approx(0, abs=0.1)
 
 
-def test_the_chain_is_the_same_with_its_stiff_springs_apart(at_one):
+def test_the_chain_is_the_same_with_its_stiff_springs_apart(reference):
     together = study.run("fpu_chain", "rk4", dt=1 / 2000, steps=2000, every=2000)
-    np.testing.assert_allclose(at_one, together.u.values[-1], atol=1e-13)
+    np.testing.assert_allclose(reference, together.u.values[-1], atol=1e-13)
 
 
 @pytest.mark.parametrize("member, symplectic", [("deuflhard", True), ("garcia_archilla", True), ("gautschi", False)])

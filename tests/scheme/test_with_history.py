@@ -12,12 +12,12 @@ from study import materials
 SPRING = materials.elastoplastic(stiffness=40.0, yield_force=10.0, hardening=0.1)
 YIELDING = study.Problem(SPRING, u0=0.2, v0=3.0, damping=0.3, potential=SPRING.potential, title="yielding")
 #: Names of schemes whose order is one with damping, or falls to one if the force is not smooth.
-FIRST = {name for name, one in study.schemes.items() if one.order_with_damping == 1} | {"yoshida4", "yoshida6"}
+FIRST = {name for name, scheme in study.schemes.items() if scheme.order_with_damping == 1} | {"yoshida4", "yoshida6"}
 #: Names of schemes with backward sub-steps, in which a force with history unloads, and of extrapolation. Their
 #: observed order may lie between one and two.
 BACKWARDS = {"yoshida4", "yoshida6", "kahan_li8", "mclachlan4", "extrapolation12"}
 #: Name of one scheme of every class.
-ONE_OF_EACH = {type(one): name for name, one in study.schemes.items()}.values()
+ONE_OF_EACH = {type(scheme): name for name, scheme in study.schemes.items()}.values()
 
 
 def _errors(name, problem, steps, duration=4.0, samples=50):
@@ -40,9 +40,9 @@ def test_no_scheme_has_more_than_order_two_at_yield_points(name):
 
 @pytest.mark.parametrize("name", ["average_acceleration", "rk4", "houbolt", "bathe", "noh_bathe"])
 def test_a_start_beyond_yield_unloads_elastically(name):
-    started = study.Problem(SPRING, u0=0.6, damping=0.3)
-    exact = piecewise.trajectory(started, np.arange(1, 21) / 5)
-    ds = study.run(started, name, dt=4 / 6400, steps=6400, every=320)
+    problem = study.Problem(SPRING, u0=0.6, damping=0.3)
+    exact = piecewise.trajectory(problem, np.arange(1, 21) / 5)
+    ds = study.run(problem, name, dt=4 / 6400, steps=6400, every=320)
     assert np.abs(ds.u.values[1:] - exact.u).max() < 1e-4
 
 

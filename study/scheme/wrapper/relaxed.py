@@ -27,11 +27,11 @@ def _relaxation(energy: Callable) -> tuple[Scalar, Effort]:
     The iteration solves (E(γ) − E(0))/γ = 0. This quotient does not have the root γ = 0 of the energy difference, and
     is a straight line for a linear system.
     """
-    before = energy(0.0)
-    one = jnp.ones_like(before)
+    initial = energy(0.0)
+    one = jnp.ones_like(initial)
 
     def corrected(gamma):
-        quotient, slope = jax.jvp(lambda gamma: (energy(gamma) - before) / gamma, (gamma,), (one,))
+        quotient, slope = jax.jvp(lambda gamma: (energy(gamma) - initial) / gamma, (gamma,), (one,))
         # a structure in balance does not move: any γ is valid
         return gamma - jnp.where(slope == 0, 0.0, quotient / jnp.where(slope == 0, 1.0, slope))
 
@@ -40,9 +40,9 @@ def _relaxation(energy: Callable) -> tuple[Scalar, Effort]:
         # the convergence is quadratic, so one correction after the loop reduces the error to round-off
         return new, jnp.abs(new - gamma) > jnp.finfo(one.dtype).eps ** (1 / 3), last, 0
 
-    opened, given = opened_closure(iterate, one, one)
+    opened, captured = opened_closure(iterate, one, one)
     first = one, None, jnp.ones((), bool), jnp.zeros((), int), jnp.zeros((), int)
-    gamma, _, unfinished, iterations, _ = iterated(opened, lax.stop_gradient(given), first)
+    gamma, _, unfinished, iterations, _ = iterated(opened, lax.stop_gradient(captured), first)
     # outside the loop, so that JAX can differentiate this correction
     # the energies before, of each iteration and of this correction; an energy counts as a force
     return corrected(gamma), Effort(converged=~unfinished, forces=iterations + 2)
@@ -121,8 +121,8 @@ class Relaxed(Wrapper):
             return jax.tree.map(lambda before, after: before + gamma * (after - before), old, new)
 
         def energy(gamma):
-            moved = scaled(gamma)
-            return problem.energy(moved.u, moved.v)
+            candidate = scaled(gamma)
+            return problem.energy(candidate.u, candidate.v)
 
-        gamma, found = _relaxation(energy)
-        return Late(scaled(gamma), (gamma - 1) * h), effort.then(found)
+        gamma, search_effort = _relaxation(energy)
+        return Late(scaled(gamma), (gamma - 1) * h), effort.then(search_effort)

@@ -83,7 +83,7 @@ class UnequalSteps(Wrapper):
         if self.correction == "difference":
             a = a + self.scheme.acceleration_offset * (ratio - 1) * (a - state.before)
         elif self.correction == "balance":
-            at_end = acceleration(problem, t, state.u, state.v)
-            a = at_end + ratio * (a - at_end)
+            a_end = acceleration(problem, t, state.u, state.v)
+            a = a_end + ratio * (a - a_end)
         inner, effort = self.scheme.step(problem, state.inner._replace(a=a), t, dt)
         return StateOfStep(inner, a, jnp.asarray(dt, float)), effort
