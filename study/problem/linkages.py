@@ -79,7 +79,7 @@ def elastic_beam() -> Problem:
     def force(u, v):
         angle, t = u[:n], u[n]
         turn = jnp.diff(angle)
-        cos, sin = (jnp.append(0.0, of_turn(turn)) for of_turn in (jnp.cos, jnp.sin))
+        cos, sin = (jnp.append(0.0, function(turn)) for function in (jnp.cos, jnp.sin))
         c = Banded((-cos, diagonal, -shifted(cos, 1)))
         d = Banded((-sin, jnp.zeros(n), shifted(sin, 1)))
         bent = jnp.concatenate([-angle[:1], angle, angle[-1:]])

@@ -91,6 +91,6 @@ def family(
     combinations = itertools.product(spacings, corners, kappas, range(seeds))
     return [
         GroundMotion(first, measured.dt, title=measured.title, source=measured.source),
-        *(point_source(1 + n, *one[:3], duration) for n, one in enumerate(combinations)),
+        *(point_source(1 + n, *combination[:3], duration) for n, combination in enumerate(combinations)),
         *(GroundMotion.read(path) for path in (files_in(folder) if folder else ())),
     ]

@@ -57,7 +57,7 @@ class TanhSpring(eqx.Module):
         return self.S * _log_cosh(u)
 
 
-def _of_spring(spring: CubicSpring | TanhSpring, u0: float, title: str) -> Problem:
+def _oscillator(spring: CubicSpring | TanhSpring, u0: float, title: str) -> Problem:
     """Free oscillation of a unit mass on the spring, released from rest at ``u0``."""
     return Problem(force=spring.force, potential=spring.potential, u0=u0, title=title)
 
@@ -65,22 +65,22 @@ def _of_spring(spring: CubicSpring | TanhSpring, u0: float, title: str) -> Probl
 @named(period=0.15, printed=True)
 def hardening() -> Problem:
     """Hardening spring, section 3.1: S1 = 100, S2 = 10, u₀ = 1.5."""
-    return _of_spring(CubicSpring(100.0, 10.0), u0=1.5, title="hardening spring")
+    return _oscillator(CubicSpring(100.0, 10.0), u0=1.5, title="hardening spring")
 
 
 @named(period=1.14, printed=True)
 def softening() -> Problem:
     """Softening spring, section 3.2: S = 100, u₀ = 4."""
-    return _of_spring(TanhSpring(100.0), u0=4.0, title="softening spring")
+    return _oscillator(TanhSpring(100.0), u0=4.0, title="softening spring")
 
 
 @named(period=1.8, printed=True)
 def softening_large() -> Problem:
     """The softening spring at the amplitude of section 4: u₀ = 10."""
-    return _of_spring(TanhSpring(100.0), u0=10.0, title="softening spring, large amplitude")
+    return _oscillator(TanhSpring(100.0), u0=10.0, title="softening spring, large amplitude")
 
 
 @named(period=7.3, printed=True)
 def double_well() -> Problem:
     """Double well, section 4: S1 = −½, S2 = −1, u₀ = 0.5."""
-    return _of_spring(CubicSpring(-0.5, -1.0), u0=0.5, title="double well")
+    return _oscillator(CubicSpring(-0.5, -1.0), u0=0.5, title="double well")

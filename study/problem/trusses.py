@@ -31,8 +31,8 @@ def _bars(joints: np.ndarray, bars: np.ndarray, rigidity: float, free: np.ndarra
     squared = (edges**2).sum(axis=1)
 
     def strains(u):
-        moved = jnp.zeros(joints.shape).at[free].set(u.reshape(-1, 2))
-        change = moved[second] - moved[first]
+        displacement = jnp.zeros(joints.shape).at[free].set(u.reshape(-1, 2))
+        change = displacement[second] - displacement[first]
         # l² − L², without a difference of large numbers
         return jnp.sum(change * (2 * edges + change), axis=1) / (2 * squared)
 

@@ -8,8 +8,8 @@ from study.problem.named import known
 
 
 def test_the_mass_on_a_belt_slips_sticks_and_slips_again():
-    at, steps = known["belt"], 4096
-    ds = study.run("belt", "average_acceleration", dt=at.time / steps, steps=steps)
+    target, steps = known["belt"], 4096
+    ds = study.run("belt", "average_acceleration", dt=target.time / steps, steps=steps)
     phase, speed = 2 * np.pi * ds.t.values, inelastic.BELT / (2 * np.pi)
     sticks, slips = np.pi / 6, np.pi / 6 + np.sqrt(3)
     exact = np.select(
@@ -18,4 +18,4 @@ def test_the_mass_on_a_belt_slips_sticks_and_slips_again():
         0.1 + speed * np.sin(phase - slips),
     )
     np.testing.assert_allclose(ds.u + inelastic.BELT * ds.t, exact, rtol=0, atol=1e-5)
-    np.testing.assert_allclose(ds.u.values[-1], at.u, rtol=2e-5)
+    np.testing.assert_allclose(ds.u.values[-1], target.u, rtol=2e-5)

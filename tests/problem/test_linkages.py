@@ -26,8 +26,8 @@ def _rates(y):
     angle, rate = y[:2], y[2:]
     momentum = jax.grad(_lagrangian, 1)
     mass = jax.jacobian(momentum, 1)(angle, rate)
-    other = jax.grad(_lagrangian)(angle, rate) - jax.jacobian(momentum)(angle, rate) @ rate
-    return jnp.concatenate([rate, jnp.linalg.solve(mass, other)])
+    generalized_force = jax.grad(_lagrangian)(angle, rate) - jax.jacobian(momentum)(angle, rate) @ rate
+    return jnp.concatenate([rate, jnp.linalg.solve(mass, generalized_force)])
 
 
 def test_the_double_pendulum_obeys_the_equations_of_lagrange():
@@ -37,24 +37,23 @@ def test_the_double_pendulum_obeys_the_equations_of_lagrange():
 
 
 def test_the_double_pendulum_reaches_the_known_angles():
-    at = known["double_pendulum"]
+    target = known["double_pendulum"]
     problem = study.problems["double_pendulum"]
-    by_another = solve_ivp(
-        lambda t, y: np.asarray(_rates(y)), (0, at.time), [*problem.u0, *problem.v0], "DOP853", rtol=1e-13, atol=1e-14
-    )
-    np.testing.assert_allclose(by_another.y[:2, -1], at.u, rtol=0, atol=1e-11)
-    ours = study.run(problem, "gauss4", dt=at.time / 4096, steps=4096, every=64)
-    np.testing.assert_allclose(ours.u[-1], at.u, rtol=0, atol=1e-10)
+    start = [*problem.u0, *problem.v0]
+    reference = solve_ivp(lambda t, y: np.asarray(_rates(y)), (0, target.time), start, "DOP853", rtol=1e-13, atol=1e-14)
+    np.testing.assert_allclose(reference.y[:2, -1], target.u, rtol=0, atol=1e-11)
+    ds = study.run(problem, "gauss4", dt=target.time / 4096, steps=4096, every=64)
+    np.testing.assert_allclose(ds.u[-1], target.u, rtol=0, atol=1e-10)
     energies = [
         float(np.dot(jax.grad(_lagrangian, 1)(u, v), v) - _lagrangian(u, v))
-        for u, v in zip(ours.u.values, ours.v.values, strict=True)
+        for u, v in zip(ds.u.values, ds.v.values, strict=True)
     ]
     np.testing.assert_allclose(energies, 0.0, rtol=0, atol=1e-9)
 
 
 def test_the_elastic_beam_has_the_printed_angles():
-    at = known["elastic_beam"]
+    target = known["elastic_beam"]
     problem = study.problems["elastic_beam"]
-    end = study.run(problem, "gauss4", dt=at.time / 1024, steps=1024, every=1024).u.values[-1]
-    np.testing.assert_allclose(end[:-1], at.u, rtol=0, atol=1e-6)
-    assert end[-1] == np.float64(at.time)
+    end = study.run(problem, "gauss4", dt=target.time / 1024, steps=1024, every=1024).u.values[-1]
+    np.testing.assert_allclose(end[:-1], target.u, rtol=0, atol=1e-6)
+    assert end[-1] == np.float64(target.time)

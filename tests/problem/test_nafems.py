@@ -27,23 +27,23 @@ def test_the_deep_beam_has_the_printed_frequency_and_peak():
     mass = np.sqrt(np.asarray(problem.mass))
     first = np.linalg.eigvalsh(np.asarray(problem.stiffness) / np.outer(mass, mass))[0]
     assert np.sqrt(first) / (2 * np.pi) == pytest.approx(42.649, rel=2e-4)
-    peak, when = _peak("deep_beam")
-    assert peak == pytest.approx(1.043e-3, rel=1e-3) and when == pytest.approx(0.0117, abs=5e-5)
+    peak, time = _peak("deep_beam")
+    assert peak == pytest.approx(1.043e-3, rel=1e-3) and time == pytest.approx(0.0117, abs=5e-5)
 
 
 def test_the_printed_peak_of_the_thin_plate_is_that_of_its_first_mode():
-    problem, at = study.problems["thin_plate"], known["thin_plate"]
-    stiffness, mass, damping = (np.asarray(one)[0] for one in (problem.stiffness, problem.mass, problem.damping))
+    problem, target = study.problems["thin_plate"], known["thin_plate"]
+    stiffness, mass, damping = (np.asarray(matrix)[0] for matrix in (problem.stiffness, problem.mass, problem.damping))
     frequency = np.sqrt(stiffness / mass)
     assert frequency / (2 * np.pi) == pytest.approx(2.377, abs=5e-4)
     ratio = damping / (2 * mass * frequency)
     static = problem.load(0.0)[0] / stiffness
     assert static == pytest.approx(1.817e-3, rel=3e-4)
     first = static * (1 + np.exp(-np.pi * ratio / np.sqrt(1 - ratio**2)))
-    assert first == pytest.approx(at.u[0], rel=3e-4)
+    assert first == pytest.approx(target.u[0], rel=3e-4)
     # the source prints times in steps of 0.002 s
-    peak, when = _peak("thin_plate")
-    assert peak == pytest.approx((1 - 0.018) * at.u[0], rel=1e-3) and when == pytest.approx(0.210, abs=1e-3)
+    peak, time = _peak("thin_plate")
+    assert peak == pytest.approx((1 - 0.018) * target.u[0], rel=1e-3) and time == pytest.approx(0.210, abs=1e-3)
 
 
 def test_static_deflections_are_those_of_all_modes():

@@ -19,11 +19,11 @@ def test_arenstorf_s_orbit_closes_after_the_printed_period():
 
 
 def test_the_straight_motion_of_henon_and_heiles_turns_where_its_integral_says():
-    at = known["henon_heiles"]
+    target = known["henon_heiles"]
     problem = study.problems["henon_heiles"]
     assert float(problem.energy(problem.u0, problem.v0)) == pytest.approx(1 / 12, rel=1e-14)
-    ds = study.run(problem, "dormand_prince6", dt=at.time / 4096, steps=4096, every=4096)
-    np.testing.assert_allclose(ds.u[-1], at.u, rtol=0, atol=1e-12)
+    ds = study.run(problem, "dormand_prince6", dt=target.time / 4096, steps=4096, every=4096)
+    np.testing.assert_allclose(ds.u[-1], target.u, rtol=0, atol=1e-12)
     np.testing.assert_allclose(ds.v[-1], 0.0, rtol=0, atol=1e-12)
     np.testing.assert_allclose(orbits.STRAIGHT_PERIOD, 6.9016, rtol=0, atol=5e-5)
 

@@ -44,26 +44,26 @@ def test_ueda_s_oscillator_has_the_printed_exponents(damping, amplitude, printed
 
 
 def test_van_der_pol_has_the_printed_end():
-    problem, at = study.problems["van_der_pol"], known["van_der_pol"]
+    problem, target = study.problems["van_der_pol"], known["van_der_pol"]
     # CVODE's tolerance bounds the error of a single step; the error at the end is larger
-    by_another = sundials.trajectory(problem, np.array([at.time]), rtol=1e-12, method="BDF")
-    assert by_another.u[-1] == pytest.approx(at.u, rel=1e-9)
-    assert by_another.v[-1] == pytest.approx(-0.8928097010247975, rel=1e-9)
+    reference = sundials.trajectory(problem, np.array([target.time]), rtol=1e-12, method="BDF")
+    assert reference.u[-1] == pytest.approx(target.u, rel=1e-9)
+    assert reference.v[-1] == pytest.approx(-0.8928097010247975, rel=1e-9)
     errors = {}
     for scheme in ("gauss4", "bathe"):
-        end = study.run(problem, scheme, dt=at.time / 2**22, steps=2**22, every=2**22).u.values[-1]
-        errors[scheme] = abs(end / at.u - 1)
+        end = study.run(problem, scheme, dt=target.time / 2**22, steps=2**22, every=2**22).u.values[-1]
+        errors[scheme] = abs(end / target.u - 1)
     assert errors["gauss4"] < 1e-3 < errors["bathe"] < 0.02
 
 
 def test_the_shallow_arch_turns_where_its_energy_says():
-    at = known["shallow_arch"]
-    by_another = solve_ivp(
+    target = known["shallow_arch"]
+    reference = solve_ivp(
         lambda t, y: [y[1], oscillators.ARCH_LOAD - y[0] * (2 - y[0] * (3 - y[0]))],
-        (0, at.time), [0, 0], "DOP853", rtol=1e-13, atol=1e-15,
+        (0, target.time), [0, 0], "DOP853", rtol=1e-13, atol=1e-15,
     )  # fmt: skip
     # five passages near the unstable equilibrium enlarge the error of each step
-    np.testing.assert_allclose(by_another.y[:, -1], [at.u, 0.0], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(reference.y[:, -1], [target.u, 0.0], rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("part, snaps", [(0.999, False), (1.001, True)])

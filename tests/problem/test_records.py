@@ -7,20 +7,20 @@ from study.problem.records import FINEST, family, files_in, point_source
 
 
 def test_the_power_follows_the_source_and_the_decay():
-    corner, kappa, at = 0.5, 0.03, np.array([1.0, 4.0, 15.0])
+    corner, kappa, frequencies = 0.5, 0.03, np.array([1.0, 4.0, 15.0])
     records = [point_source(seed, FINEST, corner, kappa, 10.0).acceleration for seed in range(60)]
     power = np.mean(np.abs(np.fft.rfft(np.stack(records))) ** 2, axis=0)
     f = np.fft.rfftfreq(len(records[0]), FINEST)
-    found = np.array([power[np.abs(f - one) < 0.3].mean() for one in at])
-    stated = (at**2 / (1 + (at / corner) ** 2) * np.exp(-np.pi * kappa * at)) ** 2
-    assert found / found[0] == pytest.approx(stated / stated[0], rel=0.15)
+    powers = np.array([power[np.abs(f - frequency) < 0.3].mean() for frequency in frequencies])
+    expected = (frequencies**2 / (1 + (frequencies / corner) ** 2) * np.exp(-np.pi * kappa * frequencies)) ** 2
+    assert powers / powers[0] == pytest.approx(expected / expected[0], rel=0.15)
 
 
 def test_a_coarse_record_is_the_fine_one_without_what_its_samples_would_alias():
     fine, coarse = (point_source(3, spacing, 0.5, 0.005, 5.0).acceleration for spacing in (FINEST, 0.02))
     spectrum = np.fft.rfft(fine)
     slow = np.fft.irfft(np.where(np.fft.rfftfreq(len(fine), FINEST) < 25, spectrum, 0), len(fine))
-    likeness = [np.corrcoef(coarse, one[::8])[0, 1] for one in (slow, fine)]
+    likeness = [np.corrcoef(coarse, record[::8])[0, 1] for record in (slow, fine)]
     assert likeness[0] > 0.999 > 0.95 > likeness[1]
     assert np.abs(coarse).max() == pytest.approx(3.0)
 
@@ -35,5 +35,5 @@ def test_a_folder_without_records_is_refused(tmp_path):
 
 def test_a_family_holds_the_measured_record_and_all_combinations():
     members = family([0.01, 0.02], [0.2, 1.0], [0.02], 3, 2.0)
-    assert len(members) == 1 + 2 * 2 * 3 and len({one.title for one in members}) == len(members)
+    assert len(members) == 1 + 2 * 2 * 3 and len({member.title for member in members}) == len(members)
     assert members[0].source and len(members[0].acceleration) == 101

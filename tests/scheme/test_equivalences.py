@@ -74,9 +74,7 @@ def test_velocity_verlet_is_registered_once():
     problem = study.Problem(
         CubicSpring(100.0, 10.0).force, u0=1.5, v0=2.0, damping=3.0, load=lambda t: 50 * jnp.sin(9 * t)
     )
-    composed, central = (
-        _trajectory(scheme, problem, 0.15 / 40) for scheme in (VELOCITY_VERLET, "central_difference")
-    )
+    composed, central = (_trajectory(scheme, problem, 0.15 / 40) for scheme in (VELOCITY_VERLET, "central_difference"))
     np.testing.assert_allclose(composed, central, atol=1e-12)
 
 
