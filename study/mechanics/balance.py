@@ -106,8 +106,8 @@ def initial_acceleration(problem: Problem, u0: Vector, v0: Vector) -> Vector:
     if isinstance(problem.mass, Sparse):
         diagonal = problem.mass.pattern.diagonal
         massless = problem.mass.values[diagonal] == 0
-        with_ones = problem.mass.plus(massless.astype(rhs.dtype), diagonal)
-        return solve(with_ones, jnp.where(massless, 0.0, rhs))
+        regular_mass = problem.mass.plus(massless.astype(rhs.dtype), diagonal)
+        return solve(regular_mass, jnp.where(massless, 0.0, rhs))
     if not isinstance(problem.mass, Banded) and jnp.ndim(problem.mass) == 1:
         return jnp.where(problem.mass > 0, rhs / problem.mass, 0.0)
     return jnp.linalg.pinv(dense(problem.mass, u0.size), hermitian=True) @ rhs
@@ -165,22 +165,22 @@ def balance(
         ``MAX_ITERATIONS``; a safeguard adds up to ``MAX_SAFEGUARDED`` iterations. A value that is not finite ends the
         iteration at once, and remains in the acceleration unless a safeguard finds a finite one.
     """
-    force, whole = (problem.varying_force, problem.internal_force) if force is None else (force, force)
+    force, total_force = (problem.varying_force, problem.internal_force) if force is None else (force, force)
     n, tolerances = u.size, tolerances_of(u.dtype)
     tolerance = tolerances.displacement if tolerance is None else tolerance
     inertia = _inertia(problem, c_v, n)
     rhs = _less_damping(problem, rhs, v)
-    weighted = product(weight, c_u, n)
+    weighted_c_u = product(weight, c_u, n)
     # constant part of the effective matrix, assembled once; each iteration adds the tangent of p
-    constant = inertia if problem.stiffness is None else add(inertia, product(problem.stiffness, weighted, n), n=n)
+    constant = inertia if problem.stiffness is None else add(inertia, product(problem.stiffness, weighted_c_u, n), n=n)
     # a correction is measured by the norm of its product with reach, relative to |start| + |reach a|
     start, reach = (v, c_v) if problem.takes_velocity else (u, c_u)
     # to compare each row with its round-off takes lanes longer than the forces, so only runs that need it do
     by_row = jnp.ndim(u) > 0 and (problem.massless or problem.safeguarded)
 
-    def internal_force(of, a):
+    def internal_force(function, a):
         velocity = v + times(c_v, a) if problem.takes_velocity else v
-        return of(u + times(c_u, a), velocity)
+        return function(u + times(c_u, a), velocity)
 
     @Counted
     def internal_and_effective(a):
@@ -189,32 +189,32 @@ def balance(
             tangent = product(weight, tangent, n)
         else:
             value, tangent = force_and_tangent(lambda u: force(u, v), u + times(c_u, a), problem.tangent)
-            tangent = product(tangent, weighted, n)
+            tangent = product(tangent, weighted_c_u, n)
         if problem.stiffness is not None:
             value = value + times(problem.stiffness, u + times(c_u, a))
         return weight * value, add(constant, tangent, n=n)
 
     @Counted
     def residual(a):
-        return times(inertia, a) + weight * internal_force(whole, a) - rhs
+        return times(inertia, a) + weight * internal_force(total_force, a) - rhs
 
     @Counted
-    def solved(effective, x):
+    def solve_effective(effective, x):
         return solve(effective, x, symmetric and not problem.takes_velocity)
 
     def effort(iterations, residuals, **how):
-        of_iteration, of_residual = internal_and_effective.counts, residual.counts
-        count(forces_of_iteration=of_iteration.forces)
+        iteration_counts, residual_counts = internal_and_effective.counts, residual.counts
+        count(forces_of_iteration=iteration_counts.forces)
         return Effort(
             iterations,
-            forces=iterations * of_iteration.forces + residuals * of_residual.forces,
-            tangents=iterations * of_iteration.tangents,
+            forces=iterations * iteration_counts.forces + residuals * residual_counts.forces,
+            tangents=iterations * iteration_counts.tangents,
             factorisations=iterations,
             **how,
         )
 
     if problem.linear:
-        a = guess - solved(constant, residual(guess))
+        a = guess - solve_effective(constant, residual(guess))
         return a, Effort(jnp.ones((), int), forces=residual.counts.forces, fixed_factorisations=1)
 
     def iterate(a, before, halved=False):
@@ -225,53 +225,53 @@ def balance(
         def round_off(a=a):
             return tolerances.round_off * sensitivity(residual, a, out_of_balance)
 
-        correction = solved(effective, out_of_balance)
+        correction = solve_effective(effective, out_of_balance)
         residuals: Scalar | int = 0
         if halved:
             # the whole correction is measured: one that was halved many times is short without convergence
-            moved = norm(times(reach, correction))
-            part, residuals = backtracked(residual, a, correction, partial(solved, effective))
+            change = norm(times(reach, correction))
+            part, residuals = backtracked(residual, a, correction, partial(solve_effective, effective))
             a = a - part
         else:
             if problem.kinked and jnp.ndim(u):
                 # near the solution the sign of the residual is round-off, and no part of the correction would be found
                 settled = norm(times(reach, correction)) <= tolerance * (norm(start) + norm(times(reach, a)))
-                of_rows = round_off if by_row else None
-                correction, residuals = shortened(residual, a, correction, out_of_balance, settled, of_rows)
+                row_round_off = round_off if by_row else None
+                correction, residuals = shortened(residual, a, correction, out_of_balance, settled, row_round_off)
             a = a - correction
-            moved = norm(times(reach, correction))
+            change = norm(times(reach, correction))
         size = norm(start) + norm(times(reach, a))
-        unfinished = moved > tolerance * size
+        unfinished = change > tolerance * size
         if jnp.ndim(u):
             forces = norm(inertial) + norm(internal) + norm(rhs)
-            unfinished |= (norm(out_of_balance) > tolerances.force * forces) & (moved > tolerances.round_off * size)
+            unfinished |= (norm(out_of_balance) > tolerances.force * forces) & (change > tolerances.round_off * size)
             if by_row:
                 # if the forces of each row balance, a correction that is not shorter than half of the last is round-off
-                stalls = unfinished & (2 * moved >= before)
-                in_rows = tolerances.force * (jnp.abs(inertial) + jnp.abs(internal) + jnp.abs(rhs))
+                stalls = unfinished & (2 * change >= before)
+                row_tolerance = tolerances.force * (jnp.abs(inertial) + jnp.abs(internal) + jnp.abs(rhs))
                 unfinished = lax.cond(
-                    stalls, lambda: jnp.any(jnp.abs(out_of_balance) > in_rows + round_off()), lambda: unfinished
+                    stalls, lambda: jnp.any(jnp.abs(out_of_balance) > row_tolerance + round_off()), lambda: unfinished
                 )
                 residuals += jnp.where(stalls, EVALUATIONS, 0)
         else:
-            predicted = moved**3 <= tolerances.predicted * size * before**2
-            unfinished &= ~((moved <= tolerances.near * size) & predicted)
-        return a, unfinished, moved, residuals
+            predicted = change**3 <= tolerances.predicted * size * before**2
+            unfinished &= ~((change <= tolerances.near * size) & predicted)
+        return a, unfinished, change, residuals
 
     def iterate_between(bracket, before):
         a = bracket[0]
         internal, effective = internal_and_effective(a)
         out_of_balance = times(inertia, a) + internal - rhs
-        bracket = narrowed(bracket, out_of_balance, solved(effective, out_of_balance))
-        moved, size = norm(reach * (bracket[0] - a)), norm(start) + norm(reach * bracket[0])
-        return bracket, moved > tolerance * size, moved, 0
+        bracket = narrowed(bracket, out_of_balance, solve_effective(effective, out_of_balance))
+        change, size = norm(reach * (bracket[0] - a)), norm(start) + norm(reach * bracket[0])
+        return bracket, change > tolerance * size, change, 0
 
     def differentiable(a):
-        opened, given = opened_closure(residual, a)
-        solution, fixed = opened_closure(lambda r, a: solved(internal_and_effective(a)[1], r), a, a)
-        return root(opened, solution, a, given, fixed)
+        opened, captured = opened_closure(residual, a)
+        solution, fixed = opened_closure(lambda r, a: solve_effective(internal_and_effective(a)[1], r), a, a)
+        return root(opened, solution, a, captured, fixed)
 
-    nothing, first = jnp.zeros((), u.dtype), lax.stop_gradient(guess)
+    zero, first = jnp.zeros((), u.dtype), lax.stop_gradient(guess)
     iterates: Callable = iterate
     safeguarded: Callable = partial(iterate, halved=True)
     begin, last = first, jnp.full((), jnp.inf, u.dtype) if by_row else None
@@ -279,28 +279,28 @@ def balance(
         safeguarded, begin = iterate_between, jnp.stack([first, -jnp.inf, jnp.inf, jnp.inf])
         if problem.kinked:
             iterates, first = safeguarded, begin
-    opened, given = opened_closure(iterates, first, nothing)
-    given = lax.stop_gradient(given)
+    opened, captured = opened_closure(iterates, first, zero)
+    captured = lax.stop_gradient(captured)
     none = jnp.zeros((), int)
-    found, unfinished, iterations = first, jnp.ones((), bool), none
+    solution, unfinished, iterations = first, jnp.ones((), bool), none
     if not jnp.ndim(first) and tolerances.near > 0:
         # Most steps need two iterations, one to correct and one to confirm. These two are written out before the loop.
         # With several unknowns this would double the program and save little.
-        once, _, moved, _ = opened((first, nothing), given)
-        (found, unfinished, *_), iterations = opened((once, moved), given), jnp.full((), 2)
-    carry = found, last, unfinished, iterations, none
-    found, _, unfinished, iterations, residuals = iterated(opened, given, carry)
-    a = found if found.shape == u.shape else found[0]
+        once, _, change, _ = opened((first, zero), captured)
+        (solution, unfinished, *_), iterations = opened((once, change), captured), jnp.full((), 2)
+    carry = solution, last, unfinished, iterations, none
+    solution, _, unfinished, iterations, residuals = iterated(opened, captured, carry)
+    a = solution if solution.shape == u.shape else solution[0]
     if not problem.safeguarded:
         return differentiable(a), effort(iterations, residuals, converged=~unfinished)
 
     failed = unfinished | ~jnp.all(jnp.isfinite(a))
-    opened, given = opened_closure(safeguarded, begin, nothing)
+    opened, captured = opened_closure(safeguarded, begin, zero)
     carry = begin, last, failed, none, none
-    found, _, unfinished, more, tried = iterated(opened, lax.stop_gradient(given), carry, MAX_SAFEGUARDED)
-    a = jnp.where(failed, found if jnp.ndim(u) else found[0], a)
-    how = {"converged": ~unfinished, "restarts": failed.astype(int)}
-    return differentiable(a), effort(iterations + more, residuals + tried, **how)
+    solution, _, unfinished, more, tried = iterated(opened, lax.stop_gradient(captured), carry, MAX_SAFEGUARDED)
+    a = jnp.where(failed, solution if jnp.ndim(u) else solution[0], a)
+    outcome = {"converged": ~unfinished, "restarts": failed.astype(int)}
+    return differentiable(a), effort(iterations + more, residuals + tried, **outcome)
 
 
 def _coupled(form: FormOfTangent, c_u: Matrix) -> FormOfTangent:

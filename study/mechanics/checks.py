@@ -45,8 +45,8 @@ def check_shapes(problem) -> None:
     """Refuse numbers whose shapes do not fit the shape of u₀."""
     shape = np.shape(problem.u0)
     if problem.u0 is None or len(shape) > 1 or shape == (0,):
-        got = "nothing" if problem.u0 is None else f"an array of shape {shape}"
-        raise ValueError(f"u0 must be a number or a vector (n,), not {got}.")
+        description = "nothing" if problem.u0 is None else f"an array of shape {shape}"
+        raise ValueError(f"u0 must be a number or a vector (n,), not {description}.")
     if np.shape(problem.v0) != shape:
         raise ValueError(f"v0 must have the shape of u0, {shape}, not {np.shape(problem.v0)}.")
     for name in MATRICES:
@@ -97,11 +97,11 @@ def check_symmetry(name: str, matrix) -> None:
         difference = np.abs(matrix - matrix.T).max()
         if difference > SYMMETRY * np.abs(matrix).max():
             matrix_of_jax = "jax.experimental.sparse.BCOO.from_scipy_sparse(K)" if is_sparse(matrix) else "K"
-            instead = {
+            remedy = {
                 "stiffness": f": give it as a force, force=lambda u: {matrix_of_jax} @ u",
                 "mass": ": leave it out, and give force, damping and load multiplied by its inverse",
             }.get(name, "")
-            raise ValueError(f"{name} must be symmetric; it differs from its transpose by {difference:g}{instead}.")
+            raise ValueError(f"{name} must be symmetric; it differs from its transpose by {difference:g}{remedy}.")
 
 
 def is_singular(mass) -> bool:

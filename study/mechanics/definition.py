@@ -182,7 +182,9 @@ class Problem(eqx.Module):
         with reading(self._found_for):
             self._examine_functions()
             force = None if self.linear else self._coupling()
-            sparse_ones = [of for name in checks.MATRICES if (of := entries_of(getattr(self, name), name)) is not None]
+            sparse_ones = [
+                entries for name in checks.MATRICES if (entries := entries_of(getattr(self, name), name)) is not None
+            ]
             self.tangent = form_of_tangent(force, self.u0, self.tangent, self.massless, sparse_ones, self.title)
             for name in checks.MATRICES:
                 setattr(self, name, stored(getattr(self, name), self.tangent))
@@ -191,9 +193,9 @@ class Problem(eqx.Module):
     def _examine_functions(self) -> None:
         """Check the functions, and set what follows from what they do."""
         function_checks.check_functions(self)
-        at_start = self.at_time(0.0)
-        kinked = not self.linear and may_have_kinks(at_start.varying_force, self.u0, self.v0)
-        takes_velocity = self.arguments > 1 and depends_on_last(at_start.varying_force, self.u0, self.v0)
+        initial = self.at_time(0.0)
+        kinked = not self.linear and may_have_kinks(initial.varying_force, self.u0, self.v0)
+        takes_velocity = self.arguments > 1 and depends_on_last(initial.varying_force, self.u0, self.v0)
         object.__setattr__(self, "kinked", kinked)
         object.__setattr__(self, "takes_velocity", takes_velocity)
         derived = isinstance(self.force, eqx.Partial) and self.force.func is gradient
@@ -203,7 +205,7 @@ class Problem(eqx.Module):
             return
         with suppress(*function_checks.NOT_TRACEABLE):
             if self.history is not None:
-                function_checks.check_history(at_start._from, self.u0, self.v0, self.history, self.title)
+                function_checks.check_history(initial._from, self.u0, self.v0, self.history, self.title)
             if self.linear or self.potential is None or derived:
                 return
             if self.history is None:
@@ -273,16 +275,16 @@ class Problem(eqx.Module):
         """A function of u whose derivative has an entry wherever ∂p/∂u or ∂p/∂u̇ has one."""
         if not self.dissipative:
             return self.force
-        at_times = [self.at_time(t) for t in (PROBED_TIMES if self.takes_time else (0.0,))]
-        return lambda u: sum(one.varying_force(u, self.v0 + (u - self.u0)) for one in at_times)
+        problems = [self.at_time(t) for t in (PROBED_TIMES if self.takes_time else (0.0,))]
+        return lambda u: sum(problem.varying_force(u, self.v0 + (u - self.u0)) for problem in problems)
 
     def _with(self, ground: GroundMotion) -> GroundLoad:
         """The sum of the load f(t) and the load of the moving ground."""
         checks.check_ground(ground, self.load, self.title)
         if self.influence is None:
             self.influence = np.ones(np.shape(self.u0))
-        moved = self.mass @ self.influence if is_sparse(self.mass) else self.momentum(self.influence)
-        return GroundLoad(as_float64(moved), ground, self.load)
+        inertia = self.mass @ self.influence if is_sparse(self.mass) else self.momentum(self.influence)
+        return GroundLoad(as_float64(inertia), ground, self.load)
 
     def _rayleigh_matrix(self, damping: Rayleigh) -> Matrix:
         """The matrix C of Rayleigh damping, from the tangent at u = 0."""
@@ -293,8 +295,8 @@ class Problem(eqx.Module):
             return rayleigh_matrix(damping, mass, self.at_time(0.0).stiffness_at(u), u.size)
 
         # a matrix-free C holds functions, which a compiled function cannot return
-        at_once = matrix if self.tangent == "matrix_free" else jax.jit(matrix)
-        return checks.finite_damping(at_once(jnp.zeros_like(self.u0)), self.title)
+        compute = matrix if self.tangent == "matrix_free" else jax.jit(matrix)
+        return checks.finite_damping(compute(jnp.zeros_like(self.u0)), self.title)
 
     def untitled(self) -> "Problem":
         """The same problem without its title: problems that differ in the title alone share a compiled program."""
@@ -319,7 +321,7 @@ class Problem(eqx.Module):
             "K u": self.stiffness is not None,
             force: not self.linear,
         }
-        equation = " + ".join(term for term, there in present.items() if there)
+        equation = " + ".join(term for term, is_present in present.items() if is_present)
         start = f"{np.size(self.u0)} unknowns" if np.ndim(self.u0) else f"u(0) = {self.u0}, u̇(0) = {self.v0}"
         return f"{self.title}: {equation} = {0 if self.load is None else 'f(t)'}\n{start}"
 
@@ -402,12 +404,12 @@ class Problem(eqx.Module):
     def _from(self, *motion: Any) -> Any:
         """Value of the function of the force."""
         count(forces=1)
-        given = list(motion[: self.arguments])
+        arguments = list(motion[: self.arguments])
         if self.place_of_time is not None:
             if self._time is None:
                 raise RuntimeError("the force takes the time, which problem.at_time(t) must state.")
-            given.insert(self.place_of_time, self._time)
-        return self.force(*given)
+            arguments.insert(self.place_of_time, self._time)
+        return self.force(*arguments)
 
     def momentum(self, v: VectorLike) -> Vector:
         """M u̇."""

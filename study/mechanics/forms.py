@@ -147,15 +147,15 @@ def _next_to_sparse(
 
 def _is_symmetric(force: Callable, states: list[np.ndarray], form: SparseTangent, declared: str) -> bool:
     """Whether the tangent is symmetric, after a check that it has no entries outside a declared form."""
-    one, other = np.random.default_rng(1).normal(size=(2, form.pattern.size))
+    first, second = np.random.default_rng(1).normal(size=(2, form.pattern.size))
 
     @jax.jit
     def compared(u):
         _, slope = jax.linearize(force, u)
-        along, across = slope(one), slope(other)
-        outside = along - times(form.force_and_tangent(force, u)[1], one)
-        largest, size = jnp.abs(along).max(), jnp.linalg.norm(other) * jnp.linalg.norm(along)
-        return jnp.abs(outside).max(), largest, jnp.abs(other @ along - one @ across), size
+        along, across = slope(first), slope(second)
+        outside = along - times(form.force_and_tangent(force, u)[1], first)
+        largest, size = jnp.abs(along).max(), jnp.linalg.norm(second) * jnp.linalg.norm(along)
+        return jnp.abs(outside).max(), largest, jnp.abs(second @ along - first @ across), size
 
     symmetric = True
     for outside, largest, skew, size in map(compared, states):

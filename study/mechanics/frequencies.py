@@ -46,10 +46,10 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
     n = np.size(problem.u0)
     if n > FINDABLE:
         return None
-    problem, at = problem.at_time(0.0), np.asarray(problem.u0 if u is None else u, float)
-    stiffness = np.asarray(_stiffness(problem.untitled().internal_force, at)).reshape(n, n)
+    problem, displacement = problem.at_time(0.0), np.asarray(problem.u0 if u is None else u, float)
+    stiffness = np.asarray(_stiffness(problem.untitled().internal_force, displacement)).reshape(n, n)
     mass = np.eye(n) if problem.mass is None else np.asarray(dense(problem.mass, n))
-    damping = _velocity_tangent(problem, at)
+    damping = _velocity_tangent(problem, displacement)
     if not (np.isfinite(stiffness).all() and np.isfinite(damping).all()):
         return None
     # a singular mass has no inverse; the eigenvalues of K⁻¹ M are 1/ω², zero for an infinite frequency
@@ -70,14 +70,14 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
 def _velocity_tangent(problem: Problem, u: np.ndarray) -> np.ndarray:
     """The damping plus ∂p/∂u̇ at displacement u and u̇ = 0, of shape (n, n)."""
     n = u.size
-    of_force = np.zeros((n, n))
+    viscosity = np.zeros((n, n))
     if problem.takes_velocity:
         tangent = jax.jacfwd(lambda v: problem.varying_force(jnp.asarray(u), v))(jnp.zeros(u.shape))
-        of_force = np.asarray(tangent).reshape(n, n)
+        viscosity = np.asarray(tangent).reshape(n, n)
     # a matrix-free damping is symmetric, as its solver needs
     if problem.damping is None or isinstance(problem.damping, MatrixFree):
-        return of_force
-    return of_force + np.asarray(dense(problem.damping, n))
+        return viscosity
+    return viscosity + np.asarray(dense(problem.damping, n))
 
 
 def highest_frequency(problem: Problem, displacements: Iterable[VectorLike]) -> float:
@@ -85,5 +85,5 @@ def highest_frequency(problem: Problem, displacements: Iterable[VectorLike]) -> 
 
     It is NaN if the tangent is finite at none of them, or if the problem has more than ``FINDABLE`` unknowns.
     """
-    found = (frequencies(problem, u) for u in displacements)
-    return max((float(one[-1]) for one in found if one is not None), default=np.nan)
+    spectra = (frequencies(problem, u) for u in displacements)
+    return max((float(spectrum[-1]) for spectrum in spectra if spectrum is not None), default=np.nan)

@@ -66,21 +66,21 @@ def failure(error: Exception, otherwise: str) -> str:
     If the exception has another cause, the sentence says ``otherwise`` and cites the exception.
     """
     text = (str(error).splitlines() or [""])[0].rstrip(". ")
-    instead = next((words for kind, words in _INSTEAD.items() if isinstance(error, kind)), None)
-    instead = instead or next((words for part, words in _INSTEAD_OF.items() if part in text), None)
-    if instead:
+    remedy = next((words for kind, words in _INSTEAD.items() if isinstance(error, kind)), None)
+    remedy = remedy or next((words for part, words in _INSTEAD_OF.items() if part in text), None)
+    if remedy:
         place = _place(error)
-        if isinstance(error, jax.errors.TracerBoolConversionError) and (called := re.search(r"\b(min|max)\(", place)):
-            instead = f"jnp.{called[1]}imum in place of {called[1]}"
-        return f"must be written with jax.numpy: use {instead}{place}."
+        if isinstance(error, jax.errors.TracerBoolConversionError) and (call := re.search(r"\b(min|max)\(", place)):
+            remedy = f"jnp.{call[1]}imum in place of {call[1]}"
+        return f"must be written with jax.numpy: use {remedy}{place}."
     return f"{otherwise}: {type(error).__name__}: {text}."
 
 
 def _place(error: Exception) -> str:
     """The expression of the user's code that raised an exception, in words; empty if its text is not known."""
-    own = Path(__file__).parents[1]
+    package = Path(__file__).parents[1]
     for frame in reversed(traceback.extract_tb(error.__traceback__)):
-        if "site-packages" not in frame.filename and own not in Path(frame.filename).parents:
+        if "site-packages" not in frame.filename and package not in Path(frame.filename).parents:
             line = linecache.getline(frame.filename, frame.lineno or 0).encode()
             end = frame.end_colno if frame.end_lineno == frame.lineno else None
             expression = line[frame.colno : end].decode().strip()
@@ -141,22 +141,22 @@ def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
     u, v, history = ("the displacement", problem.u0), ("the velocity", problem.v0), ("the history", problem.history)
     memory = () if problem.history is None else (history,)
     # the potential before a force that may be its gradient, so that the message on its fault names it
-    given = {
+    calls = {
         "potential": ((), u, *memory),
         "force": (shape, u, *((v,) if problem.arguments > 1 else ()), *memory),
         "load": (shape, ("the time", 0.0)),
     }
     if problem.takes_time:
-        shape, *of_force = given["force"]
-        of_force.insert(problem.place_of_time, ("the time", 0.0))
-        given["force"] = (shape, *of_force)
+        shape, *arguments = calls["force"]
+        arguments.insert(problem.place_of_time, ("the time", 0.0))
+        calls["force"] = (shape, *arguments)
     return {
         name: (
-            ", ".join(what for what, _ in of) + (" alone" if len(of) == 1 else ""),
-            tuple(x for _, x in of),
+            ", ".join(words for words, _ in arguments) + (" alone" if len(arguments) == 1 else ""),
+            tuple(x for _, x in arguments),
             expected,
         )
-        for name, (expected, *of) in given.items()
+        for name, (expected, *arguments) in calls.items()
     }
 
 
@@ -194,10 +194,10 @@ def check_functions(problem) -> None:
     Each function is called as a run calls it, with arrays that JAX traces. If the problem has no history, and its force
     or load returns a number or a list, the problem gets a function that returns an array instead.
     """
-    for name, (given, arguments, expected) in _calls(problem).items():
+    for name, (words, arguments, expected) in _calls(problem).items():
         function = getattr(problem, name)
-        needed = name == "force" and problem.stiffness is None
-        if not callable(function) and (function is not None or needed):
+        is_required = name == "force" and problem.stiffness is None
+        if not callable(function) and (function is not None or is_required):
             if np.ndim(function):
                 raise TypeError(f"{name} must be a function, not an array: use jnp.interp for samples.")
             raise TypeError(f"{name} must be a function, not {function!r}.")
@@ -205,39 +205,39 @@ def check_functions(problem) -> None:
             continue
         try:
             # arrays in the function are traced too, as in a run
-            received = eqx.filter_eval_shape(lambda f, *x: f(*x), function, *jax.tree.map(jnp.asarray, arguments))
+            result = eqx.filter_eval_shape(lambda f, *x: f(*x), function, *jax.tree.map(jnp.asarray, arguments))
         except Exception as error:  # a user's function may raise anything
-            raise ValueError(f"{name} of '{problem.title}' {failure(error, f'fails for {given}')}") from error
+            raise ValueError(f"{name} of '{problem.title}' {failure(error, f'fails for {words}')}") from error
         if name == "force" and problem.history is not None:
-            received = _without_history(received, problem.history, problem.title)
-        if name != "potential" and problem.history is None and isinstance(received, int | float | list):
+            result = _without_history(result, problem.history, problem.title)
+        if name != "potential" and problem.history is None and isinstance(result, int | float | list):
             object.__setattr__(problem, name, AsArrays(function))
-            received = eqx.filter_eval_shape(getattr(problem, name), *jax.tree.map(jnp.asarray, arguments))
-        if not hasattr(received, "shape") or received.shape != expected:
-            got = getattr(received, "shape", type(received).__name__)
-            raise ValueError(f"{name} must return the shape {expected}, not {got}.")
-        if received.dtype != float:
-            raise ValueError(f"{name} must return float64, not {received.dtype}.")
+            result = eqx.filter_eval_shape(getattr(problem, name), *jax.tree.map(jnp.asarray, arguments))
+        if not hasattr(result, "shape") or result.shape != expected:
+            shape = getattr(result, "shape", type(result).__name__)
+            raise ValueError(f"{name} must return the shape {expected}, not {shape}.")
+        if result.dtype != float:
+            raise ValueError(f"{name} must return float64, not {result.dtype}.")
         if wrong := index_beyond(function, *arguments):
             raise ValueError(f"{name} of '{problem.title}' takes an entry that does not exist: {wrong}.")
     if isinstance(problem.potential, StrainEnergy):
         _check_strain_energy(problem.potential, problem.u0)
 
 
-def _without_history(returned, history, title: str):
+def _without_history(result, history, title: str):
     """The force in the result (force, new history), after a check that the new history has the form of the old one."""
-    if not (isinstance(returned, tuple) and len(returned) == 2):
+    if not (isinstance(result, tuple) and len(result) == 2):
         raise ValueError(f"force of '{title}' must return the force and its new history, a tuple of two.")
     start, new = (
-        (str(jax.tree.structure(one)), [(jnp.shape(x), jnp.result_type(x)) for x in jax.tree.leaves(one)])
-        for one in (history, returned[1])
+        (str(jax.tree.structure(value)), [(jnp.shape(x), jnp.result_type(x)) for x in jax.tree.leaves(value)])
+        for value in (history, result[1])
     )
     if start != new:
         raise ValueError(
             f"force of '{title}' must return a history with the containers, shapes and types of its start, "
-            f"{jax.tree.map(_kind, history)}, not {jax.tree.map(_kind, returned[1])}."
+            f"{jax.tree.map(_kind, history)}, not {jax.tree.map(_kind, result[1])}."
         )
-    return returned[0]
+    return result[0]
 
 
 def _check_strain_energy(potential: StrainEnergy, u0) -> None:
@@ -269,7 +269,7 @@ def _displacements(u0) -> np.ndarray:
     ways = np.random.default_rng(0).uniform(0.5, 1.5, (2, *u0.shape))
     sizes = max(np.abs(u0).max(), 1.0) * np.array([1e-3, 0.05, 1.0, 30.0])
     away = [sign * size * way for size in sizes for sign in (-1, 1) for way in ways]
-    return np.stack([u0, -u0, *(around + one for around in (u0, 0 * u0) for one in away)])
+    return np.stack([u0, -u0, *(around + offset for around in (u0, 0 * u0) for offset in away)])
 
 
 #: Advice for a function whose value is finite and whose derivative is not.
@@ -322,17 +322,17 @@ def check_history(force: Callable, u0, v0, history, title: str) -> None:
     u, _, _ = _near(u0)
     # compiled by JAX directly, since a problem of a family is made within another compiled function
     with jax.ensure_compile_time_eval(), reading(reads_of(force)):
-        once, again = (jax.tree.leaves(one) for one in _twice(force, u, v0, history))
+        once, again = (jax.tree.leaves(value) for value in _twice(force, u, v0, history))
     round_off = 1e-12 * max(np.abs(x).max() for x in once)
     changes = [
         np.abs(np.asarray(x) - y).max() > GRADIENT_AGREEMENT * np.abs(x).max() + round_off
         for x, y in zip(once, again, strict=True)
     ]
     if any(changes):
-        what = "another force" if changes[0] else "another history"
+        change = "another force" if changes[0] else "another history"
         raise ValueError(
-            f"force of '{title}' gives {what} when it is called again with the same displacement and the history that "
-            "it returned; a committed history must give the same force and return itself."
+            f"force of '{title}' gives {change} when it is called again with the same displacement and the history "
+            "that it returned; a committed history must give the same force and return itself."
         )
 
 

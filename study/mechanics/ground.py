@@ -77,8 +77,8 @@ class GroundMotion(eqx.Module):
         place = jnp.asarray(t) / self.dt
         # One index selects a whole line. XLA may compute the index twice, and next to a sample the results may be those
         # of two neighbouring intervals. Their lines meet there; an interpolation would mix samples of both intervals.
-        at_zero, slope = jnp.asarray(self._lines)[jnp.clip(place, 0, last - 1).astype(jnp.int32)]
-        return jnp.where(place < last, at_zero + slope * place, 0.0)
+        intercept, slope = jnp.asarray(self._lines)[jnp.clip(place, 0, last - 1).astype(jnp.int32)]
+        return jnp.where(place < last, intercept + slope * place, 0.0)
 
     def velocity(self, t: Scalar) -> Scalar:
         """Velocity at the time t of ground that starts at rest: the exact integral of the acceleration."""
@@ -94,10 +94,10 @@ class GroundMotion(eqx.Module):
         u = jnp.cumsum(jnp.append(jnp.zeros(1), dt * v[:-1] + dt**2 * (2 * a[:-1] + a[1:]) / 6))
         last = len(a) - 1
         i = jnp.clip(jnp.asarray(t) / dt, 0, last - 1).astype(jnp.int32)
-        within = jnp.minimum(t, last * dt) - i.astype(float) * dt
-        slope, after = (a[i + 1] - a[i]) / dt, jnp.maximum(t - last * dt, 0.0)
-        v_t = v[i] + a[i] * within + slope * within**2 / 2
-        return v_t, u[i] + v[i] * within + a[i] * within**2 / 2 + slope * within**3 / 6 + v_t * after
+        elapsed = jnp.minimum(t, last * dt) - i.astype(float) * dt
+        slope, time_after = (a[i + 1] - a[i]) / dt, jnp.maximum(t - last * dt, 0.0)
+        v_t = v[i] + a[i] * elapsed + slope * elapsed**2 / 2
+        return v_t, u[i] + v[i] * elapsed + a[i] * elapsed**2 / 2 + slope * elapsed**3 / 6 + v_t * time_after
 
     @property
     def kinks(self) -> np.ndarray:
@@ -184,12 +184,12 @@ class GroundMotion(eqx.Module):
             raise ValueError(f"'{path}' does not state its unit: give unit= as one of {', '.join(UNITS)}.")
         if None not in (unit, record.unit) and unit != record.unit:
             raise ValueError(f"the header of '{path}' states the unit {record.unit}, not {unit!r}.")
-        of_file = unit or str(record.unit)
-        samples = UNITS[of_file] * record.samples
+        file_unit = unit or str(record.unit)
+        samples = UNITS[file_unit] * record.samples
         peak = np.abs(samples).max() / UNITS["g"]
         if not PEAKS[0] <= peak <= PEAKS[1]:
             raise ValueError(
-                f"the peak of '{path}' would be {peak:.3g} g in the unit {of_file!r}; give the file's unit."
+                f"the peak of '{path}' would be {peak:.3g} g in the unit {file_unit!r}; give the file's unit."
             )
         return cls(samples, record.dt, title=path.stem, source=record.source)
 
@@ -269,7 +269,7 @@ class GroundMotion(eqx.Module):
 
 
 def _check_numbers(acceleration: Any, dt: Any, title: str) -> None:
-    for value, ndim, what in ((acceleration, 1, "samples of acceleration"), (dt, 0, "a time between samples")):
+    for value, ndim, meaning in ((acceleration, 1, "samples of acceleration"), (dt, 0, "a time between samples")):
         check_unmasked(f"'{title}'", value)
         try:
             numbers = value if isinstance(value, jax.core.Tracer) else np.asarray(value)
@@ -277,7 +277,7 @@ def _check_numbers(acceleration: Any, dt: Any, title: str) -> None:
             numbers = np.asarray(None)
         if numbers.ndim != ndim or np.dtype(numbers.dtype).kind not in "fiu":
             shape = "real numbers of shape (samples,)" if ndim else "a real number"
-            raise ValueError(f"'{title}' needs {what} as {shape}, not {reprlib.repr(value)}.")
+            raise ValueError(f"'{title}' needs {meaning} as {shape}, not {reprlib.repr(value)}.")
 
 
 class GroundLoad(eqx.Module):
@@ -299,11 +299,11 @@ class GroundLoad(eqx.Module):
 
     def __call__(self, t: Scalar) -> Vector:
         """The load at the time t."""
-        of_ground = -jnp.asarray(self.inertia) * self.ground(t)
-        return of_ground if self.load is None else self.load(t) + of_ground
+        ground_load = -jnp.asarray(self.inertia) * self.ground(t)
+        return ground_load if self.load is None else self.load(t) + ground_load
 
     @property
     def kinks(self) -> np.ndarray:
         """Times at which the slope of the load jumps."""
-        others = getattr(self.load, "kinks", [])
-        return np.unique(np.concatenate([self.ground.kinks, others]))
+        load_kinks = getattr(self.load, "kinks", [])
+        return np.unique(np.concatenate([self.ground.kinks, load_kinks]))

@@ -35,7 +35,9 @@ def _needed(force: Callable) -> list[str]:
     except (TypeError, ValueError):  # built-in functions have no signature
         return []
     kinds = inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD
-    return [one.name for one in parameters if one.default is one.empty and one.kind in kinds]
+    return [
+        parameter.name for parameter in parameters if parameter.default is parameter.empty and parameter.kind in kinds
+    ]
 
 
 def place_of_time(force: Callable) -> int | None:
@@ -51,9 +53,9 @@ def number_of_arguments(force: Callable) -> int:
 def check_signature(arguments: int, history: Any, title: str) -> None:
     """Refuse a number of arguments that does not fit the history."""
     if arguments > 3 or (arguments == 3) != (history is not None):
-        given = "a history" if history is not None else "no history"
+        kept = "a history" if history is not None else "no history"
         raise ValueError(
-            f"force of '{title}' takes {arguments} arguments, and the problem has {given}: give force(u), force(u, v), "
+            f"force of '{title}' takes {arguments} arguments, and the problem has {kept}: give force(u), force(u, v), "
             "or force(u, v, history) with Problem(history=...), and a further argument t if the force takes the time."
         )
 
@@ -80,8 +82,8 @@ def as_history(start: Any, title: str) -> Any:
 def _inner(equation: core.JaxprEqn) -> list[core.Jaxpr]:
     """Programs inside an operation."""
     kinds = core.Jaxpr | core.ClosedJaxpr
-    found = jax.tree.leaves(list(equation.params.values()), is_leaf=lambda x: isinstance(x, kinds))
-    return [one.jaxpr if isinstance(one, core.ClosedJaxpr) else one for one in found if isinstance(one, kinds)]
+    parts = jax.tree.leaves(list(equation.params.values()), is_leaf=lambda x: isinstance(x, kinds))
+    return [part.jaxpr if isinstance(part, core.ClosedJaxpr) else part for part in parts if isinstance(part, kinds)]
 
 
 def _kinked(jaxpr: core.Jaxpr, depends: list[bool]) -> tuple[bool, list[bool]]:
@@ -92,16 +94,16 @@ def _kinked(jaxpr: core.Jaxpr, depends: list[bool]) -> tuple[bool, list[bool]]:
     marked = {variable for variable, does in zip(jaxpr.invars, depends, strict=True) if does}
     kinked = False
     for equation in jaxpr.eqns:
-        given = [not isinstance(x, core.Literal) and x in marked for x in equation.invars]
-        name, results = equation.primitive.name, [any(given)] * len(equation.outvars)
-        kinked |= (name in KINKS and any(given)) or (name in BRANCHES and given[0])
-        kinked |= name == CONVERSION and given[0] and equation.invars[0].aval.dtype == bool  # type: ignore[attr-defined]
-        for inner in _inner(equation) if any(given) else ():
-            same = len(inner.invars) == len(given)
-            inside, found = _kinked(inner, given if same else [True] * len(inner.invars))
+        flags = [not isinstance(x, core.Literal) and x in marked for x in equation.invars]
+        name, results = equation.primitive.name, [any(flags)] * len(equation.outvars)
+        kinked |= (name in KINKS and any(flags)) or (name in BRANCHES and flags[0])
+        kinked |= name == CONVERSION and flags[0] and equation.invars[0].aval.dtype == bool  # type: ignore[attr-defined]
+        for inner in _inner(equation) if any(flags) else ():
+            same = len(inner.invars) == len(flags)
+            inside, inner_results = _kinked(inner, flags if same else [True] * len(inner.invars))
             kinked |= inside
-            if same and len(found) == len(results):
-                results = found
+            if same and len(inner_results) == len(results):
+                results = inner_results
         marked.update(out for out, does in zip(equation.outvars, results, strict=True) if does)
     return kinked, [not isinstance(x, core.Literal) and x in marked for x in jaxpr.outvars]
 
@@ -132,27 +134,27 @@ def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array)
     """As :func:`switches`, for a traced program, and only for the arguments that ``depends`` marks."""
     jaxpr = program.jaxpr
     marked = {variable for variable, does in zip(jaxpr.invars, depends, strict=True) if does}
-    wanted = []
+    sources = []
     for equation in jaxpr.eqns:
-        given = [not isinstance(x, core.Literal) and x in marked for x in equation.invars]
+        flags = [not isinstance(x, core.Literal) and x in marked for x in equation.invars]
         name = equation.primitive.name
-        if any(given):
+        if any(flags):
             marked.update(equation.outvars)
             # integers, such as indices into a table, are left out: they jump, and no change of sign locates the kink
             if name in _SWITCHES and all(jnp.issubdtype(x.aval.dtype, jnp.floating) for x in equation.invars):
-                wanted.append((_SWITCHES[name], equation.invars))
+                sources.append((_SWITCHES[name], equation.invars))
             elif name in _CALLS:
-                wanted.append((partial(_switches, equation.params[_CALLS[name]], given), equation.invars))
+                sources.append((partial(_switches, equation.params[_CALLS[name]], flags), equation.invars))
     # the same program, with the operands of these operations as its results
-    operands = [operand for _, operands in wanted for operand in operands]
-    needed, kept = {x for x in operands if not isinstance(x, core.Literal)}, list[core.JaxprEqn]()
+    operands = [operand for _, operands in sources for operand in operands]
+    required, kept = {x for x in operands if not isinstance(x, core.Literal)}, list[core.JaxprEqn]()
     for equation in reversed(jaxpr.eqns):
-        if not needed.isdisjoint(equation.outvars):
+        if not required.isdisjoint(equation.outvars):
             kept.insert(0, equation)
-            needed |= {x for x in equation.invars if not isinstance(x, core.Literal)}
+            required |= {x for x in equation.invars if not isinstance(x, core.Literal)}
     to_operands = core.ClosedJaxpr(jaxpr.replace(eqns=kept, outvars=operands), program.consts)
     values = iter(core.jaxpr_as_fun(to_operands)(*arguments))
-    return [switch for function, operands in wanted for switch in function(*islice(values, len(operands)))]
+    return [switch for function, operands in sources for switch in function(*islice(values, len(operands)))]
 
 
 def switches(force: Callable, *arguments: Any) -> Float[Array, "switches"]:
@@ -167,25 +169,25 @@ def switches(force: Callable, *arguments: Any) -> Float[Array, "switches"]:
     arguments
         Displacement, or displacement and velocity.
     """
-    given = list(map(jnp.asarray, arguments))
-    program = eqx.filter_make_jaxpr(force)(*given)[0]
-    found = _switches(program, [True] * len(program.jaxpr.invars), *given)
-    return jnp.concatenate([jnp.zeros(0), *(jnp.ravel(switch).astype(float) for switch in found)])
+    inputs = list(map(jnp.asarray, arguments))
+    program = eqx.filter_make_jaxpr(force)(*inputs)[0]
+    differences = _switches(program, [True] * len(program.jaxpr.invars), *inputs)
+    return jnp.concatenate([jnp.zeros(0), *(jnp.ravel(switch).astype(float) for switch in differences)])
 
 
 def numbers(function: Callable, *arguments: Any) -> np.ndarray:
     """The real numbers that occur in the traced program of a function, as constants or in tables, each once."""
     program = eqx.filter_make_jaxpr(function)(*map(jnp.asarray, arguments))[0]
-    found = [np.zeros(0), *map(np.ravel, program.consts)]
+    values = [np.zeros(0), *map(np.ravel, program.consts)]
 
     def collect(jaxpr: core.Jaxpr) -> None:
         for equation in jaxpr.eqns:
-            found.extend(np.ravel(x.val) for x in equation.invars if isinstance(x, core.Literal))
+            values.extend(np.ravel(x.val) for x in equation.invars if isinstance(x, core.Literal))
             for inner in _inner(equation):
                 collect(inner)
 
     collect(program.jaxpr)
-    return np.unique(np.concatenate([one.astype(float) for one in found if one.dtype.kind in "fiu"]))
+    return np.unique(np.concatenate([array.astype(float) for array in values if array.dtype.kind in "fiu"]))
 
 
 def depends_on_last(force: Callable, *arguments: Any) -> bool:

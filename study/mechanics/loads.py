@@ -52,10 +52,10 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
         problem = eqx.tree_at(lambda p: p.ground, problem, problem.ground.scaled(factor))
     if problem.load is None:
         return problem
-    load, before = (
+    load, previous = (
         (problem.load.load, problem.load.factor) if isinstance(problem.load, _Scaled) else (problem.load, 1.0)
     )
-    return eqx.tree_at(lambda p: p.load, problem, _Scaled(load, factor * before)).examined()
+    return eqx.tree_at(lambda p: p.load, problem, _Scaled(load, factor * previous)).examined()
 
 
 def restarted(problem: Problem, factor: float) -> Problem:
@@ -74,9 +74,9 @@ def restarted(problem: Problem, factor: float) -> Problem:
 def later(problem: Problem, samples: int) -> Problem:
     """The problem whose record begins with a later sample. Such problems share one compiled program."""
 
-    def grounds(one: Any) -> tuple[GroundMotion, GroundMotion]:
-        load: Any = one.load.load if isinstance(one.load, _Scaled) else one.load
-        return one.ground, load.ground
+    def grounds(member: Any) -> tuple[GroundMotion, GroundMotion]:
+        load: Any = member.load.load if isinstance(member.load, _Scaled) else member.load
+        return member.ground, load.ground
 
     ground = grounds(problem)[0].later(samples)
     return eqx.tree_at(grounds, problem, (ground, ground)).examined()
@@ -118,8 +118,8 @@ def times_of_problem(problem: Problem, duration: float, intervals: int = INTERVA
     def force(t):
         return problem.at_time(t).internal_force(problem.u0, problem.v0)
 
-    of_force = events(force, duration, intervals)
-    return np.union1d(times, _within(beside_jumps(force, of_force, duration), duration) if sides else of_force)
+    force_times = events(force, duration, intervals)
+    return np.union1d(times, _within(beside_jumps(force, force_times, duration), duration) if sides else force_times)
 
 
 def record_of(load: Callable | None) -> dict[str, str]:

@@ -110,7 +110,7 @@ def any_lane(flags):
 
 
 def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS) -> tuple:
-    """Repeat ``a, unfinished, moved, more = iterate((a, before), given)`` while ``unfinished``, at most ``most`` times.
+    """Repeat ``a, unfinished, size, more = iterate((a, before), given)`` while ``unfinished``, at most ``most`` times.
 
     ``carry`` is ``(a, before, unfinished, iterations, residuals)``, and the result is its final value. ``before`` is
     the size of the last correction. If it is None, every iteration gets a zero in its place, which disables the
@@ -119,15 +119,15 @@ def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS)
     """
     goes_on = partial(_goes_on, most=most)
 
-    def again(carry, given):
+    def advance(carry, given):
         a, before, _, iterations, residuals = carry
-        a, unfinished, moved, more = iterate((a, jnp.zeros((), a.dtype) if before is None else before), given)
-        return a, None if before is None else moved, unfinished, iterations + 1, residuals + more
+        a, unfinished, size, more = iterate((a, jnp.zeros((), a.dtype) if before is None else before), given)
+        return a, None if before is None else size, unfinished, iterations + 1, residuals + more
 
     @jax.custom_batching.custom_vmap
     def to_the_end(carry, given):
         def loop(carry):
-            return lax.while_loop(goes_on, partial(again, given=given), carry)
+            return lax.while_loop(goes_on, partial(advance, given=given), carry)
 
         # one unknown: two iterations precede the loop, so that most steps skip it
         return loop(carry) if carry[0].ndim else lax.cond(goes_on(carry), loop, lambda carry: carry, carry)
@@ -135,13 +135,13 @@ def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS)
     @to_the_end.def_vmap
     def in_lanes(lanes, batched, carry, given):
         carry = jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x, (lanes, *x.shape)), carry, batched[0])
-        each = jax.vmap(again, in_axes=(0, jax.tree.map(lambda b: 0 if b else None, batched[1])))
+        advance_lanes = jax.vmap(advance, in_axes=(0, jax.tree.map(lambda b: 0 if b else None, batched[1])))
 
         def those_that_go_on(carry):
             def newest(unfinished, new, old):
                 return jax.tree.map(partial(jnp.where, unfinished), new, old)
 
-            return jax.vmap(newest)(goes_on(carry), each(carry, given), carry)
+            return jax.vmap(newest)(goes_on(carry), advance_lanes(carry, given), carry)
 
         ended = lax.while_loop(lambda carry: any_lane(goes_on(carry)), those_that_go_on, carry)
         return ended, jax.tree.map(lambda _: True, ended)
@@ -187,8 +187,8 @@ def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Calla
         following = solved(residual(a - part * correction))
         return ~(norm(following) <= (1 - part / 4) * norm(correction)) & (halvings < HALVINGS)
 
-    whole = jnp.ones((), a.dtype), jnp.zeros((), int)
-    part, halvings = lax.while_loop(too_long, lambda carry: (carry[0] / 2, carry[1] + 1), whole)
+    start = jnp.ones((), a.dtype), jnp.zeros((), int)
+    part, halvings = lax.while_loop(too_long, lambda carry: (carry[0] / 2, carry[1] + 1), start)
     return part * correction, halvings + 1
 
 
@@ -224,9 +224,9 @@ def shortened(
         secant = (low * at_high - high * at_low) / (at_high - at_low)
         part = jnp.where(evaluations % 2 == 0, jnp.clip(secant, 0.99 * low + 0.01 * high, high), (low + high) / 2)
         value = along(part)
-        beyond, found = value * before < 0, jnp.abs(value) <= OVERSHOOT * jnp.abs(before)
-        low, at_low = jnp.where(beyond, low, part), jnp.where(beyond, at_low / 2, value)
-        high, at_high = jnp.where(beyond | found, part, high), jnp.where(beyond, value, at_high / 2)
+        opposite, found = value * before < 0, jnp.abs(value) <= OVERSHOOT * jnp.abs(before)
+        low, at_low = jnp.where(opposite, low, part), jnp.where(opposite, at_low / 2, value)
+        high, at_high = jnp.where(opposite | found, part, high), jnp.where(opposite, value, at_high / 2)
         return low, at_low, high, at_high, found, evaluations + 1
 
     before, whole = jnp.vdot(correction, out_of_balance), along(jnp.ones((), a.dtype))

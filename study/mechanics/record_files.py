@@ -60,9 +60,9 @@ class Record(NamedTuple):
 
 def _number(word: str) -> float | None:
     """The number that a word is; None if it is no finite number."""
-    if not (found := _NUMBER.match(word)):
+    if not (match := _NUMBER.match(word)):
         return None
-    value = float(f"{found[1]}e{found[2] or found[3] or 0}")
+    value = float(f"{match[1]}e{match[2] or match[3] or 0}")
     return value if np.isfinite(value) else None
 
 
@@ -111,23 +111,23 @@ def read_record(path: Path, dt: float | None) -> Record:
     lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
     head = "\n".join(line for line in lines[:HEADER] if _words(line))
     if re.search(r"^SAMPLING_INTERVAL_S\s*:", head, re.MULTILINE):
-        record = _of_esm(path, lines)
+        record = _read_esm(path, lines)
     elif "Scale Factor" in head and "Sampling Freq" in head:
-        record = _of_knet(path, lines)
+        record = _read_knet(path, lines)
     elif re.search(r"\bNPTS\b", head, re.IGNORECASE):
-        record = _of_peer(path, lines)
+        record = _read_peer(path, lines)
     else:
-        record = _of_columns(path, lines, dt)
+        record = _read_columns(path, lines, dt)
     if dt is not None and abs(record.dt - dt) > UNIFORM * record.dt:
         raise ValueError(f"the samples of '{path}' are {record.dt:g} s apart, not dt={dt:g}.")
     return record
 
 
 def _check_quantity(path: Path, header: str) -> None:
-    other = re.search(r"(?<![a-z])(velocit(?:y|ies)|velo?|displacements?|displ?)(?![a-z])", header, re.IGNORECASE)
-    if other and not re.search(r"(?<![a-z])acc(el\w*)?(?![a-z])", header, re.IGNORECASE):
-        what = "velocity" if other[0].lower().startswith("v") else "displacement"
-        raise ValueError(f"the header of '{path}' announces {what}, and a record of acceleration is needed.")
+    quantity = re.search(r"(?<![a-z])(velocit(?:y|ies)|velo?|displacements?|displ?)(?![a-z])", header, re.IGNORECASE)
+    if quantity and not re.search(r"(?<![a-z])acc(el\w*)?(?![a-z])", header, re.IGNORECASE):
+        kind = "velocity" if quantity[0].lower().startswith("v") else "displacement"
+        raise ValueError(f"the header of '{path}' announces {kind}, and a record of acceleration is needed.")
 
 
 def _rows(path: Path, lines: list[str], first: int) -> dict[int, list[float]]:
@@ -171,8 +171,8 @@ def _count_and_spacing(path: Path, lines: list[str]) -> tuple[int, float, int]:
         rf"{_DT}\s*[=:]\s*((?:{_POINT}|\d+)(?:[ED][+-]?\d+)?)(?![\d.])\s*[(\[]?((?!NPTS\b)[A-Z]*)", line
     )
     if count_after or re.search(rf"{_DT}\s*[=:]", line):
-        found = {"NPTS": _number(count_after[1]) if count_after else None}
-        found["DT"] = _number(dt_after[2]) if dt_after else None
+        header = {"NPTS": _number(count_after[1]) if count_after else None}
+        header["DT"] = _number(dt_after[2]) if dt_after else None
         unit = (dt_after[1] or dt_after[3]) if dt_after else ""
     else:
         # numbers before the names, or in the next line
@@ -181,10 +181,10 @@ def _count_and_spacing(path: Path, lines: list[str]) -> tuple[int, float, int]:
             place += 1
             numbers = [value for word in _words(lines[place]) if (value := _number(word)) is not None]
             line += f" {lines[place].upper()}"
-        found = dict(zip(names, numbers, strict=False))
+        header = dict(zip(names, numbers, strict=False))
         known = [word for word in re.findall(r"[A-Z]+", line) if word.lower() in TIMES]
         unit = (in_brackets[1] if (in_brackets := re.search(_DT, line)) else "") or "".join(known[:1])
-    count, dt = found.get("NPTS"), found.get("DT")
+    count, dt = header.get("NPTS"), header.get("DT")
     if count is None or dt is None or count != round(count) or dt <= 0:
         raise ValueError(f"the header of '{path}' names NPTS, and must state both NPTS and DT as positive numbers.")
     if not count:
@@ -192,7 +192,7 @@ def _count_and_spacing(path: Path, lines: list[str]) -> tuple[int, float, int]:
     return int(count), dt * _seconds(path, unit), place + 1
 
 
-def _of_peer(path: Path, lines: list[str]) -> Record:
+def _read_peer(path: Path, lines: list[str]) -> Record:
     """A file of the PEER ground motion database, whose first sample belongs to t = DT."""
     count, dt, end = _count_and_spacing(path, lines)
     first = _first_row(lines, end)
@@ -204,10 +204,10 @@ def _of_peer(path: Path, lines: list[str]) -> Record:
 
 def _stated(path: Path, head: str, name: str, pattern: str) -> str:
     """Text that a header states for a name; ``pattern`` has one group, this text."""
-    found = re.search(pattern, head, re.MULTILINE)
-    if found is None:
+    match = re.search(pattern, head, re.MULTILINE)
+    if match is None:
         raise ValueError(f"the header of '{path}' lacks the value of '{name}'.")
-    return found[1].strip()
+    return match[1].strip()
 
 
 def _positive(path: Path, head: str, name: str, pattern: str) -> float:
@@ -218,7 +218,7 @@ def _positive(path: Path, head: str, name: str, pattern: str) -> float:
     return value
 
 
-def _of_esm(path: Path, lines: list[str]) -> Record:
+def _read_esm(path: Path, lines: list[str]) -> Record:
     """A file of the Engineering Strong Motion database, whose header has lines ``KEY: value``."""
     first = _first_row(lines)
     head = "\n".join(lines[:first])
@@ -233,7 +233,7 @@ def _of_esm(path: Path, lines: list[str]) -> Record:
     return Record(_samples(path, lines, first, int(count)), dt, unit, source)
 
 
-def _of_knet(path: Path, lines: list[str]) -> Record:
+def _read_knet(path: Path, lines: list[str]) -> Record:
     """A file of K-NET or KiK-net: counts of the instrument, whose mean is its offset."""
     first = next((i + 1 for i, line in enumerate(lines[:HEADER]) if line.startswith("Memo")), 0)
     head = "\n".join(lines[:first])
@@ -294,16 +294,16 @@ def _times(path: Path, heading: list[str]) -> tuple[int, float]:
         if times == [1] and not re.search(r"[,;\t]", plain) and not re.match(r"a|.*/s|g$", columns[0][0]):
             continue  # a title, such as "origin time"
         place = times[0]
-        name, of_name = columns[place]
-        unit = name if name in TIMES else of_name or unit
+        name, name_unit = columns[place]
+        unit = name if name in TIMES else name_unit or unit
         if columns[1 - place][0] in ("u", "v", "d"):
-            what = "velocity" if columns[1 - place][0] == "v" else "displacement"
-            raise ValueError(f"the header of '{path}' announces {what}, and a record of acceleration is needed.")
+            kind = "velocity" if columns[1 - place][0] == "v" else "displacement"
+            raise ValueError(f"the header of '{path}' announces {kind}, and a record of acceleration is needed.")
     in_brackets = re.findall(r"[(\[]\s*(\w+)\s*[)\]]", "\n".join(heading))
     return place, _seconds(path, unit or next((word for word in in_brackets if word.lower() in TIMES), ""))
 
 
-def _of_columns(path: Path, lines: list[str], dt: float | None) -> Record:
+def _read_columns(path: Path, lines: list[str], dt: float | None) -> Record:
     """A file with times and accelerations, or with accelerations alone; lines of words may precede them."""
     first = _first_row(lines)
     heading = " ".join(lines[:first])
@@ -335,18 +335,18 @@ def _of_columns(path: Path, lines: list[str], dt: float | None) -> Record:
     t, samples = second * columns[place], columns[1 - place]
     if dt is not None and np.allclose(t - t[0], dt * np.arange(len(t)), rtol=0.0, atol=0.75 * dt):
         t = t[0] + dt * np.arange(len(t))  # times with few digits
-    found = float(np.median(np.diff(t)))
-    off = np.flatnonzero(np.abs(np.diff(t) - found) > UNIFORM * abs(found))
-    if off.size or found <= 0:
-        at = f" after t = {t[off[0]]:g}" if off.size else ""
+    spacing = float(np.median(np.diff(t)))
+    uneven = np.flatnonzero(np.abs(np.diff(t) - spacing) > UNIFORM * abs(spacing))
+    if uneven.size or spacing <= 0:
+        location = f" after t = {t[uneven[0]]:g}" if uneven.size else ""
         raise ValueError(
-            f"the samples of '{path}' must be a constant time apart, and are not{at}: if the times are rounded, give "
-            "dt=."
+            f"the samples of '{path}' must be a constant time apart, and are not{location}: if the times are rounded, "
+            "give dt=."
         )
-    if t[0] < -UNIFORM * found:
+    if t[0] < -UNIFORM * spacing:
         raise ValueError(f"the times of '{path}' must begin at zero or later, and begin at {t[0]:g}: shift them.")
-    found = float(t[-1] - t[0]) / (len(t) - 1)
-    begin = round(t[0] / found)
-    if abs(t[0] - begin * found) > UNIFORM * found:
-        raise ValueError(f"the times of '{path}' must be multiples of {found:g}, and the first is {t[0]:g}.")
-    return Record(np.concatenate([np.zeros(begin), samples]), found, unit)
+    spacing = float(t[-1] - t[0]) / (len(t) - 1)
+    begin = round(t[0] / spacing)
+    if abs(t[0] - begin * spacing) > UNIFORM * spacing:
+        raise ValueError(f"the times of '{path}' must be multiples of {spacing:g}, and the first is {t[0]:g}.")
+    return Record(np.concatenate([np.zeros(begin), samples]), spacing, unit)

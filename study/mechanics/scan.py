@@ -95,17 +95,17 @@ def beside_jumps(function: Callable, times: Times, duration: float) -> Times:
     sees the load of the pulse. If the function jumps just after t = 0, as that of ``t > 0``, there is a time after it.
     """
 
-    def found() -> Times:
+    def times_and_sides() -> Times:
         starts, tiny = np.append(0.0, times), NEXT_TO * duration
         with jax.enable_x64(True):
             around = np.maximum((starts[:, None] + tiny * np.array([-1.0, 0.0, 1.0])).ravel(), 0.0)
             values = _evaluated(_traced(function), around)
-        before, at, after = np.moveaxis(values.reshape(len(starts), 3, -1), 1, 0)
-        jumps = np.maximum(abs(after - before), abs(at - before)).max(axis=1) > BULGE * np.abs(values).max()
+        before, middle, after = np.moveaxis(values.reshape(len(starts), 3, -1), 1, 0)
+        jumps = np.maximum(abs(after - before), abs(middle - before)).max(axis=1) > BULGE * np.abs(values).max()
         beside = np.concatenate([starts[~jumps], starts[jumps] - tiny, starts[jumps] + tiny])
         return np.unique(beside[beside > 0])
 
-    return _kept_for(function, (duration, times.tobytes()), found)
+    return _kept_for(function, (duration, times.tobytes()), times_and_sides)
 
 
 def _kept_for(function: Callable, arguments: tuple, compute: Callable[[], Times]) -> Times:
@@ -132,26 +132,26 @@ def _scanned(function: Callable, duration: float, intervals: int) -> Times:
         t, values = scan.first(intervals)
         h = t[1] - t[0]
         deviation = _deviation(values)
-        known, beside, off, at_random = scan.between(t, values)
+        known, beside, deviations, at_random = scan.between(t, values)
         # samples at about a whole period of a load hide its oscillation, which random times show
         typical = np.maximum(np.median(deviation, axis=0), np.median(at_random, axis=0))
         salient = np.any(deviation > np.maximum(SALIENT * typical, SMALLEST), axis=1)
         first, last = _pairs(salient)  # a deviation with the index i belongs to the sample i + 1
         regions, strengths = np.stack([t[first], t[last + 2]], axis=1), np.maximum(deviation[first], deviation[last])
 
-        struck = np.any(off > np.maximum(SALIENT * typical, SMALLEST), axis=1)
-        known, beside, off = known[struck], beside[struck], off[struck]
+        struck = np.any(deviations > np.maximum(SALIENT * typical, SMALLEST), axis=1)
+        known, beside, deviations = known[struck], beside[struck], deviations[struck]
         around = np.stack([beside - h, beside + h], axis=1)
-        found = scan.divided(np.concatenate([regions, around]), np.concatenate([strengths, off]))
-        found = np.concatenate([found, _pulses(t, values, deviation, salient, found)])
-        for number, size in zip(known, off, strict=True):
+        located = scan.divided(np.concatenate([regions, around]), np.concatenate([strengths, deviations]))
+        located = np.concatenate([located, _pulses(t, values, deviation, salient, located)])
+        for number, size in zip(known, deviations, strict=True):
             place = int(number / h)
             quiet = np.any(deviation[max(place - 9, 0) : max(place - 1, 1)].max(axis=0) < QUIET * size)
-            if quiet and not np.any(abs(found - number) < h):
-                found = np.append(found, [t[place], number, t[place + 1]])
-        found = np.unique(found[(found > NEXT_TO * duration) & (found < (1 - NEXT_TO) * duration)])
-        found = found[np.diff(found, prepend=0.0) > NEXT_TO * duration]
-        return np.union1d(found, scan.farthest(found))
+            if quiet and not np.any(abs(located - number) < h):
+                located = np.append(located, [t[place], number, t[place + 1]])
+        located = np.unique(located[(located > NEXT_TO * duration) & (located < (1 - NEXT_TO) * duration)])
+        located = located[np.diff(located, prepend=0.0) > NEXT_TO * duration]
+        return np.union1d(located, scan.farthest(located))
 
 
 def _traced(function: Callable) -> ClosedJaxpr:
@@ -162,11 +162,11 @@ def _traced(function: Callable) -> ClosedJaxpr:
 
 def _evaluated(program: ClosedJaxpr, t: Times) -> np.ndarray:
     """Values of a program at the times, operation by operation: JAX has compiled most operations for other programs."""
-    one = partial(jax.core.eval_jaxpr, program.jaxpr, program.consts)
+    evaluate = partial(jax.core.eval_jaxpr, program.jaxpr, program.consts)
     try:
-        (values,) = jax.vmap(one)(jnp.asarray(t))
+        (values,) = jax.vmap(evaluate)(jnp.asarray(t))
     except NotImplementedError:  # a function that calls the host may take one time only
-        (values,) = jax.lax.map(one, jnp.asarray(t))
+        (values,) = jax.lax.map(evaluate, jnp.asarray(t))
     return np.asarray(values)
 
 
@@ -176,12 +176,12 @@ class _Scan:
     def __init__(self, function: Callable, duration: float):
         value = jaxpr_as_fun(_traced(function))
 
-        def of_time(t):
+        def values_of_time(t):
             signs = jnp.sign(switches(lambda t: value(t)[0], t))
             return jnp.append(value(t)[0], signs) if signs.size else value(t)[0]
 
         known = numbers(value, 0.0)
-        self._duration, self._program = duration, jax.make_jaxpr(of_time)(0.0)
+        self._duration, self._program = duration, jax.make_jaxpr(values_of_time)(0.0)
         self._numbers = known[(known > 0) & (known < duration)]
         self._size = max(self._program.out_avals[0].size, 1)
         self._weights: np.ndarray | None = None
@@ -195,8 +195,8 @@ class _Scan:
         once = int(np.clip(AT_ONCE // self._size, 1, INTERVALS + 1))
         parts = []
         for begin in range(0, len(t), once):
-            some = t[begin : begin + once]
-            part = _evaluated(self._program, np.pad(some, (0, once - len(some)), mode="edge"))[: len(some)]
+            chunk = t[begin : begin + once]
+            part = _evaluated(self._program, np.pad(chunk, (0, once - len(chunk)), mode="edge"))[: len(chunk)]
             parts.append(part if self._weights is None else part @ self._weights)
         values = np.concatenate(parts)
         return np.where(np.isfinite(values), values, 0.0)
@@ -206,8 +206,8 @@ class _Scan:
         count = int(np.clip(IN_ALL // self._size, FEWEST, intervals))
         t = np.linspace(0.0, self._duration, count + 1)
         if self._size > COLUMNS:
-            few = np.append(t[:: max(count // 64, 1)], self._numbers[:64])
-            spread = np.ptp(self._raw(few), axis=0)
+            sample_times = np.append(t[:: max(count // 64, 1)], self._numbers[:64])
+            spread = np.ptp(self._raw(sample_times), axis=0)
             random = np.random.default_rng(0).uniform(-1.0, 1.0, (self._size, COLUMNS))
             self._weights = random / np.where(spread > 0, spread, spread.max() or 1.0)[:, None]
         values = self._raw(t)
@@ -230,10 +230,10 @@ class _Scan:
         times = np.append(near, np.random.default_rng(0).uniform(0.0, self._duration, AT_RANDOM))
         place = np.minimum((times / (t[1] - t[0])).astype(int), len(t) - 2)
         part = ((times - t[place]) / (t[1] - t[0]))[:, None]
-        off = np.abs(self.values(times) - (1 - part) * values[place] - part * values[place + 1])
-        three = off[: len(near)].reshape(len(known), 3, values.shape[1])
+        deviations = np.abs(self.values(times) - (1 - part) * values[place] - part * values[place + 1])
+        three = deviations[: len(near)].reshape(len(known), 3, values.shape[1])
         most = three.max(axis=2).argmax(axis=1)
-        return known, near.reshape(-1, 3)[np.arange(len(known)), most], three.max(axis=1), off[len(near) :]
+        return known, near.reshape(-1, 3)[np.arange(len(known)), most], three.max(axis=1), deviations[len(near) :]
 
     def divided(self, regions: np.ndarray, strengths: Values) -> Times:
         """Times in the regions (regions, 2) at which the function jumps or has a kink.
@@ -241,7 +241,7 @@ class _Scan:
         A region is divided as long as its deviation from a straight line falls less than that of a smooth function.
         ``strengths`` are the deviations by which the regions were found.
         """
-        found = [np.zeros(0)]
+        located = [np.zeros(0)]
         for level in range(LEVELS):
             most = np.argsort(strengths.max(axis=1, initial=0.0))[::-1][:MOST]
             regions, strengths = regions[most], strengths[most]
@@ -256,12 +256,12 @@ class _Scan:
             # a jump between neighbouring numbers, or a kink whose deviation has become too small
             narrow = regions[:, 1] - regions[:, 0] <= NARROW * self._duration
             small = ~np.any(deviation > SMALLEST, axis=(1, 2)) & (level > 1)
-            found.append(self._number_in(regions[narrow | small]))
+            located.append(self._number_in(regions[narrow | small]))
             growing[narrow] = False
             place, first, last = _pairs(growing)
             regions = np.stack([t[place, first], t[place, last + 2]], axis=1)
             strengths = np.maximum(deviation[place, first], deviation[place, last])
-        return np.concatenate([*found, self._number_in(regions)])
+        return np.concatenate([*located, self._number_in(regions)])
 
     def farthest(self, found: Times) -> Times:
         """The time between each two neighbouring times at which the function is farthest from a straight line.
@@ -274,8 +274,8 @@ class _Scan:
         t = np.linspace(found[:-1] + tiny, found[1:] - tiny, BETWEEN, axis=1)
         values = self.values(t.ravel()).reshape(*t.shape, -1)
         part = np.linspace(0.0, 1.0, BETWEEN)[:, None]
-        off = np.abs(values - (1 - part) * values[:, :1] - part * values[:, -1:]).max(axis=2)
-        return t[np.arange(len(t)), off.argmax(axis=1)][off.max(axis=1) > BULGE]
+        deviations = np.abs(values - (1 - part) * values[:, :1] - part * values[:, -1:]).max(axis=2)
+        return t[np.arange(len(t)), deviations.argmax(axis=1)][deviations.max(axis=1) > BULGE]
 
     def _number_in(self, regions: np.ndarray) -> Times:
         """The number of the program in each region (regions, 2), or the end of the region if there is none."""

@@ -78,10 +78,10 @@ class SparseTangent:
 def coloured(coupling: ScipySparse) -> np.ndarray:
     """A colour for each column (n,), so that columns of one colour share no row; −1 for an empty column."""
     rows = scipy.sparse.csc_array(coupling)
-    together = scipy.sparse.csr_array(rows.T @ rows)
+    shared = scipy.sparse.csr_array(rows.T @ rows)
     colour = np.full(rows.shape[1], -1, np.int32)
     for column in np.flatnonzero(np.diff(rows.indptr)):
-        neighbours = colour[together.indices[together.indptr[column] : together.indptr[column + 1]]]
+        neighbours = colour[shared.indices[shared.indptr[column] : shared.indptr[column + 1]]]
         taken = np.zeros(len(neighbours) + 1, bool)
         taken[neighbours[(neighbours >= 0) & (neighbours < len(taken))]] = True
         colour[column] = np.argmin(taken)
@@ -100,16 +100,16 @@ def coupling_of(force: Callable, states: Iterable[np.ndarray]) -> ScipySparse:
         _, slope = jax.linearize(force, u)
         return jax.vmap(slope)(directions)
 
-    found = []
+    patterns = []
     for u in states:
         n = len(u)
         at_once = max(1, min(n, ROOM // n))
         scattered = np.random.default_rng(2).uniform(0.5, 1.5, n)
         columns = np.flatnonzero(columns_with_entries(u, scattered))
         for first in range(0, len(columns), at_once):
-            some = columns[first : first + at_once]
+            chunk = columns[first : first + at_once]
             directions = np.zeros((at_once, n))
-            directions[np.arange(len(some)), some] = 1.0
-            which, rows = np.nonzero(np.asarray(derivatives(u, directions))[: len(some)])
-            found.append(scipy.sparse.csc_array((np.ones(len(rows)), (rows, some[which])), (n, n)))
-    return union(found) if found else scipy.sparse.csc_array((len(u), len(u)))
+            directions[np.arange(len(chunk)), chunk] = 1.0
+            numbers, rows = np.nonzero(np.asarray(derivatives(u, directions))[: len(chunk)])
+            patterns.append(scipy.sparse.csc_array((np.ones(len(rows)), (rows, chunk[numbers])), (n, n)))
+    return union(patterns) if patterns else scipy.sparse.csc_array((len(u), len(u)))

@@ -71,9 +71,9 @@ def force_and_tangent(force: Callable, u: Vector, form: FormOfTangent) -> tuple[
     form
         Half bandwidth, ``"dense"``, ``"matrix_free"`` or sparse; None for one unknown.
     """
-    with counting() as made:
+    with counting() as counts:
         value, tangent = _force_and_tangent(force, u, form)
-    count(forces=made.forces, tangents=made.forces)
+    count(forces=counts.forces, tangents=counts.forces)
     return value, tangent
 
 
@@ -167,7 +167,7 @@ def check_declared_form(force: Callable, u0: np.ndarray, declared: int | str, ti
         tangent is not symmetric, or if the derivative is not finite near u₀.
     """
     known = form_named(declared, len(u0), title)
-    one, other = np.random.default_rng(1).normal(size=(2, len(u0)))
+    first, second = np.random.default_rng(1).normal(size=(2, len(u0)))
     if known == "matrix_free":
         reason = "it is not symmetric, as conjugate gradients need"
     else:
@@ -176,11 +176,11 @@ def check_declared_form(force: Callable, u0: np.ndarray, declared: int | str, ti
     @jax.jit
     def misfit(u):
         _, slope = jax.linearize(force, u)
-        along = slope(one)
+        along = slope(first)
         if known == "matrix_free":
-            return jnp.abs(other @ along - one @ slope(other)), jnp.linalg.norm(other) * jnp.linalg.norm(along)
+            return jnp.abs(second @ along - first @ slope(second)), jnp.linalg.norm(second) * jnp.linalg.norm(along)
         _, tangent = force_and_tangent(force, u, known)
-        return jnp.abs(times(tangent, one) - along).max(), jnp.abs(along).max()
+        return jnp.abs(times(tangent, first) - along).max(), jnp.abs(along).max()
 
     for u in probed_states(force, u0, title):
         wrong, scale = misfit(u)

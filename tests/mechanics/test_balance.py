@@ -109,11 +109,11 @@ def test_steps_are_vectorised_and_differentiated_twice(name):
         return state.u
 
     u0, h = jnp.asarray([1.0, 1.2]), 1e-4
-    np.testing.assert_allclose(jax.vmap(moved)(u0), [moved(one) for one in u0], rtol=1e-14)
+    np.testing.assert_allclose(jax.vmap(moved)(u0), [moved(start) for start in u0], rtol=1e-14)
     first, second = jax.jacfwd(moved), jax.jacfwd(jax.jacfwd(moved))
-    values, slopes, bends = (jax.jit(jax.vmap(each)) for each in (moved, first, second))
+    values, slopes, bends = (jax.jit(jax.vmap(function)) for function in (moved, first, second))
     slope, bend = slopes(u0), bends(u0)
-    before, at, after = (values(u0 + way * h) for way in (-1, 0, 1))
+    before, middle, after = (values(u0 + way * h) for way in (-1, 0, 1))
     np.testing.assert_allclose(first(u0[0]), slope[0], rtol=1e-12)
     np.testing.assert_allclose(slope, (after - before) / (2 * h), rtol=1e-5, atol=1e-7)
-    np.testing.assert_allclose(bend, (after - 2 * at + before) / h**2, rtol=1e-5)
+    np.testing.assert_allclose(bend, (after - 2 * middle + before) / h**2, rtol=1e-5)

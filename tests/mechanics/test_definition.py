@@ -119,9 +119,9 @@ def test_a_force_is_the_gradient_of_the_potential():
 
 
 def test_constants_and_lists_are_loads():
-    one = study.Problem(lambda u: u, u0=0.0, load=lambda t: 5.0)
+    single = study.Problem(lambda u: u, u0=0.0, load=lambda t: 5.0)
     two = study.Problem(lambda u: u, u0=np.zeros(2), load=lambda t: [5.0, jnp.cos(t)])
-    ends = [study.run(problem, "rk4", dt=0.01, steps=100).u[-1] for problem in (one, two)]
+    ends = [study.run(problem, "rk4", dt=0.01, steps=100).u[-1] for problem in (single, two)]
     np.testing.assert_allclose(ends[0], 5 * (1 - np.cos(1.0)), rtol=1e-8)
     np.testing.assert_allclose(ends[1], [5 * (1 - np.cos(1.0)), np.sin(1.0) / 2], rtol=1e-8)
 
@@ -207,13 +207,18 @@ def test_rayleigh_damping_is_of_mass_and_stiffness(structure, mass):
     """C = aM + bK with the stiffness at u = 0, whatever the initial displacement."""
     a, b = 0.3, 0.05
     problem = _problem(u0=np.linspace(0, 2, N), mass=mass, damping=study.Rayleigh(a=a, b=b), tangent=structure)
-    whole = np.eye(N) if mass is None else np.diag(np.broadcast_to(mass, N)) if np.ndim(mass) < 2 else mass
-    damping = a * whole + b * np.asarray(jax.jacfwd(chain)(jnp.zeros(N)))
+    full_mass = np.eye(N) if mass is None else np.diag(np.broadcast_to(mass, N)) if np.ndim(mass) < 2 else mass
+    damping = a * full_mass + b * np.asarray(jax.jacfwd(chain)(jnp.zeros(N)))
     u, v, rhs = np.linspace(0, 1, N), np.linspace(1, 2, N), np.ones(N)
     acceleration, effort = eqx.filter_jit(balance)(problem, *map(jnp.asarray, (rhs, u, v, 0.01, 0.1, ZERO)))
-    found = np.asarray(acceleration)
+    solution = np.asarray(acceleration)
     assert effort.converged
-    residual = whole @ found + damping @ (v + 0.1 * found) + np.asarray(chain(jnp.asarray(u + 0.01 * found))) - rhs
+    residual = (
+        full_mass @ solution
+        + damping @ (v + 0.1 * solution)
+        + np.asarray(chain(jnp.asarray(u + 0.01 * solution)))
+        - rhs
+    )
     np.testing.assert_allclose(residual, 0.0, atol=1e-8)
 
 
@@ -294,9 +299,10 @@ def test_an_unsymmetric_mass_is_part_of_the_other_terms():
     mass, stiffness = np.array([[2.0, 1.0], [0.0, 1.0]]), np.diag([100.0, 150.0])
     with pytest.raises(ValueError, match="by 1: leave it out, and give force, damping and load multiplied by its inv"):
         study.Problem(stiffness=stiffness, mass=mass, u0=[1.0, 0.5])
-    of_mass = np.linalg.inv(mass)
-    end = study.final_state(study.Problem(lambda u: of_mass @ stiffness @ u, u0=[1.0, 0.5]), "rk4", dt=1e-3, steps=1000)
-    first_order = np.block([[np.zeros((2, 2)), np.eye(2)], [-of_mass @ stiffness, np.zeros((2, 2))]])
+    inverse_mass = np.linalg.inv(mass)
+    problem = study.Problem(lambda u: inverse_mass @ stiffness @ u, u0=[1.0, 0.5])
+    end = study.final_state(problem, "rk4", dt=1e-3, steps=1000)
+    first_order = np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse_mass @ stiffness, np.zeros((2, 2))]])
     np.testing.assert_allclose(end["u"], (expm(first_order) @ [1, 0.5, 0, 0])[:2], atol=1e-8)
 
 

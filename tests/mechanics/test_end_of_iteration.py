@@ -30,8 +30,8 @@ def test_masses_tied_by_a_multiplier_move_as_one_at_every_step_size(scheme, prec
     t = 300 * dt
     round_off = 1e-9 if precision == "double" else 1e-3
     for unknown in (0, 1):
-        off = np.abs(ds.u.values[:, -1, unknown] - np.cos(omega * t))
-        assert np.all(off <= 0.2 * omega**3 * t * dt**2 + round_off)
+        errors = np.abs(ds.u.values[:, -1, unknown] - np.cos(omega * t))
+        assert np.all(errors <= 0.2 * omega**3 * t * dt**2 + round_off)
 
 
 #: Gravity.
@@ -47,8 +47,9 @@ def _hanging(form, angle):
         length = jnp.sqrt(x * x + y * y)
         return jnp.stack([u[2] * x / length, u[2] * y / length + G, length - 1])
 
-    at = [x0, y0] if form == "position" else [0.0, 0.0]
-    return study.Problem(force, np.array([*at, G * np.cos(angle)]), mass=np.array([1.0, 1.0, 0.0]), tangent="dense")
+    position = [x0, y0] if form == "position" else [0.0, 0.0]
+    u0 = np.array([*position, G * np.cos(angle)])
+    return study.Problem(force, u0, mass=np.array([1.0, 1.0, 0.0]), tangent="dense")
 
 
 @pytest.mark.parametrize("form, angle", [("position", 1.0), ("displacement", 1.0), ("displacement", 1e-3)])
@@ -81,13 +82,13 @@ def test_a_joint_without_mass_between_two_springs(scheme):
     def joint(u):
         return brentq(lambda x: 100 * x + 400 * x**3 - 50 * (u - x), -10, 10, xtol=1e-15)
 
-    def of_mass(t, y):
+    def rates(t, y):
         return [y[1], -50 * (y[0] - joint(y[0]))]
 
     dt = np.array([0.02, 1e-3, 1e-5])
     problem = study.Problem(_in_series, np.array([1.0, joint(1.0)]), mass=np.array([1.0, 0.0]))
     ds = study.run(problem, scheme, dt=dt, steps=50, every=50, on_failure="raise")
-    exact = solve_ivp(of_mass, (0, 1.0), [1.0, 0.0], t_eval=np.sort(50 * dt), rtol=1e-11, atol=1e-12).y[0][::-1]
+    exact = solve_ivp(rates, (0, 1.0), [1.0, 0.0], t_eval=np.sort(50 * dt), rtol=1e-11, atol=1e-12).y[0][::-1]
     np.testing.assert_array_less(np.abs(ds.u.values[:, -1, 0] - exact), 30 * dt**2 + 1e-11)
     np.testing.assert_allclose(ds.u.values[:, -1, 1], [joint(u) for u in ds.u.values[:, -1, 0]], rtol=1e-12)
 
@@ -132,14 +133,14 @@ def _cantilever(units, massless):
 
 @pytest.mark.parametrize("massless", [False, True])
 def test_units_do_not_change_the_motion(massless):
-    found = []
+    displacements = []
     for units in UNITS:
         problem, u_unit = _cantilever(units, massless)
         ds = study.run(problem, "bathe", dt=[1e-2, 1e-4], steps=50, on_failure="raise")
-        found.append(ds.u.values * u_unit)
-    peaks = np.abs(found[0]).max(axis=1)
-    for other in found[1:]:
-        np.testing.assert_array_less(np.abs(other - found[0]).max(axis=1) / peaks, 1e-10)
+        displacements.append(ds.u.values * u_unit)
+    peaks = np.abs(displacements[0]).max(axis=1)
+    for displacement in displacements[1:]:
+        np.testing.assert_array_less(np.abs(displacement - displacements[0]).max(axis=1) / peaks, 1e-10)
 
 
 def test_smaller_steps_are_no_advice_where_they_do_not_help():

@@ -12,7 +12,7 @@ from study.mechanics.ground import GroundLoad
 HEADER = "a quake\nsome station\nacceleration in units of g\nNPTS= {}, DT= .02000 SEC\n"
 
 
-def written(path, samples, count=None):
+def write_record(path, samples, count=None):
     rows = "\n".join(" ".join(f"{x:9.5f}" for x in samples[i : i + 8]) for i in range(0, len(samples), 8))
     path.write_text(HEADER.format(len(samples) if count is None else count) + rows + "\n")
     return path
@@ -27,7 +27,7 @@ def test_the_record_of_el_centro_has_the_published_peak():
 
 def test_a_file_of_peer_is_read_in_metres(tmp_path):
     samples = np.array([0.1, -0.2, 0.3, 0.05, -0.4, 0.25, 0.1, 0.0, 0.2])
-    record = study.GroundMotion.read(written(tmp_path / "quake.at2", samples), unit="g")
+    record = study.GroundMotion.read(write_record(tmp_path / "quake.at2", samples), unit="g")
     np.testing.assert_allclose(record.acceleration, np.concatenate([[0], 9.80665 * samples]))
     assert record.title == "quake"
 
@@ -43,9 +43,9 @@ def test_two_columns_are_read_from_any_first_time(tmp_path):
 def test_the_motion_is_linear_between_samples_and_zero_after_the_last():
     record = study.GroundMotion(np.array([0.0, 1.0, -2.0, 0.5]), 0.3)
     t = np.linspace(0, 1.5, 301)
-    got = np.array([float(record(jnp.asarray(x))) for x in t])
-    wanted = np.where(t < 0.9 - 1e-12, np.interp(t, record.kinks, record.acceleration), 0.0)
-    np.testing.assert_allclose(got, wanted, atol=1e-12)
+    values = np.array([float(record(jnp.asarray(x))) for x in t])
+    expected = np.where(t < 0.9 - 1e-12, np.interp(t, record.kinks, record.acceleration), 0.0)
+    np.testing.assert_allclose(values, expected, atol=1e-12)
     np.testing.assert_allclose(record.scaled(2.0).acceleration, [0, 2, -4, 1])
 
 
@@ -55,9 +55,9 @@ def test_velocity_and_displacement_are_the_integrals_of_the_acceleration():
     a = np.where(t < 0.9, np.interp(t, record.kinks, record.acceleration), 0.0)
     v = cumulative_trapezoid(a, t, initial=0.0)
     u = cumulative_trapezoid(v, t, initial=0.0)
-    some = slice(None, None, 1000)
-    np.testing.assert_allclose(jax.vmap(record.velocity)(t[some]), v[some], atol=1e-4)
-    np.testing.assert_allclose(jax.vmap(record.displacement)(t[some]), u[some], atol=1e-4)
+    samples = slice(None, None, 1000)
+    np.testing.assert_allclose(jax.vmap(record.velocity)(t[samples]), v[samples], atol=1e-4)
+    np.testing.assert_allclose(jax.vmap(record.displacement)(t[samples]), u[samples], atol=1e-4)
 
 
 def test_a_loose_mass_stays_where_it_is_while_the_ground_moves():
@@ -85,7 +85,7 @@ def test_the_ground_is_a_load_on_every_mass():
     [("G,", "g"), ("CM/S**2", "cm/s2"), ("cm/s^2", "cm/s2"), ("cm/sec/sec", "cm/s2"), ("Gal", "cm/s2"), ("ells", "g")],
 )
 def test_units_of_headers_are_known_by_any_spelling(tmp_path, stated, unit):
-    path = written(tmp_path / "quake.at2", np.array([0.1, -0.2, 0.3]))
+    path = write_record(tmp_path / "quake.at2", np.array([0.1, -0.2, 0.3]))
     path.write_text(path.read_text().replace("units of g", f"UNITS OF {stated}"))
     assert len(study.GroundMotion.read(path, unit=unit).acceleration) == 4
 
@@ -364,13 +364,13 @@ def test_a_stochastic_motion_has_the_spectral_density_of_kanai_and_tajimi():
 
 
 def test_a_seed_and_an_envelope_make_a_stochastic_motion():
-    one, again, other = (study.GroundMotion.kanai_tajimi(seed) for seed in (1, 1, 2))
-    np.testing.assert_array_equal(one.acceleration, again.acceleration)
-    assert np.abs(one.acceleration - other.acceleration).max() > 1
+    first, again, second = (study.GroundMotion.kanai_tajimi(seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first.acceleration, again.acceleration)
+    assert np.abs(first.acceleration - second.acceleration).max() > 1
     steady = study.GroundMotion.kanai_tajimi(1, rise=1e-9, fall=30.0).acceleration[1:]
-    t = one.kinks[1:]
+    t = first.kinks[1:]
     envelope = np.where(t < 2, t**2 / 4, np.where(t < 10, 1, np.exp(-0.4 * (t - 10))))
-    np.testing.assert_allclose(one.acceleration[1:], envelope * steady, atol=1e-12)
+    np.testing.assert_allclose(first.acceleration[1:], envelope * steady, atol=1e-12)
 
 
 def test_an_ensemble_runs_over_records_and_not_over_seeds():
@@ -381,7 +381,7 @@ def test_an_ensemble_runs_over_records_and_not_over_seeds():
     def shaken(record):
         return study.Problem(lambda u: 100 * u, u0=0.0, ground=study.GroundMotion(record, 0.02))
 
-    def of_seed(seed):
+    def seeded(seed):
         return study.Problem(lambda u: 100 * u, u0=0.0, ground=study.GroundMotion.kanai_tajimi(seed))
 
     run = {"scheme": "rk4", "dt": 0.02, "steps": 150}
@@ -391,7 +391,7 @@ def test_an_ensemble_runs_over_records_and_not_over_seeds():
     with pytest.raises(
         ValueError, match=r"seed must be a whole number .*; for an ensemble over seeds, make the records"
     ):
-        study.run(of_seed, over={"seed": [1, 2]}, **run)
+        study.run(seeded, over={"seed": [1, 2]}, **run)
     with pytest.raises(ValueError, match=r"over\['record'\] has rows of different lengths: pad the shorter ones"):
         study.run(shaken, over={"record": [[1.0, 2.0], [1.0]]}, **run)
 
@@ -419,7 +419,7 @@ ROWS = [f"{k * 0.0078125:.3f} {value}" for k, value in enumerate(ONE)]
 
 
 @pytest.mark.parametrize(
-    "lines, given",
+    "lines, options",
     [
         (["6 0.0078125", *map(str, ONE)], {}),
         (["6 0.0078125", *(f"{k * 0.0078125} {value}" for k, value in enumerate(ONE))], {}),
@@ -430,10 +430,10 @@ ROWS = [f"{k * 0.0078125:.3f} {value}" for k, value in enumerate(ONE)]
     ],
     ids=["count and spacing", "count and times", "count", "year", "decimal commas", "rounded times"],
 )
-def test_forms_of_columns_give_the_same_record(tmp_path, lines, given):
+def test_forms_of_columns_give_the_same_record(tmp_path, lines, options):
     path = tmp_path / "record.txt"
     path.write_text("\n".join(lines))
-    record = study.GroundMotion.read(path, unit="m/s2", **given)
+    record = study.GroundMotion.read(path, unit="m/s2", **options)
     np.testing.assert_allclose(record.acceleration, ONE)
     assert float(record.dt) == pytest.approx(0.0078125)
 
@@ -452,6 +452,6 @@ def test_forms_of_columns_give_the_same_record(tmp_path, lines, given):
 def test_columns_that_are_no_record_are_refused_with_a_way_out(tmp_path, lines, message):
     path = tmp_path / "record.txt"
     path.write_text("\n".join(lines))
-    given = {"dt": 0.0078125} if message == "constant time apart" else {}
+    options = {"dt": 0.0078125} if message == "constant time apart" else {}
     with pytest.raises(ValueError, match=message):
-        study.GroundMotion.read(path, unit="m/s2", **given)
+        study.GroundMotion.read(path, unit="m/s2", **options)

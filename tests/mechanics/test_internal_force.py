@@ -48,8 +48,8 @@ def test_kinks_are_seen(force, kinked):
     ],
 )
 def test_switches_change_their_sign_at_kinks(force, arguments, expected):
-    found = switches(force, *map(jnp.asarray, arguments))
-    np.testing.assert_allclose(np.sort(np.abs(found)), np.sort(np.abs(expected)), atol=1e-15)
+    values = switches(force, *map(jnp.asarray, arguments))
+    np.testing.assert_allclose(np.sort(np.abs(values)), np.sort(np.abs(expected)), atol=1e-15)
 
 
 def test_smooth_problems_of_the_study_are_seen_as_smooth():

@@ -82,9 +82,9 @@ def test_a_family_and_several_unknowns_have_the_safeguard_too():
 
     scale, arguments = [0.01, 1.0, 2.0], {"dt": 0.5, "steps": 100, "observe": "newton_iterations"}
     family = study.run(springs, "average_acceleration", over={"scale": scale}, **arguments)
-    alone = [study.run(springs(one), "average_acceleration", **arguments) for one in scale]
+    alone = [study.run(springs(factor), "average_acceleration", **arguments) for factor in scale]
     assert not family.status.any() and family.newton_restarts[0] == 0 < family.newton_restarts[2]
-    assert [int(one.status) for one in alone] == [0, 0, 0]
+    assert [int(run.status) for run in alone] == [0, 0, 0]
 
 
 def test_a_number_that_is_not_finite_ends_the_iteration():

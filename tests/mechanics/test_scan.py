@@ -16,7 +16,7 @@ SECRET = np.sqrt(2.0) * 4
 
 
 @pytest.mark.parametrize(
-    "load, wanted",
+    "load, expected",
     [
         (lambda t: jnp.where((t >= 8) & (t < 8.02), 50.0, 0.0), [8, 8.02]),
         (lambda t: jnp.where((t >= 3.3) & (t < 3.3 + 1e-5), 1e5, 0.0), [3.3, 3.30001]),
@@ -31,24 +31,24 @@ SECRET = np.sqrt(2.0) * 4
         (lambda t: jnp.ones(200) * jnp.where((t >= 8) & (t < 8.02), 50.0, 0.0), [8, 8.02]),
     ],
 )
-def test_jumps_and_kinks_are_found(load, wanted):
-    found = events(load, 20.0)
-    assert all(np.abs(found - time).min() < 1e-9 for time in wanted)
+def test_jumps_and_kinks_are_found(load, expected):
+    times = events(load, 20.0)
+    assert all(np.abs(times - time).min() < 1e-9 for time in expected)
     # in addition, one time may lie between two neighbouring ones
-    assert len(found) <= 2 * len(wanted) - 1
+    assert len(times) <= 2 * len(expected) - 1
 
 
 def test_a_train_of_pulses_is_found_whole():
-    found = events(lambda t: jnp.where(t % 0.5 < 0.01, 1.0, 0.0), 20.0)
-    wanted = np.concatenate([[0.01], *(k * 0.5 + np.array([0, 0.01]) for k in range(1, 40))])
-    np.testing.assert_allclose(found, wanted, atol=1e-9)
+    times = events(lambda t: jnp.where(t % 0.5 < 0.01, 1.0, 0.0), 20.0)
+    expected = np.concatenate([[0.01], *(k * 0.5 + np.array([0, 0.01]) for k in range(1, 40))])
+    np.testing.assert_allclose(times, expected, atol=1e-9)
 
 
 @pytest.mark.parametrize("width", [0.02, 1e-3, 1e-5])
 def test_a_smooth_pulse_gives_its_surroundings_and_its_peak(width):
-    found = events(lambda t: jnp.exp(-(((t - 3.3) / width) ** 2)), 20.0)
-    assert found.min() < 3.3 < found.max() and np.ptp(found) < 12 * width + 3 * 20 / 8191
-    assert np.exp(-((np.abs(found - 3.3).min() / width) ** 2)) > 0.5
+    times = events(lambda t: jnp.exp(-(((t - 3.3) / width) ** 2)), 20.0)
+    assert times.min() < 3.3 < times.max() and np.ptp(times) < 12 * width + 3 * 20 / 8191
+    assert np.exp(-((np.abs(times - 3.3).min() / width) ** 2)) > 0.5
 
 
 @pytest.mark.parametrize("frequency", [1e-3, 0.3, 1.3, 40.0, 700.0, 2573.0, 3000.0, 1e4, 1e5])
@@ -80,18 +80,18 @@ def test_a_pulse_of_a_4000th_of_the_duration_is_certain_to_be_found():
         def pulse(t, root=root):
             return jnp.maximum(0.0, 1 - ((t**0.5 - root) * (t**0.5 + root) * 2 * 4000 / 20) ** 2)
 
-        found = events(pulse, 20.0)
-        assert len(found) >= 2 and np.abs(found - start).max() < 20 / 4000
+        times = events(pulse, 20.0)
+        assert len(times) >= 2 and np.abs(times - start).max() < 20 / 4000
 
 
 def test_a_scan_follows_what_the_load_reads():
-    begins = {"at": 3.0}
+    start = {"at": 3.0}
 
     def load(t):
-        return jnp.where(t > begins["at"], 1.0, 0.0)
+        return jnp.where(t > start["at"], 1.0, 0.0)
 
     assert events(load, 10.0) == pytest.approx([3.0])
-    begins["at"] = 4.0
+    start["at"] = 4.0
     assert events(load, 10.0) == pytest.approx([4.0])
 
 

@@ -59,8 +59,8 @@ def test_a_structure_may_be_declared_that_holds_more(declared, structure):
 def test_of_many_unknowns_the_places_of_the_tangent_are_found():
     many = np.zeros(tangent.FINDABLE + 1)
     assert study.Problem(chain, many).tangent == 1
-    far = study.Problem(lambda u: chain(u) + u - jnp.roll(u, 5), many).tangent
-    assert isinstance(far, SparseTangent) and not far.pattern.symmetric
+    wide_tangent = study.Problem(lambda u: chain(u) + u - jnp.roll(u, 5), many).tangent
+    assert isinstance(wide_tangent, SparseTangent) and not wide_tangent.pattern.symmetric
     assert study.Problem(chain, many, tangent="tridiagonal").tangent == 1
 
 
@@ -88,8 +88,8 @@ def test_the_coupling_of_contacts_that_slip_near_the_start_is_found(slip):
         return 1e7 * u + p, history
 
     options = {"u0": np.zeros(8), "history": contacts.history, "damping": study.Rayleigh(a=0.0, b=0.02)}
-    found = study.Problem(force, **options)
-    assert found.tangent == 1
+    detected = study.Problem(force, **options)
+    assert detected.tangent == 1
     declared = study.Problem(force, tangent="dense", **options)
     v = np.arange(8.0)
-    np.testing.assert_allclose(times(found.damping, v), times(declared.damping, v), rtol=1e-12)
+    np.testing.assert_allclose(times(detected.damping, v), times(declared.damping, v), rtol=1e-12)
