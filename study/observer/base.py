@@ -31,12 +31,12 @@ class Observer(eqx.Module):
 
     def refusal(self, problem: Problem) -> str | None:
         """One sentence on why the problem cannot be observed; None if it can."""
-        for needed, argument in (
+        for is_needed, argument in (
             (self.needs_energy, "potential"),
             (self.needs_positions, "positions"),
             (self.needs_ground, "ground"),
         ):
-            if needed and getattr(problem, argument) is None:
+            if is_needed and getattr(problem, argument) is None:
                 names = ", ".join(self.variables)
                 return f"{names} of '{problem.title}' needs Problem({argument}=...), which it was made without."
         return None

@@ -61,18 +61,18 @@ class Oscillations(Reduction):
     }
 
     def start(self, problem, state):
-        none, now = jnp.zeros(state.u.shape, int), (state.u, state.v)
-        never = none, now, now
-        return (jnp.zeros((), int), jnp.zeros(())), now, none, never, never
+        none, phase = jnp.zeros(state.u.shape, int), (state.u, state.v)
+        never = none, phase, phase
+        return (jnp.zeros((), int), jnp.zeros(())), phase, none, never, never
 
     def update(self, carried, problem, state, t, effort):
         (step, dt), before, crossings, first, last = carried
-        dt, now = jnp.where(step == 0, t, dt), (state.u, state.v)
+        dt, phase = jnp.where(step == 0, t, dt), (state.u, state.v)
         crossed = crosses_upwards(before[0], state.u, self.level)
         # both ends of the step are kept; only the first and the last crossing are interpolated, after the run
-        last = jax.tree.map(partial(jnp.where, crossed), (step, before, now), last)
+        last = jax.tree.map(partial(jnp.where, crossed), (step, before, phase), last)
         first = jax.tree.map(partial(jnp.where, crossings == 0), last, first)
-        return (step + 1, dt), now, crossings + crossed.astype(int), first, last
+        return (step + 1, dt), phase, crossings + crossed.astype(int), first, last
 
     def result(self, carried, problem, state):
         (_, dt), _, crossings, (first, *first_ends), (last, *last_ends) = carried

@@ -111,8 +111,8 @@ class ChangeOfEnergy(Reduction):
     def result(self, carried, problem, state):
         u0, kinetic, largest = carried
         if problem.potential is not None:
-            stored, at_end = problem.stored_energy(u0), problem.stored_energy(state.u)
-            change, error = at_end - stored, ROUND_OFF * (jnp.abs(stored) + jnp.abs(at_end))
+            stored, stored_end = problem.stored_energy(u0), problem.stored_energy(state.u)
+            change, error = stored_end - stored, ROUND_OFF * (jnp.abs(stored) + jnp.abs(stored_end))
         else:
             change, half = (_work(problem, u0, state.u, points) for points in (POINTS, POINTS // 2))
             error = 4 * jnp.abs(change - half)
@@ -186,21 +186,21 @@ class EnergyBalance(Reduction):
 
     def update(self, carried, problem, state, t, effort):
         (u, v, f, force), at_start, (dissipated, work), (imbalance, most_work) = carried
-        now = self._at(problem, state, t)
+        end = self._at(problem, state, t)
         way = state.u - u
         if problem.damping is not None:
             dissipated += jnp.vdot(way, times(problem.damping, v + state.v)) / 2
         if problem.dissipative:
-            (p, stored), (p_now, stored_now) = force, now[3]
+            (p, stored), (p_now, stored_now) = force, end[3]
             dissipated += jnp.vdot(way, p + p_now) / 2 - (stored_now - stored)
         if problem.load is not None:
-            work += jnp.vdot(way, f + now[2]) / 2
+            work += jnp.vdot(way, f + end[2]) / 2
         handled = self._energy(problem, state) + dissipated
         imbalance = jnp.maximum(imbalance, jnp.abs(handled - work - at_start))
         most_work = jnp.maximum(most_work, jnp.abs(work))
         if problem.potential is None:
             most_work = jnp.maximum(most_work, jnp.abs(dissipated))
-        return now, at_start, (dissipated, work), (imbalance, most_work)
+        return end, at_start, (dissipated, work), (imbalance, most_work)
 
     def result(self, carried, problem, state):
         _, at_start, (dissipated, work), (imbalance, most_work) = carried

@@ -44,12 +44,12 @@ def _chosen(condition, value, other):
     return jax.tree.map(partial(jnp.where, condition), value, other)
 
 
-def _quintic(problem: Problem, before, now, dt, of_v: bool = False):
+def _quintic(problem: Problem, before, after, dt, of_v: bool = False):
     """Coefficients of the quintic through u, u̇ and the acceleration of the free motion at both ends of a step.
 
     With ``of_v``, the coefficients of its derivative.
     """
-    start, end = ((u, v, acceleration(problem, 0.0, u, v)) for u, v in (before, now))
+    start, end = ((u, v, acceleration(problem, 0.0, u, v)) for u, v in (before, after))
     return quintic(start, end, dt, of_v)
 
 
@@ -130,20 +130,20 @@ class PeriodError(Reduction):
     }
 
     def start(self, problem, state):
-        now = state.u, state.v
-        step = jnp.zeros(()), now, now
-        return jnp.zeros((), int), now, now, jnp.zeros((), int), step, step
+        start = state.u, state.v
+        step = jnp.zeros(()), start, start
+        return jnp.zeros((), int), start, start, jnp.zeros((), int), step, step
 
     def _with_last_crossing(self, carried):
-        step, before, now, crossings, first, last = carried
-        crossed = crosses_upwards(before[0], now[0], self.level)
-        this = step.astype(float) - 1, before, now
-        first, last = _chosen(crossed & (crossings == 0), this, first), _chosen(crossed, this, last)
-        return step, before, now, crossings + crossed.astype(int), first, last
+        step, before, after, crossings, first, last = carried
+        crossed = crosses_upwards(before[0], after[0], self.level)
+        step_ends = step.astype(float) - 1, before, after
+        first, last = _chosen(crossed & (crossings == 0), step_ends, first), _chosen(crossed, step_ends, last)
+        return step, before, after, crossings + crossed.astype(int), first, last
 
     def update(self, carried, problem, state, t, effort):
-        step, _, now, *others = self._with_last_crossing(carried)
-        return step + 1, now, (state.u, state.v), *others
+        step, _, after, *others = self._with_last_crossing(carried)
+        return step + 1, after, (state.u, state.v), *others
 
     def result(self, carried, problem, state):
         step, _, _, crossings, *ends = self._with_last_crossing(carried)
@@ -157,9 +157,9 @@ class PeriodError(Reduction):
             "phase_error": jnp.where(swings, last / self.steps - (self.crossing + between), jnp.nan),
         }
 
-    def _crossing(self, problem, step, before, now):
-        displacement, *rest = _quintic(problem, before, now, self.dt)
-        return step + _root((displacement - self.level, *rest))
+    def _crossing(self, problem, step, before, after):
+        displacement, *coefficients = _quintic(problem, before, after, self.dt)
+        return step + _root((displacement - self.level, *coefficients))
 
 
 class AmplitudeDecay(Reduction):
@@ -188,19 +188,19 @@ class AmplitudeDecay(Reduction):
     }
 
     def start(self, problem, state):
-        now = state.u, state.v
-        return now, now, jnp.zeros((), int), (now, now), (now, now)
+        start = state.u, state.v
+        return start, start, jnp.zeros((), int), (start, start), (start, start)
 
     def _with_last_maximum(self, carried):
-        before, now, maxima, first, last = carried
-        turned = (before[1] > 0) & (now[1] <= 0)
-        this = before, now
-        first, last = _chosen(turned & (maxima == 0), this, first), _chosen(turned, this, last)
-        return before, now, maxima + turned.astype(int), first, last
+        before, after, maxima, first, last = carried
+        turned = (before[1] > 0) & (after[1] <= 0)
+        step_ends = before, after
+        first, last = _chosen(turned & (maxima == 0), step_ends, first), _chosen(turned, step_ends, last)
+        return before, after, maxima + turned.astype(int), first, last
 
     def update(self, carried, problem, state, t, effort):
-        _, now, *others = self._with_last_maximum(carried)
-        return now, (state.u, state.v), *others
+        _, after, *others = self._with_last_maximum(carried)
+        return after, (state.u, state.v), *others
 
     def result(self, carried, problem, state):
         *_, maxima, first, last = self._with_last_maximum(carried)
@@ -208,6 +208,6 @@ class AmplitudeDecay(Reduction):
         periods = maxima.astype(float) - 1
         return {"amplitude_decay": jnp.where(maxima > 1, 1 - (last / first) ** (1 / periods), jnp.nan)}
 
-    def _amplitude(self, problem, before, now):
-        at = _root(_quintic(problem, before, now, self.dt, of_v=True))
-        return value(_quintic(problem, before, now, self.dt), at) - self.rest
+    def _amplitude(self, problem, before, after):
+        root = _root(_quintic(problem, before, after, self.dt, of_v=True))
+        return value(_quintic(problem, before, after, self.dt), root) - self.rest

@@ -157,7 +157,7 @@ class Quantity(Record):
         if not callable(self.function):
             raise TypeError(f"a quantity needs a function, not {self.function!r}.")
         _arguments_of(self.function)
-        numbers = isinstance(self.scale, tuple) and self.scale and all(0 < one < np.inf for one in self.scale)
+        numbers = isinstance(self.scale, tuple) and self.scale and all(0 < size < np.inf for size in self.scale)
         if self.scale not in SCALES and not numbers:
             raise ValueError(
                 f"scale must be {', '.join(map(repr, SCALES))}, or numbers greater than zero, not {self.scale!r}."
@@ -228,20 +228,20 @@ class Quantity(Record):
 
     def _at_start(self, u, v):
         """The quantity at t = 0, with NumPy arrays as arguments and zeros in place of the accelerations."""
-        given = {"t": 0.0, "u": u, "v": v, "a": np.zeros_like(u), "ground": np.zeros_like(u)}
-        return self.function(**{name: given[name] for name in _arguments_of(self.function)})
+        arguments = {"t": 0.0, "u": u, "v": v, "a": np.zeros_like(u), "ground": np.zeros_like(u)}
+        return self.function(**{name: arguments[name] for name in _arguments_of(self.function)})
 
     def value(self, problem: Problem, t: ScalarLike, u: Vector, v: Vector) -> jax.Array:
         """The quantity at one time: a number, or a vector (m,)."""
         t, u, v = jnp.asarray(t, float), jnp.asarray(u), jnp.asarray(v)
         names = _arguments_of(self.function)
-        given = {"t": t, "u": u, "v": v}
+        arguments = {"t": t, "u": u, "v": v}
         if "a" in names:
-            given["a"] = acceleration(problem, t, u, v)
+            arguments["a"] = acceleration(problem, t, u, v)
         if "ground" in names:
             # a problem without ground motion is refused
-            given["ground"] = problem.influence * problem.ground(t)  # type: ignore[misc]
-        return jnp.asarray(self.function(**{name: given[name] for name in names}))
+            arguments["ground"] = problem.influence * problem.ground(t)  # type: ignore[misc]
+        return jnp.asarray(self.function(**{name: arguments[name] for name in names}))
 
     def sample(self, problem, initial, state, t):
         return {self.name: self.value(problem, t, state.u, state.v)}

@@ -56,9 +56,9 @@ def _rest_of(problem: Problem) -> float:
     force = jit(jax.vmap(problem.static_force))
     downhill = -1.0 if force(np.array([u0])).item() > 0 else 1.0
     places = u0 + downhill * max(abs(u0), 1) * np.geomspace(1 / FARTHEST, FARTHEST, 10_000)
-    ahead = np.asarray(force(places)) * downhill
-    beyond = np.nonzero(~(ahead <= 0))[0]  # a force that underflows to zero far away is no minimum
-    if not len(beyond) or np.isnan(ahead[beyond[0]]):
+    forces = np.asarray(force(places)) * downhill
+    beyond = np.nonzero(~(forces <= 0))[0]  # a force that underflows to zero far away is no minimum
+    if not len(beyond) or np.isnan(forces[beyond[0]]):
         raise ValueError(f"the potential of '{problem.title}' has no minimum downhill of u0 = {u0:g}.")
     inner, outer = places[beyond[0] - 1] if beyond[0] else u0, places[beyond[0]]
     precision = 1e-16 * abs(outer - u0)
@@ -153,8 +153,8 @@ class OutcomeObserver(KeywordsOnly, Reduction):
     def update(self, carried, problem, state, t, effort):
         (height, side), error, iterations, first = carried
         # H/H₀ rather than H: XLA does not repeat a division, and so computes the energy once for all events
-        now = (problem.energy(state.u, state.v) - self.rest) / height
-        change = jnp.abs(now - 1)
+        energy = (problem.energy(state.u, state.v) - self.rest) / height
+        change = jnp.abs(energy - 1)
 
         def first_time(event, before):
             return jnp.where(event & (before == jnp.inf), t, before)
@@ -169,8 +169,8 @@ class OutcomeObserver(KeywordsOnly, Reduction):
             crossed = first_time((state.u * side < 0) & (height + self.rest < self.barrier), first.crossed)
         events = _Events(
             inaccurate=first_time(change > ACCURATE, first.inaccurate),
-            at_rest=since(now < AT_REST, first.at_rest),
-            grown=since(now > GROWN * highest, first.grown),
+            at_rest=since(energy < AT_REST, first.at_rest),
+            grown=since(energy > GROWN * highest, first.grown),
             crossed=crossed,
         )
         iterations = jnp.maximum(iterations, effort.iterations)
@@ -234,5 +234,5 @@ class Height(Record):
     needs_energy = True
 
     def sample(self, problem, initial, state, t):
-        first, now = (problem.energy(at.u, at.v) - self.rest for at in (initial, state))
-        return {"height": now / first}
+        first, height = (problem.energy(motion.u, motion.v) - self.rest for motion in (initial, state))
+        return {"height": height / first}

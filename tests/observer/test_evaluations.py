@@ -9,8 +9,8 @@ import study
 NAMES = ["force_evaluations", "tangent_evaluations", "factorisations"]
 
 
-def _counts(problem, scheme, **given) -> list[int]:
-    ds = study.run(problem, scheme, observe=["effort", "newton_iterations"], **given)
+def _counts(problem, scheme, **options) -> list[int]:
+    ds = study.run(problem, scheme, observe=["effort", "newton_iterations"], **options)
     return [int(ds[name]) for name in (*NAMES, "newton_iterations")]
 
 
@@ -20,8 +20,8 @@ def test_an_explicit_step_takes_a_force_and_no_matrix():
 
 
 def test_a_newton_iteration_takes_force_tangent_and_factorisation():
-    forces, *others, iterations = _counts("hardening", "average_acceleration", dt=0.0075, steps=10)
-    assert forces == 1 + iterations and others == [iterations] * 2
+    forces, *counts, iterations = _counts("hardening", "average_acceleration", dt=0.0075, steps=10)
+    assert forces == 1 + iterations and counts == [iterations] * 2
 
 
 def test_an_explicit_scheme_that_iterates_for_the_velocity_counts_its_iterations():
@@ -37,8 +37,8 @@ def test_the_matrix_of_a_linear_problem_is_new_when_the_step_size_changes(kind):
     if kind == "equal":
         assert _counts(springs, "average_acceleration", dt=0.1, steps=10) == [1 + 10, 0, 1, 10]
         return
-    given = {"tolerance": 1e-3, "duration": 10.0, "dt": 2.0, "observe": ["trajectory", "effort"]}
-    ds = study.run(springs, "average_acceleration", **given)
+    options = {"tolerance": 1e-3, "duration": 10.0, "dt": 2.0, "observe": ["trajectory", "effort"]}
+    ds = study.run(springs, "average_acceleration", **options)
     rejected = int(ds.steps_rejected_by_estimate)
     changes = 1 + np.count_nonzero(np.abs(np.diff(ds.step_size[1:])) > 1e-12)
     assert ds.factorisations == changes + rejected and rejected > 0
@@ -62,7 +62,7 @@ def test_lanes_count_their_own_evaluations():
     ds = study.run("hardening", "average_acceleration", dt=[0.0075, 0.001], steps=20, observe="effort")
     alone = [study.run("hardening", "average_acceleration", dt=dt, steps=20, observe="effort") for dt in ds.dt.values]
     for name in NAMES:
-        np.testing.assert_array_equal(ds[name], [int(one[name]) for one in alone])
+        np.testing.assert_array_equal(ds[name], [int(run[name]) for run in alone])
 
 
 def test_the_exact_start_of_houbolt_is_counted():

@@ -11,14 +11,14 @@ from study.problem import trusses
 def test_conservation_in_a_spinning_truss(small_truss):
     """The energy-momentum method conserves the energy and both momenta, the midpoint rule only the momenta."""
     problem = trusses.spinning_truss()
-    ours, midpoint = (
+    conserving, midpoint = (
         study.run(problem, name, dt=0.1, steps=100, observe=["max_energy_error", "momentum_errors"])
         for name in ("energy_momentum", "implicit_midpoint")
     )
-    for ds in (ours, midpoint):
+    for ds in (conserving, midpoint):
         assert ds.status == 0
         assert ds.max_linear_momentum_error < 1e-10 and ds.max_angular_momentum_error < 1e-10
-    assert ours.max_energy_error < 1e-8 < 1e-3 < midpoint.max_energy_error
+    assert conserving.max_energy_error < 1e-8 < 1e-3 < midpoint.max_energy_error
 
 
 def test_momenta_in_space_are_those_in_the_plane():

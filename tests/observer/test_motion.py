@@ -69,7 +69,7 @@ def test_floors_are_accelerated_with_the_ground():
     np.testing.assert_allclose(ds.absolute_acceleration, 0, atol=1e-14)
     stiff = study.Problem(lambda u: 1e6 * u, u0=[0.0, 0.0], damping=2e3, ground=ground, influence=[1.0, 0.5])
     ds = study.run(stiff, "bathe", dt=0.01, steps=150, observe=observe)
-    wanted = np.interp(ds.t, ground.kinks, ground.acceleration)[:, None] * [1.0, 0.5]
-    np.testing.assert_allclose(ds.absolute_acceleration[5:], wanted[5:], atol=0.02)
+    expected = np.interp(ds.t, ground.kinks, ground.acceleration)[:, None] * [1.0, 0.5]
+    np.testing.assert_allclose(ds.absolute_acceleration[5:], expected[5:], atol=0.02)
     with pytest.raises(ValueError, match="absolute_acceleration of 'still' needs Problem.ground=...."):
         study.run(study.Problem(lambda u: u, u0=1.0, title="still"), "rk4", dt=0.1, steps=1, observe=observe)
