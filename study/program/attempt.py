@@ -93,10 +93,10 @@ class Run(NamedTuple):
         return self.status == STATUSES[0]
 
 
-def _array(name: str, given: object) -> Values:
+def _array(name: str, value: object) -> Values:
     try:
-        check_unmasked(f"'{name}'", given)
-        values = np.asarray(given)
+        check_unmasked(f"'{name}'", value)
+        values = np.asarray(value)
         if values.dtype.kind == "c":
             raise Unusable("unusable", f"'{name}' must be real numbers, and is complex")
         values = values.astype(float)
@@ -123,15 +123,15 @@ def _check_times(t: np.ndarray, dt: float, duration: float) -> None:
     if not np.isfinite(t).all() or (gaps <= 0).any():
         raise Unusable("unequal_times", f"its times do not increase after t = {t[np.argmin(gaps > 0)]:g} s")
     # every gap but the last must equal the first; the last may be shorter
-    off = np.flatnonzero(np.append(np.abs(gaps[:-1] - gaps[0]), gaps[-1] - gaps[0]) > UNIFORM * gaps[0])
-    if off.size:
+    uneven = np.flatnonzero(np.append(np.abs(gaps[:-1] - gaps[0]), gaps[-1] - gaps[0]) > UNIFORM * gaps[0])
+    if uneven.size:
         raise Unusable(
             "unequal_times",
-            f"its times are {gaps[0]:g} s apart, and {gaps[off[0]]:g} s after t = {t[off[0]]:g} s: {WHOLE}",
+            f"its times are {gaps[0]:g} s apart, and {gaps[uneven[0]]:g} s after t = {t[uneven[0]]:g} s: {WHOLE}",
         )
     steps = t[0] / dt
-    late = gaps.size > 1 and t[0] > gaps[0] * (1 + UNIFORM)
-    if late or t[0] < -UNIFORM * dt or abs(steps - round(steps)) > UNIFORM * max(steps, 1):
+    starts_late = gaps.size > 1 and t[0] > gaps[0] * (1 + UNIFORM)
+    if starts_late or t[0] < -UNIFORM * dt or abs(steps - round(steps)) > UNIFORM * max(steps, 1):
         raise Unusable("unusable", f"it begins at t = {t[0]:g} s, and must begin at 0 or with the first output after 0")
     if t[-1] - gaps[-1] > duration * (1 + UNIFORM):
         raise Unusable("unusable", f"it ends at t = {t[-1]:g}, and must end at {duration:g} in the unit s")
@@ -141,7 +141,7 @@ def _check_times(t: np.ndarray, dt: float, duration: float) -> None:
         raise Unusable("unequal_times", f"its times are {gaps[0]:g} s apart at a step of {dt:g} s: {WHOLE}")
 
 
-def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, dict[str, Values]]:
+def checked(result: object, dt: float, duration: float) -> tuple[np.ndarray, dict[str, Values]]:
     """Times and quantities in the result of a run.
 
     Raises
@@ -150,42 +150,45 @@ def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, d
         If the result is not a mapping from names to finite numbers, if it is empty, if a quantity and the times have
         different lengths, or if the times are not equally spaced or end too early.
     """
-    if returned is None:
+    if result is None:
         raise Unusable("nothing", "it returned nothing")
-    if not isinstance(returned, Mapping):
-        raise Unusable("unusable", f"it returned {type(returned).__name__}, and not a mapping from names to numbers")
-    values = {str(name): _array(str(name), given) for name, given in returned.items()}
+    if not isinstance(result, Mapping):
+        raise Unusable("unusable", f"it returned {type(result).__name__}, and not a mapping from names to numbers")
+    values = {str(name): _array(str(name), value) for name, value in result.items()}
     t = values.pop(TIME, np.empty(0))
     if not values:
         raise Unusable("nothing", "it returned no quantity")
     if t.size:
         _check_times(t, dt, duration)
-    for name, one in values.items():
-        if one.ndim and len(one) != len(t):
-            raise Unusable("unusable", f"'{name}' has {len(one)} values at {len(t)} times '{TIME}'")
-        if not np.isfinite(one).all():
-            at = f" at t = {t[np.argmin(np.isfinite(one.reshape(len(t), -1)).all(axis=1))]:g} s" if one.ndim else ""
-            raise Unusable("not_finite", f"'{name}' is not finite{at}")
-        if np.abs(one).max() > LARGEST:
-            raise Unusable("not_finite", f"'{name}' grows to {np.abs(one).max():.1g}")
+    for name, quantity in values.items():
+        if quantity.ndim and len(quantity) != len(t):
+            raise Unusable("unusable", f"'{name}' has {len(quantity)} values at {len(t)} times '{TIME}'")
+        if not np.isfinite(quantity).all():
+            finite = np.isfinite(quantity.reshape(len(t), -1)).all(axis=1) if quantity.ndim else None
+            location = "" if finite is None else f" at t = {t[np.argmin(finite)]:g} s"
+            raise Unusable("not_finite", f"'{name}' is not finite{location}")
+        if np.abs(quantity).max() > LARGEST:
+            raise Unusable("not_finite", f"'{name}' grows to {np.abs(quantity).max():.1g}")
     return t, values
 
 
-def difference(one: Run, other: Run, sizes: Mapping[str, float] | None = None) -> float:
+def difference(first: Run, second: Run, sizes: Mapping[str, float] | None = None) -> float:
     """Largest difference of the quantities of two runs, relative to sizes, or otherwise to the values of the first run.
 
     It is infinite if times or names of quantities differ.
     """
-    if one.t.shape != other.t.shape or one.values.keys() != other.values.keys():
+    if first.t.shape != second.t.shape or first.values.keys() != second.values.keys():
         return np.inf
-    found = [0.0]
-    for name, values in {TIME: one.t, **one.values}.items():
-        theirs = other.t if name == TIME else other.values[name]
-        if theirs.shape != values.shape:
+    differences = [0.0]
+    for name, values in {TIME: first.t, **first.values}.items():
+        second_values = second.t if name == TIME else second.values[name]
+        if second_values.shape != values.shape:
             return np.inf
-        off = np.abs(values - theirs).max(initial=0.0)
-        found.append(float(off / ((sizes or {}).get(name) or np.abs(values).max() or off)) if off else 0.0)
-    return max(found)
+        deviation = np.abs(values - second_values).max(initial=0.0)
+        differences.append(
+            float(deviation / ((sizes or {}).get(name) or np.abs(values).max() or deviation)) if deviation else 0.0
+        )
+    return max(differences)
 
 
 def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
@@ -200,9 +203,9 @@ def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
     try:
         # values of a program may overflow, which ``checked`` reports
         with np.errstate(all="ignore"):
-            returned = run(scheme, dt)
+            result = run(scheme, dt)
         elapsed = time.perf_counter() - start
-        t, values = checked(returned, dt, duration)
+        t, values = checked(result, dt, duration)
         seconds = values.pop(SECONDS, np.array(elapsed)).flat[-1]
         return Run(scheme, dt, STATUSES[0], "", float(seconds), elapsed, t, values)
     except Unfit:

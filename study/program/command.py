@@ -66,7 +66,7 @@ class Command:
         """Run the command in a process, and return the quantities in its output."""
         with tempfile.TemporaryDirectory() as folder:
             output, printed = Path(folder) / "output.csv", Path(folder) / "printed"
-            given = {
+            values = {
                 "dt": repr(float(dt)),
                 "scheme": scheme,
                 "output": str(output),
@@ -74,9 +74,9 @@ class Command:
             }
             if self.deck:
                 filled = Path(folder) / self.deck_name
-                filled.write_text(_filled(self.deck, given), **_BYTES)
-                given["deck"] = str(filled)
-            words = [_filled(word, given) for word in shlex.split(self.template)]
+                filled.write_text(_filled(self.deck, values), **_BYTES)
+                values["deck"] = str(filled)
+            words = [_filled(word, values) for word in shlex.split(self.template)]
             # output goes to a file, because a process that outlives the program would keep a pipe open
             with printed.open("wb") as file:
                 process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT)
@@ -101,15 +101,15 @@ class Command:
 
 def _kill(process: subprocess.Popen) -> None:
     """End a process and all processes that it has started."""
-    own = psutil.Process(process.pid)
-    for one in [*own.children(recursive=True), own]:
+    parent = psutil.Process(process.pid)
+    for running in [*parent.children(recursive=True), parent]:
         with suppress(psutil.NoSuchProcess):
-            one.kill()
+            running.kill()
     process.wait()
 
 
-def _filled(word: str, given: dict[str, str]) -> str:
-    for place, value in given.items():
+def _filled(word: str, values: dict[str, str]) -> str:
+    for place, value in values.items():
         word = word.replace(f"{{{place}}}", value)
     return word
 

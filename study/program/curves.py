@@ -90,8 +90,8 @@ class Curve:
 
     def distance(self, finer: Curve, scale: np.ndarray) -> float:
         """Largest absolute value of the ``difference`` from a finer curve, relative to a scale, (components,)."""
-        off = np.abs(self.difference(finer)).reshape(-1, len(scale)).max(axis=0, initial=0.0)
-        return float(np.divide(off, scale, out=np.full(off.shape, np.inf), where=scale > 0).max())
+        largest = np.abs(self.difference(finer)).reshape(-1, len(scale)).max(axis=0, initial=0.0)
+        return float(np.divide(largest, scale, out=np.full(largest.shape, np.inf), where=scale > 0).max())
 
     def between(self) -> float:
         """Estimated relative error of interpolation between the times: half of the error with every second time.
@@ -106,5 +106,8 @@ class Curve:
 
 def curves(run: Run, quantities: Mapping[str, Quantity] | None = None) -> dict[str, Curve]:
     """The quantities of a run as curves, by name; ``quantities`` has those of a problem."""
-    of = quantities or {}
-    return {name: Curve(run.t if one.ndim else np.empty(0), one, of.get(name)) for name, one in run.values.items()}
+    known = quantities or {}
+    return {
+        name: Curve(run.t if values.ndim else np.empty(0), values, known.get(name))
+        for name, values in run.values.items()
+    }

@@ -147,13 +147,17 @@ class Program:
     @property
     def title(self) -> str:
         """The name of the program, or the title or name of ``run``."""
-        of_run = getattr(self.run, "title", None) or getattr(self.run, "__name__", type(self.run).__name__)
-        return self.name or str(of_run)
+        run_title = getattr(self.run, "title", None) or getattr(self.run, "__name__", type(self.run).__name__)
+        return self.name or str(run_title)
 
     @property
     def quantities(self) -> dict[str, Quantity]:
         """The quantities of a problem that runs as a program, by name; they state the scales of errors."""
-        return {one.name: one for one in getattr(self.run, "quantities", ()) if isinstance(one, Quantity)}
+        return {
+            quantity.name: quantity
+            for quantity in getattr(self.run, "quantities", ())
+            if isinstance(quantity, Quantity)
+        }
 
     @property
     def place(self) -> Path:
@@ -184,13 +188,13 @@ def data_read(run: Any) -> dict[str, bytes]:
 
     Variables that cannot be pickled, such as modules, are left out, and so are functions of other files.
     """
-    found: dict[str, bytes] = {}
+    pickled: dict[str, bytes] = {}
     seen: set[Any] = set()
     waiting = [run]
     while waiting:
-        one = waiting.pop()
-        one = one.func if isinstance(one, partial) else getattr(one, "__func__", one)
-        function = one if inspect.isroutine(one) else type(one).__call__
+        candidate = waiting.pop()
+        candidate = candidate.func if isinstance(candidate, partial) else getattr(candidate, "__func__", candidate)
+        function = candidate if inspect.isroutine(candidate) else type(candidate).__call__
         code = getattr(function, "__code__", None)
         if code is None or code in seen:
             continue
@@ -204,20 +208,20 @@ def data_read(run: Any) -> dict[str, bytes]:
             if inspect.isfunction(value):
                 waiting += [value] if value.__module__ == function.__module__ else []
             elif inspect.ismodule(value) or inspect.isclass(value):
-                of_value = {key: vars(value)[key] for key in sorted(names & vars(value).keys())}
-                found |= _pickled({f"{name}.{key}": data for key, data in of_value.items()})
+                attributes = {key: vars(value)[key] for key in sorted(names & vars(value).keys())}
+                pickled |= _pickled({f"{name}.{key}": data for key, data in attributes.items()})
             else:
-                found |= _pickled({name: value})
-    return found
+                pickled |= _pickled({name: value})
+    return pickled
 
 
 def _pickled(data: dict[str, Any]) -> dict[str, bytes]:
-    found = {}
+    pickled = {}
     for name, value in data.items():
         if not (callable(value) or inspect.ismodule(value)):
             with suppress(pickle.PicklingError, AttributeError, TypeError):
-                found[name] = pickle.dumps(value)
-    return found
+                pickled[name] = pickle.dumps(value)
+    return pickled
 
 
 def _source(run: Any) -> list:
@@ -232,6 +236,10 @@ def _source(run: Any) -> list:
         return [_source(run.__func__), pickle.dumps(run.__self__)]
     file = inspect.getsourcefile(run)
     text = Path(file).read_text(encoding="utf-8") if file and Path(file).is_file() else inspect.getsource(run)
-    held = [cell.cell_contents for cell in getattr(run, "__closure__", None) or ()]
-    held += [getattr(run, key, None) for key in ("__defaults__", "__kwdefaults__")]
-    return [text, run.__qualname__, *(_source(one) if inspect.isfunction(one) else pickle.dumps(one) for one in held)]
+    contents = [cell.cell_contents for cell in getattr(run, "__closure__", None) or ()]
+    contents += [getattr(run, key, None) for key in ("__defaults__", "__kwdefaults__")]
+    return [
+        text,
+        run.__qualname__,
+        *(_source(content) if inspect.isfunction(content) else pickle.dumps(content) for content in contents),
+    ]

@@ -16,20 +16,20 @@ from study.scheme.named import schemes as schemes_by_name
 
 #: Key of ``INTEGRATORS`` for each name of an integrator in OpenSees. If several keys have this integrator, the first
 #: key is taken.
-_NAMES = {one.words[0]: name for name, one in reversed(INTEGRATORS.items())}
+_NAMES = {integrator.words[0]: name for name, integrator in reversed(INTEGRATORS.items())}
 
 
-def _name(given: str) -> str:
+def _name(scheme: str) -> str:
     """Key of ``INTEGRATORS`` for a scheme that is given by its name in OpenSees or in the study."""
-    if not isinstance(given, str):
+    if not isinstance(scheme, str):
         raise TypeError(
-            f"a scheme of OpenSees must be a name, such as 'hht_alpha', not an object of {type(given).__name__}."
+            f"a scheme of OpenSees must be a name, such as 'hht_alpha', not an object of {type(scheme).__name__}."
         )
-    name = _NAMES.get(given, given)
+    name = _NAMES.get(scheme, scheme)
     if name not in INTEGRATORS and name in schemes_by_name:
         name = schemes_by_name.resolve(name)
     if name not in INTEGRATORS:
-        raise UnknownName(f"OpenSees has no scheme {given!r}; {did_you_mean(given, INTEGRATORS)}")
+        raise UnknownName(f"OpenSees has no scheme {scheme!r}; {did_you_mean(scheme, INTEGRATORS)}")
     return name
 
 
@@ -70,7 +70,7 @@ def opensees(
     """
     if not Path(file).is_file():
         raise FileNotFoundError(f"there is no file '{file}' with a model of OpenSees.")
-    names = [_name(one) for one in ([schemes] if isinstance(schemes, str) else schemes)]
+    names = [_name(scheme) for scheme in ([schemes] if isinstance(schemes, str) else schemes)]
     opensees_run.interpreter()
     words = [sys.executable, "-m", opensees_run.__name__, str(Path(file).resolve())]
     driver = hashlib.sha256(Path(opensees_run.__file__).read_bytes()).hexdigest()

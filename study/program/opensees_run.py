@@ -85,25 +85,25 @@ def interpreter() -> ModuleType:
         ) from None
 
 
-def _prepare(ops: ModuleType, one: Integrator, tolerance: float) -> None:
+def _prepare(ops: ModuleType, integrator: Integrator, tolerance: float) -> None:
     ops.wipeAnalysis()
     ops.constraints("Transformation")
     ops.numberer("RCM")
-    ops.system(one.system)
+    ops.system(integrator.system)
     ops.test("NormDispIncr", tolerance, ITERATIONS, 0)
-    ops.algorithm(one.algorithm)
-    ops.integrator(*one.words)
+    ops.algorithm(integrator.algorithm)
+    ops.integrator(*integrator.words)
     ops.analysis("Transient")
 
 
-def _step(ops: ModuleType, one: Integrator, dt: float) -> None:
+def _step(ops: ModuleType, integrator: Integrator, dt: float) -> None:
     """Take one step; if Newton's iteration fails, try the algorithms ``OTHERS``."""
-    for _ in range(one.parts):
-        failed = ops.analyze(1, dt / one.parts)
-        for other in OTHERS if failed and one.algorithm == "Newton" else ():
-            ops.algorithm(*other)
-            failed = ops.analyze(1, dt / one.parts)
-            ops.algorithm(one.algorithm)
+    for _ in range(integrator.parts):
+        failed = ops.analyze(1, dt / integrator.parts)
+        for algorithm in OTHERS if failed and integrator.algorithm == "Newton" else ():
+            ops.algorithm(*algorithm)
+            failed = ops.analyze(1, dt / integrator.parts)
+            ops.algorithm(integrator.algorithm)
             if not failed:
                 break
         if failed:
@@ -130,17 +130,17 @@ def history(file: dict, scheme: str, dt: float, duration: float) -> dict[str, np
         raise Unfit(f"build(ops) leaves the clock at {start:g} s, and must end with ops.loadConst('-time', 0.0)")
     _prepare(ops, INTEGRATORS[scheme], file.get("tolerance", TOLERANCE))
     clock = time.perf_counter()
-    rows = [[0.0, 0.0, *(read(ops) for read in quantities.values())]]
+    rows = [[0.0, 0.0, *(measure(ops) for measure in quantities.values())]]
     for _ in range(math.ceil(duration / dt * (1 - 1e-9))):
         _step(ops, INTEGRATORS[scheme], dt)
-        rows.append([ops.getTime(), time.perf_counter() - clock, *(read(ops) for read in quantities.values())])
+        rows.append([ops.getTime(), time.perf_counter() - clock, *(measure(ops) for measure in quantities.values())])
     return dict(zip(("t", "seconds", *quantities), np.array(rows, float).T, strict=True))
 
 
 def main(file: str, scheme: str, dt: str, duration: str, output: str) -> None:
     """Make a run, and write its times, seconds and quantities to a CSV file."""
-    found = history(runpy.run_path(file), scheme, float(dt), float(duration))
-    np.savetxt(output, np.stack([*found.values()], axis=1), "%.17g", ",", header=",".join(found), comments="")
+    columns = history(runpy.run_path(file), scheme, float(dt), float(duration))
+    np.savetxt(output, np.stack([*columns.values()], axis=1), "%.17g", ",", header=",".join(columns), comments="")
 
 
 if __name__ == "__main__":

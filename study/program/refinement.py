@@ -60,22 +60,22 @@ class Refinement:
 
     def of(self, scheme: str) -> list[Run]:
         """Runs of a scheme, the largest step first."""
-        found = [run for run in self._runs.made.values() if run.scheme == scheme]
-        return sorted(found, key=lambda run: -run.dt)
+        runs = [run for run in self._runs.made.values() if run.scheme == scheme]
+        return sorted(runs, key=lambda run: -run.dt)
 
     def run(self, jobs: Iterable[Job]) -> list[Run]:
         """Make the runs for which there is time, and return them.
 
         A run whose quantities differ in name or shape from the quantities of the first run counts as failed.
         """
-        made = self._runs.run(jobs)
-        for run in made:
-            shapes = {name: one.shape[1:] for name, one in run.values.items()}
+        runs = self._runs.run(jobs)
+        for run in runs:
+            shapes = {name: values.shape[1:] for name, values in run.values.items()}
             self._shapes = self._shapes or shapes
             if run.completed and shapes != self._shapes:
                 reason = f"it returned {_listed(shapes)}, and the first run {_listed(self._shapes)}"
                 self._runs.made[run.scheme, run.dt] = run._replace(status="unusable", reason=reason)
-        return made
+        return runs
 
     def _find_truth(self) -> Truth:
         """Halve the steps until two schemes agree to a tenth of the smallest error, and return the reference.
@@ -83,25 +83,25 @@ class Refinement:
         Halving also ends at the program's finest step, if no scheme can be refined, if the time runs out, or if the two
         schemes converge to different motions.
         """
-        wanted, truth, apart, done = self._smallest / CERTAIN, None, 0, set[str]()
+        target, truth, apart, done = self._smallest / CERTAIN, None, 0, set[str]()
         steps = [self._program.largest]
         while True:
             refined = [s for s in self._program.all_schemes if s not in done and not self._ends(s)]
             self.run((s, step) for s in refined for step in steps if (s, step) not in self._runs.made)
             estimated = [*(s for s in refined if not self._ignores(s)), *done]
             estimates = {s: estimate(self.last_completed(s), self._program.quantities) for s in estimated}
-            known = {s: one for s, one in estimates.items() if one}
+            known = {s: value for s, value in estimates.items() if value}
             truth = agreed(known.values())
             if truth:
                 self._check_sizes(truth)
                 apart = apart + 1 if truth.apart and all(estimates.values()) else 0
-                if max(truth.uncertainty.values()) <= wanted or apart > 1:
+                if max(truth.uncertainty.values()) <= target or apart > 1:
                     break
-                work = {s: self._work(one, wanted) for s, one in known.items()}
+                work = {s: self._work(value, target) for s, value in known.items()}
                 # only the two schemes that need the least work are refined, unless they converge to different motions
                 pair = sorted(work, key=work.__getitem__)[:2]
-                of_pair = agreed(known[s] for s in pair)
-                done = set() if truth.apart or (of_pair and of_pair.apart) else known.keys() - pair
+                pair_truth = agreed(known[s] for s in pair)
+                done = set() if truth.apart or (pair_truth and pair_truth.apart) else known.keys() - pair
             steps.append(steps[-1] / 2)
             if not refined or self._runs.late or steps[-1] < self._program.smallest * (1 - 1e-9):
                 break
@@ -113,18 +113,21 @@ class Refinement:
             for s in short:
                 if not self.noise[s]:
                     schemes_by_reason.setdefault(self._reason(s), []).append(f"'{s}'")
-            ends = [f"{listed(of)} end{'s' * (len(of) == 1)} {reason}" for reason, of in schemes_by_reason.items()]
+            ends = [
+                f"{listed(schemes)} end{'s' * (len(schemes) == 1)} {reason}"
+                for reason, schemes in schemes_by_reason.items()
+            ]
             reasons = "; ".join(self.remarks + ends)
             raise NoTruth(
                 f"there is no reference for '{self._program.title}', as fewer than two schemes complete "
                 f"{FEWEST_RUNS} runs at successively halved steps{' in the given time' * self._runs.late}: {reasons}."
             )
-        self._judge(truth, wanted, apart > 1)
+        self._judge(truth, target, apart > 1)
         return truth
 
-    def _work(self, one: Estimate, wanted: float) -> float:
-        """Estimated time in s of a run with the error ``wanted``, as if the scheme were of second order."""
-        return self.of(one.scheme)[-1].seconds * math.sqrt(max(1.0, max(one.error.values()) / wanted))
+    def _work(self, known: Estimate, target: float) -> float:
+        """Estimated time in s of a run with the error ``target``, as if the scheme were of second order."""
+        return self.of(known.scheme)[-1].seconds * math.sqrt(max(1.0, max(known.error.values()) / target))
 
     def _check_sizes(self, truth: Truth) -> None:
         for name, size in truth.sizes.items():
@@ -170,13 +173,13 @@ class Refinement:
             )
         return bool(self.noise[scheme])
 
-    def _judge(self, truth: Truth, wanted: float, apart: bool) -> None:
+    def _judge(self, truth: Truth, target: float, apart: bool) -> None:
         """Add a remark if the reference is not accurate enough for the smallest error, or holds at few times only."""
-        name = max(truth.uncertainty, key=lambda one: truth.uncertainty[one])
-        off = truth.uncertainty[name]
-        if off <= wanted:
-            if truth.fixed and (unseen := [one for one, error in truth.between.items() if error > wanted]):
-                self.remarks.append(f"{_output(truth, unseen[0], wanted)}: its errors hold at these times only")
+        name = max(truth.uncertainty, key=lambda quantity: truth.uncertainty[quantity])
+        uncertainty = truth.uncertainty[name]
+        if uncertainty <= target:
+            if truth.fixed and (unseen := [quantity for quantity, error in truth.between.items() if error > target]):
+                self.remarks.append(f"{_output(truth, unseen[0], target)}: its errors hold at these times only")
             last = self.last_completed(truth.best.scheme)[-1]
             skipped = round((last.t[1] - last.t[0]) / last.dt) if len(last.t) > 1 else 1
             if skipped > 1 and not truth.fixed:
@@ -185,20 +188,22 @@ class Refinement:
                     "write every step"
                 )
             return
-        if truth.between[name] > off / 2 and not (truth.fixed or self._runs.late):
+        if truth.between[name] > uncertainty / 2 and not (truth.fixed or self._runs.late):
             self.remarks.append(
-                f"{_output(truth, name, wanted)}: no step is recommended for its errors below {percent(CERTAIN * off)}"
-                if math.isfinite(off)
-                else f"{_output(truth, name, wanted)}: no step is recommended"
+                f"{_output(truth, name, target)}: no step is recommended for its errors below "
+                f"{percent(CERTAIN * uncertainty)}"
+                if math.isfinite(uncertainty)
+                else f"{_output(truth, name, target)}: no step is recommended"
             )
             return
         pair = f"'{truth.best.scheme}' and '{truth.witness.scheme}'"
         steps = f"at steps of {truth.best.dt:.4g} s and {truth.witness.dt:.4g} s"
-        why = "halving changes each by far less, so they solve different problems" if apart else "steps cannot be finer"
-        why = "the time has run out" if self._runs.late else why
+        cause = "halving changes each by far less, so they solve different problems"
+        cause = cause if apart else "steps cannot be finer"
+        cause = "the time has run out" if self._runs.late else cause
         self.remarks.append(
-            f"{pair} agree to {percent(off)} of '{name}' only, {steps}, and {why}: no step is recommended for its "
-            f"errors below {percent(CERTAIN * off)}"
+            f"{pair} agree to {percent(uncertainty)} of '{name}' only, {steps}, and {cause}: no step is recommended "
+            f"for its errors below {percent(CERTAIN * uncertainty)}"
         )
 
     def _repeat(self) -> None:
@@ -208,29 +213,30 @@ class Refinement:
         """
         first = {s: next((run for run in self.of(s) if run.completed), None) for s in self._program.all_schemes}
         known = {s: run for s, run in first.items() if run is not None and not self.noise[s]}
-        again = self._runs.run([(s, run.dt) for s, run in reversed(known.items())], repeat=1)
-        for other in again:
-            one, self.noise[other.scheme] = known[other.scheme], math.inf
-            if other.completed:
-                self.noise[other.scheme] = difference(one, other, self.truth.sizes)
-            if self.noise[other.scheme] * CERTAIN > self._smallest:
+        repetitions = self._runs.run([(s, run.dt) for s, run in reversed(known.items())], repeat=1)
+        for repetition in repetitions:
+            noise = math.inf
+            if repetition.completed:
+                noise = difference(known[repetition.scheme], repetition, self.truth.sizes)
+            self.noise[repetition.scheme] = noise
+            if noise * CERTAIN > self._smallest:
                 self.remarks.append(
-                    f"'{other.scheme}' depends on the order of runs: a repeated run at {other.dt:.4g} s "
-                    + (f"differs by {percent(self.noise[other.scheme])}" if other.completed else other.reason)
+                    f"'{repetition.scheme}' depends on the order of runs: a repeated run at {repetition.dt:.4g} s "
+                    + (f"differs by {percent(noise)}" if repetition.completed else repetition.reason)
                 )
 
 
-def _output(truth: Truth, name: str, wanted: float) -> str:
+def _output(truth: Truth, name: str, target: float) -> str:
     """Sentence on an output that is too coarse to follow a quantity: its spacing, and the spacing that it needs.
 
     The error of cubic splines is proportional to the fourth power of the spacing.
     """
     t, error = truth.best.motion[name].t, truth.between[name]
     gap = t[1] - t[0]
-    needs = f"times about {gap * (wanted / error) ** 0.25:.2g} s apart" if math.isfinite(error) else "more times"
+    needs = f"times about {gap * (target / error) ** 0.25:.2g} s apart" if math.isfinite(error) else "more times"
     return (
         f"the output of '{name}', {len(t)} times {gap:.4g} s apart at steps of {truth.best.dt:.4g} s, is too coarse to "
-        f"follow it to {percent(wanted)}, which needs {needs}"
+        f"follow it to {percent(target)}, which needs {needs}"
     )
 
 
@@ -240,8 +246,8 @@ def _listed(shapes: dict[str, tuple]) -> str:
 
 def _same(coarse: Run, fine: Run, name: str, ratio: int) -> bool:
     """Whether a quantity is the same in two runs at their common times."""
-    one, other = coarse.values[name], fine.values[name]
-    if one.ndim and len(coarse.t) != len(fine.t):
-        other = other[(ratio - 1) * (fine.t[0] > 0) :: ratio]
-        one, other = one[: len(other)], other[: len(one)]
-    return bool(np.array_equal(one, other))
+    coarse_values, fine_values = coarse.values[name], fine.values[name]
+    if coarse_values.ndim and len(coarse.t) != len(fine.t):
+        fine_values = fine_values[(ratio - 1) * (fine.t[0] > 0) :: ratio]
+        coarse_values, fine_values = coarse_values[: len(fine_values)], fine_values[: len(coarse_values)]
+    return bool(np.array_equal(coarse_values, fine_values))

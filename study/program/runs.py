@@ -113,16 +113,16 @@ class Runs:
                 f"the processes for the runs of '{self.program.title}' end at once: put the code that starts them "
                 'under `if __name__ == "__main__":`, or give the program workers=1.'
             ) from None
-        here, there = data_read(self.program.run), dict[str, bytes]()
+        data, worker_data = data_read(self.program.run), dict[str, bytes]()
         with suppress(BrokenProcessPool):  # a function of a notebook cannot be loaded in another process
-            there = pool.submit(data_read, self.program.run).result()
-            if here == there:
+            worker_data = pool.submit(data_read, self.program.run).result()
+            if data == worker_data:
                 return pool
         pool.shutdown()
-        if others := [f"'{name}'" for name in here if there and here[name] != there.get(name)]:
+        if names := [f"'{name}'" for name in data if worker_data and data[name] != worker_data.get(name)]:
             warnings.warn(
                 f"the runs of '{self.program.title}' are made one after the other, because other processes would read "
-                f"another value of {listed(others)}: pass it to the function by functools.partial.",
+                f"another value of {listed(names)}: pass it to the function by functools.partial.",
                 RuntimeWarning,
                 stacklevel=5,
             )
@@ -154,29 +154,29 @@ class Runs:
         if kept:
             schemes = listed(dict.fromkeys(scheme for scheme, _ in kept))
             self._report(f"one kept run of {schemes} is repeated, in case the program has changed")
-        again = {(run.scheme, run.dt): run for run in self._made([*kept])}
-        self._unsure = {scheme for scheme, dt in kept if (scheme, dt) not in again}
+        repetitions = {(run.scheme, run.dt): run for run in self._made([*kept])}
+        self._unsure = {scheme for scheme, dt in kept if (scheme, dt) not in repetitions}
         completes = {scheme for (scheme, _), run in kept.items() if run.completed}
         changes = [
-            how
+            change
             for (scheme, dt), run in kept.items()
             # where other runs complete, a failure may give other reasons, such as a time or the name of a file
-            if (scheme, dt) in again
-            and (run.completed or again[scheme, dt].completed or scheme not in completes)
-            and (how := self._change(run, again[scheme, dt]))
+            if (scheme, dt) in repetitions
+            and (run.completed or repetitions[scheme, dt].completed or scheme not in completes)
+            and (change := self._change(run, repetitions[scheme, dt]))
         ]
         if changes:
             # renamed first, so that a run that is killed here leaves no part of the kept runs
-            rest = self._folder.with_suffix(f".{os.getpid()}")
-            self._folder.rename(rest)
-            shutil.rmtree(rest)
+            discarded = self._folder.with_suffix(f".{os.getpid()}")
+            self._folder.rename(discarded)
+            shutil.rmtree(discarded)
             warnings.warn(
                 f"the kept runs of '{self.program.title}' are discarded, because the program has changed or gives "
                 f"other results each time: {changes[0]}.",
                 RuntimeWarning,
                 stacklevel=7,
             )
-        for run in again.values():
+        for run in repetitions.values():
             _keep(run, self._path(run.scheme, run.dt))
 
     def _sample(self, scheme: str) -> list[Run]:
@@ -188,32 +188,35 @@ class Runs:
         """
         kept = [_read(path) for path in self._place(scheme).glob("*_0.npz")]
         completed = [run for run in kept if run.completed]
-        most = max(REPEATED * sum(run.elapsed for run in kept), min((run.elapsed for run in completed), default=0.0))
-        finest = sorted((run for run in completed if run.elapsed <= most), key=lambda run: run.dt)
+        limit = max(REPEATED * sum(run.elapsed for run in kept), min((run.elapsed for run in completed), default=0.0))
+        finest = sorted((run for run in completed if run.elapsed <= limit), key=lambda run: run.dt)
         failed = [run for run in kept if not run.completed and not (completed and run.status == "timed_out")]
         return finest[:1] + sorted(failed, key=lambda run: run.elapsed)[:1]
 
-    def _change(self, kept: Run, again: Run) -> str:
+    def _change(self, kept: Run, repetition: Run) -> str:
         """How a run differs from its repetition, in words; empty if it does not."""
         run = f"its run with '{kept.scheme}' at Δt = {kept.dt:.4g} s"
-        before, now = ((one.status, one.reason * (one.status != "timed_out")) for one in (kept, again))
-        if before != now:
-            return f"{run}, which ended with '{kept.reason or kept.status}', ends with '{again.reason or again.status}'"
-        off = difference(kept, again)
-        if math.isinf(off):
+        kept_end, new_end = (
+            (record.status, record.reason * (record.status != "timed_out")) for record in (kept, repetition)
+        )
+        if kept_end != new_end:
+            before, after = kept.reason or kept.status, repetition.reason or repetition.status
+            return f"{run}, which ended with '{before}', ends with '{after}'"
+        deviation = difference(kept, repetition)
+        if math.isinf(deviation):
             return f"{run} returns other times or quantities than the kept run"
         repeated = [_read(path) for path in self._place(kept.scheme).glob("*_1.npz")]
-        noise = [difference(_read(self._path(other.scheme, other.dt)), other) for other in repeated]
-        least = min(max(ROUND_OFF, 10 * max(noise, default=0.0)), CHANGED)
-        return f"{run} differs by {percent(off)} from the kept run" if off > least else ""
+        noise = [difference(_read(self._path(second.scheme, second.dt)), second) for second in repeated]
+        threshold = min(max(ROUND_OFF, 10 * max(noise, default=0.0)), CHANGED)
+        return f"{run} differs by {percent(deviation)} from the kept run" if deviation > threshold else ""
 
-    def run(self, wanted: Iterable[Job], repeat: int = 0) -> list[Run]:
+    def run(self, requested: Iterable[Job], repeat: int = 0) -> list[Run]:
         """Read the wanted runs that are on disk, make the others for which there is time, and return these runs.
 
         ``repeat`` is the number of a repetition; zero stands for the first runs, which are added to ``made``.
         """
         self._check_kept()
-        jobs = {job: self._path(*job, repeat) for job in wanted}
+        jobs = {job: self._path(*job, repeat) for job in requested}
         missing = [
             job
             for job, path in jobs.items()
@@ -226,24 +229,24 @@ class Runs:
         try:
             if missing:
                 schemes, finest = ", ".join(dict.fromkeys(s for s, _ in missing)), min(dt for _, dt in missing)
-                what = f"{len(missing)} run{'s' * (len(missing) > 1)} of {schemes} down to Δt = {finest:.4g} s"
-                self._report(f"{what}{_to_go(ends)}", ends - time.monotonic())
+                description = f"{len(missing)} run{'s' * (len(missing) > 1)} of {schemes} down to Δt = {finest:.4g} s"
+                self._report(f"{description}{_to_go(ends)}", ends - time.monotonic())
             for number, run in enumerate(self._made(missing), start=1):
                 _keep(run, jobs[run.scheme, run.dt])
                 waiting.remove((run.scheme, run.dt))
-                ended = "" if run.completed else f", {run.reason}"
+                failure = "" if run.completed else f", {run.reason}"
                 self._report(
                     f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs"
-                    f"{_to_go(ends)}){ended}"
+                    f"{_to_go(ends)}){failure}"
                 )
         except KeyboardInterrupt:  # the runs so far are returned, and no other run begins
             self._end, self.interrupted = -math.inf, True
         late |= waiting
         self.late |= bool(late) or self.interrupted
-        found = [_read(path) for job, path in jobs.items() if job not in late]
+        runs = [_read(path) for job, path in jobs.items() if job not in late]
         if not repeat:
-            self.made |= {(run.scheme, run.dt): run for run in found}
-        return found
+            self.made |= {(run.scheme, run.dt): run for run in runs}
+        return runs
 
     def _expected(self, jobs: list[Job]) -> dict[Job, float]:
         """Estimated time in s of each run, from the least time per step in the completed runs of its scheme.
@@ -256,19 +259,19 @@ class Runs:
                 work[run.scheme] = min(work.get(run.scheme, math.inf), run.elapsed * run.dt)
         return {(s, dt): work[s] / dt if s in work else self._first for s, dt in jobs}
 
-    def _wait(self, each: list[float]) -> float:
-        """Expected wall time in s of all runs if several are made at once; ``each`` holds the time of every run."""
-        return max(max(each, default=0.0), sum(each) / self._at_once)
+    def _wait(self, times: list[float]) -> float:
+        """Expected wall time in s of all runs if several are made at once; ``times`` holds the time of every run."""
+        return max(max(times, default=0.0), sum(times) / self._at_once)
 
     def _in_time(self, expected: dict[Job, float]) -> list[Job]:
         """The runs that are expected to end in time, the shortest first."""
-        left, found = self._end - time.monotonic(), []
-        of_all = left * self._at_once
+        remaining, jobs = self._end - time.monotonic(), []
+        total = remaining * self._at_once
         for job in sorted(expected, key=expected.__getitem__):
-            of_all -= expected[job]
+            total -= expected[job]
             # a run has only one worker, so it must also end in time by itself
-            found += [job] if expected[job] < left and of_all > 0 else []
-        return found
+            jobs += [job] if expected[job] < remaining and total > 0 else []
+        return jobs
 
     def _waited_less(self, run: Run) -> bool:
         """Whether a run was stopped at a time limit that is shorter than the present one."""
@@ -284,17 +287,17 @@ class Runs:
             return
         waiting = {self._submit(job): job for job in jobs if not self._late(job)}
         lost = []
-        for one in as_completed(waiting):
-            if one.cancelled():
+        for future in as_completed(waiting):
+            if future.cancelled():
                 continue
             try:
-                run = self._measured(one.result())
+                run = self._measured(future.result())
             except BrokenProcessPool:  # one run has ended its process, which also ends all waiting runs
-                lost.append(waiting[one])
+                lost.append(waiting[future])
                 continue
-            for other, job in waiting.items():
+            for pending, job in waiting.items():
                 if self._late(job):
-                    other.cancel()
+                    pending.cancel()
             yield run
         self._pool = self._start() if lost else self._pool
         for job in lost:
@@ -329,13 +332,13 @@ def _digest(text: str) -> str:
 
 def _to_go(ends: float) -> str:
     """Time that remains until the monotonic clock reads ``ends``, in words; empty if none remains."""
-    left = ends - time.monotonic()
-    return f", about {left:.2g} s to go" if left > 0 else ""
+    remaining = ends - time.monotonic()
+    return f", about {remaining:.2g} s to go" if remaining > 0 else ""
 
 
 def _keep(run: Run, path: Path) -> None:
     content = streams.BytesIO()
-    values = {f"{QUANTITY}{name}": one for name, one in run.values.items()}
+    values = {f"{QUANTITY}{name}": array for name, array in run.values.items()}
     words, numbers = np.array([run.scheme, run.status, run.reason]), np.array([run.dt, run.seconds, run.elapsed])
     named: dict[str, Any] = {WORDS: words, NUMBERS: numbers, T: run.t} | values
     np.savez(content, **named)
@@ -350,5 +353,5 @@ def _read(path: Path) -> Run:
             values = {key.removeprefix(QUANTITY): file[key] for key in file.files if key.startswith(QUANTITY)}
             return Run(scheme, dt, status, reason, seconds, elapsed, file[T], values)
     except (OSError, ValueError, KeyError, BadZipFile) as error:
-        again = "remove it, and the run is made again."
-        raise NotRead(f"'{path}' cannot be used, because it is damaged ({error}): {again}") from None
+        remedy = "remove it, and the run is made again."
+        raise NotRead(f"'{path}' cannot be used, because it is damaged ({error}): {remedy}") from None

@@ -111,12 +111,16 @@ class Search:
             runs = self.refinement.of(scheme)
             failed = [run for run in runs if not run.completed]
             unequal = [run for run in failed if run.status == "unequal_times"]
-            keeps = any(self.largest(scheme, one)[0] for one in limits)
-            other = [run for run in runs if run.completed and self.truth.fixed and not self.truth.shares_times(run)]
-            if other and any(self.truth.between[name] * CERTAIN > self.allowed[-1] for name in self.truth.between):
+            keeps = any(self.largest(scheme, limit)[0] for limit in limits)
+            incomparable = [
+                run for run in runs if run.completed and self.truth.fixed and not self.truth.shares_times(run)
+            ]
+            if incomparable and any(
+                self.truth.between[name] * CERTAIN > self.allowed[-1] for name in self.truth.between
+            ):
                 self.refinement.remarks.append(
-                    f"the runs of '{scheme}' have other times at other steps, such as Δt = {other[0].dt:.4g} s, and "
-                    f"cannot be compared: {WHOLE}"
+                    f"the runs of '{scheme}' have other times at other steps, such as Δt = {incomparable[0].dt:.4g} s, "
+                    f"and cannot be compared: {WHOLE}"
                 )
             if failed := failed if 2 * len(failed) > len(runs) and not keeps else unequal:
                 self.refinement.remarks.append(
@@ -126,15 +130,15 @@ class Search:
 
     def _search(self, error: float) -> bool:
         """Make runs until every scheme has a verdict on an allowed error; return whether any run was made."""
-        before = len(self.errors)
+        count = len(self.errors)
         while self.refinement.run(job for scheme in self.program.schemes for job in self._wanted(scheme, error)):
             self._measure()
-        return len(self.errors) > before
+        return len(self.errors) > count
 
     def _measure(self) -> None:
         """Add the errors of the new runs to ``errors``."""
-        every = (run for scheme in self.program.all_schemes for run in self.refinement.of(scheme))
-        new = [run for run in every if (run.scheme, run.dt) not in self.errors]
+        runs = (run for scheme in self.program.all_schemes for run in self.refinement.of(scheme))
+        new = [run for run in runs if (run.scheme, run.dt) not in self.errors]
         self.errors |= {(run.scheme, run.dt): self.truth.errors(run) for run in new}
 
     def certain(self, scheme: str, limit: Limit) -> bool:
@@ -144,7 +148,7 @@ class Search:
     def largest(self, scheme: str, limit: Limit) -> tuple[float, float]:
         """Largest step that keeps an error, as all finer steps do (or zero), and the next larger step tried (or ∞)."""
         name, allowed = limit
-        dt, error = np.array([(dt, one[name]) for (s, dt), one in self.errors.items() if s == scheme]).T
+        dt, error = np.array([(dt, by_quantity[name]) for (s, dt), by_quantity in self.errors.items() if s == scheme]).T
         # NaN, the error of a failed run, counts as too large
         below = dt < dt[~(error <= allowed)].min(initial=math.inf)
         largest = largest_with_margin(dt[below], error[below], allowed)
@@ -170,16 +174,16 @@ class Search:
             least = max(self.program.smallest, FINER * self.truth.best.dt)
             return [finer] if finer >= least and not self._hopeless(scheme, limit[0]) else []
         if largest * NEAR < fails < math.inf:
-            between = self._round(math.sqrt(largest * fails))
-            if largest < between < fails:
-                return [between]
+            middle = self._round(math.sqrt(largest * fails))
+            if largest < middle < fails:
+                return [middle]
         step = self._round(largest)
         if step not in tried:
             return [step]
         # one of the halved steps of the reference lies in this octave, and is not random
-        wanted = self._confirming(scheme, step)
-        missing = wanted + 1 - sum(step / 2 <= dt < step for dt in tried)
-        return [one for one in self._random(scheme, step, wanted) if one not in tried][: max(missing, 0)]
+        count = self._confirming(scheme, step)
+        missing = count + 1 - sum(step / 2 <= dt < step for dt in tried)
+        return [dt for dt in self._random(scheme, step, count) if dt not in tried][: max(missing, 0)]
 
     def _confirming(self, scheme: str, step: float) -> int:
         """Number of random steps that confirm a recommended step.
@@ -194,8 +198,8 @@ class Search:
         affordable = max(self.refinement.seconds / (4 * limits), CHEAP)
         (run,) = (run for run in self.refinement.of(scheme) if run.dt == step)
         # mean time of a run at a random step up to an octave below ``step``
-        each = run.elapsed / math.log(2)
-        return int(np.clip(affordable / each, FEWEST_CONFIRMING, MOST_CONFIRMING))
+        seconds = run.elapsed / math.log(2)
+        return int(np.clip(affordable / seconds, FEWEST_CONFIRMING, MOST_CONFIRMING))
 
     def _round(self, step: float) -> float:
         return self._round_step(step, self.program.spacing)
@@ -204,7 +208,7 @@ class Search:
         """At most ``count`` random steps up to an octave below a step, the same steps in every search."""
         random = np.random.default_rng(zlib.crc32(f"{scheme} {step:.12g}".encode()))
         drawn = dict.fromkeys(self.program.fitted(step * 2.0**-part) for part in random.random(count))
-        return [one for one in drawn if one < step and one >= self.program.smallest]
+        return [dt for dt in drawn if dt < step and dt >= self.program.smallest]
 
     def _hopeless(self, scheme: str, name: str) -> bool:
         """Whether finer steps are of no use, because the finest run timed out, or halving hardly reduces the error.
@@ -241,7 +245,9 @@ class Search:
         if not largest:
             return Needed(0.0, 0.0, 0, math.nan)
         step = self._round(largest)
-        around = [
-            one[limit[0]] for (s, dt), one in self.errors.items() if s == scheme and TWENTIETH * step <= dt <= step
+        nearby = [
+            by_quantity[limit[0]]
+            for (s, dt), by_quantity in self.errors.items()
+            if s == scheme and TWENTIETH * step <= dt <= step
         ]
-        return Needed(largest, step, len(around), max(around) / limit[1])
+        return Needed(largest, step, len(nearby), max(nearby) / limit[1])

@@ -78,13 +78,15 @@ class Truth(NamedTuple):
     @property
     def apart(self) -> bool:
         """Whether the two schemes converge to different motions, which the error of interpolation does not explain."""
-        own = max(*self.best.error.values(), *self.witness.error.values())
-        return any(off > APART * max(own, self.between[name]) for name, off in self.uncertainty.items())
+        largest = max(*self.best.error.values(), *self.witness.error.values())
+        return any(
+            difference > APART * max(largest, self.between[name]) for name, difference in self.uncertainty.items()
+        )
 
     @property
     def sizes(self) -> dict[str, float]:
         """Largest absolute value of each quantity."""
-        return {name: float(one.sizes.max()) for name, one in self.best.motion.items()}
+        return {name: float(curve.sizes.max()) for name, curve in self.best.motion.items()}
 
     def errors(self, run: Run) -> dict[str, float]:
         """Largest error of each quantity at any time of a run, relative to its scale; NaN if the run failed.
@@ -93,15 +95,15 @@ class Truth(NamedTuple):
         """
         if not run.completed:
             return dict.fromkeys(self.uncertainty, math.nan)
-        found = curves(run)
-        errors = {name: found[name].distance(true, true.scale) for name, true in self.best.motion.items()}
+        motion = curves(run)
+        errors = {name: motion[name].distance(true, true.scale) for name, true in self.best.motion.items()}
         unseen = self.fixed and not self.shares_times(run)
-        return {name: off + self.between[name] for name, off in errors.items()} if unseen else errors
+        return {name: error + self.between[name] for name, error in errors.items()} if unseen else errors
 
     def shares_times(self, run: Run) -> bool:
         """Whether all times of a run are times of the motion."""
-        found = curves(run)
-        return all(true.holds(found[name].within(true).t) for name, true in self.best.motion.items())
+        motion = curves(run)
+        return all(true.holds(motion[name].within(true).t) for name, true in self.best.motion.items())
 
 
 def _extrapolated(coarser: Curve, finer: Curve, order: int) -> Curve:
@@ -118,12 +120,12 @@ def estimate(runs: Sequence[Run], quantities: Mapping[str, Quantity] | None = No
     """
     if len(runs) < FEWEST_RUNS:
         return None
-    of_runs = [curves(run, quantities) for run in runs[-RUNS:]]
+    all_curves = [curves(run, quantities) for run in runs[-RUNS:]]
     motion: dict[str, Curve] = {}
     orders: dict[str, int] = {}
     error: dict[str, float] = {}
-    for name in of_runs[-1]:
-        along = [one[name] for one in of_runs]
+    for name in all_curves[-1]:
+        along = [run_curves[name] for run_curves in all_curves]
         motion[name], order, error[name] = _limit(along)
         orders |= {name: order} if order else {}
     fixed = np.array_equal(runs[-1].t, runs[-2].t)
@@ -136,34 +138,34 @@ def _limit(along: Sequence[Curve]) -> tuple[Curve, int, float]:
     The uncertainty is relative to the scale of the quantity.
     """
     scale = along[-1].scale
-    apart = [coarser.distance(finer, scale) for coarser, finer in pairwise(along)]
-    observed = [math.log2(a / b) if a > 0 and b > 0 else math.nan for a, b in pairwise(apart)]
+    distances = [coarser.distance(finer, scale) for coarser, finer in pairwise(along)]
+    observed = [math.log2(a / b) if a > 0 and b > 0 else math.nan for a, b in pairwise(distances)]
     order = round(observed[-1]) if observed[-1] > 0.5 else 0
-    near = [abs(one - order) <= off for one, off in zip(reversed(observed), OFF_ORDER, strict=False)]
+    near = [abs(value - order) <= off for value, off in zip(reversed(observed), OFF_ORDER, strict=False)]
     # the errors of a single number, such as a peak among steps, have no order
     if order and along[-1].values.ndim and len(near) == len(OFF_ORDER) and all(near):
-        before, last = (_extrapolated(coarser, finer, order) for coarser, finer in list(pairwise(along))[-2:])
+        previous, last = (_extrapolated(coarser, finer, order) for coarser, finer in list(pairwise(along))[-2:])
         # the whole difference, as for a remainder of first order, which motions with kinks have
-        return last, order, before.distance(last, scale)
-    clipped = float(np.clip(observed[-1], *ORDERS)) if apart[-1] > 0 < apart[-2] else ORDERS[0]
+        return last, order, previous.distance(last, scale)
+    clipped = float(np.clip(observed[-1], *ORDERS)) if distances[-1] > 0 < distances[-2] else ORDERS[0]
     # at least half of the difference before the last one, because the last one may be small by chance
-    return along[-1], 0, max(apart[-1], apart[-2] / 2) / (2**clipped - 1)
+    return along[-1], 0, max(distances[-1], distances[-2] / 2) / (2**clipped - 1)
 
 
 def agreed(estimates: Iterable[Estimate]) -> Truth | None:
     """The comparison of the two schemes that agree best; None if there are fewer than two schemes."""
-    found = [_compared(*pair) for pair in combinations(estimates, 2)]
-    return min(found, key=lambda truth: max(truth.uncertainty.values()), default=None)
+    comparisons = [_compared(*pair) for pair in combinations(estimates, 2)]
+    return min(comparisons, key=lambda truth: max(truth.uncertainty.values()), default=None)
 
 
-def _compared(one: Estimate, other: Estimate) -> Truth:
-    best, witness = sorted((one, other), key=lambda estimate: max(estimate.error.values()))
-    finer, coarser = sorted((one, other), key=lambda estimate: estimate.dt)
-    fixed = one.fixed and other.fixed
+def _compared(first: Estimate, second: Estimate) -> Truth:
+    best, witness = sorted((first, second), key=lambda estimate: max(estimate.error.values()))
+    finer, coarser = sorted((first, second), key=lambda estimate: estimate.dt)
+    fixed = first.fixed and second.fixed
     uncertainty, between = dict[str, float](), dict[str, float]()
     for name, motion in best.motion.items():
-        own = max(one.error[name], other.error[name])
+        error = max(first.error[name], second.error[name])
         between[name] = motion.between()
-        apart = coarser.motion[name].distance(finer.motion[name], motion.scale)
-        uncertainty[name] = max(apart if fixed else apart + between[name], own)
+        distance = coarser.motion[name].distance(finer.motion[name], motion.scale)
+        uncertainty[name] = max(distance if fixed else distance + between[name], error)
     return Truth(best, witness, uncertainty, between)

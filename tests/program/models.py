@@ -64,8 +64,11 @@ def ignores_the_step(scheme, dt):
     """The linear oscillator, with a scheme ``wrong`` that always takes the same step size."""
     if scheme != "wrong":
         return linear(scheme, dt)
-    own = DURATION / 2048
-    return {name: values[:: max(round(dt / own), 1)] for name, values in linear("central_difference", own).items()}
+    fixed_step = DURATION / 2048
+    return {
+        name: values[:: max(round(dt / fixed_step), 1)]
+        for name, values in linear("central_difference", fixed_step).items()
+    }
 
 
 class Remembers:
@@ -106,20 +109,20 @@ def shifted(factor, begin, scheme, dt):
     return right | {"t": right["t"] * factor + begin}
 
 
-#: Cubic stiffness of the spring ``of_the_module``; tests change it while this module is loaded.
+#: Cubic stiffness of the spring ``from_module``; tests change it while this module is loaded.
 HARDENING = 0.0
 
 
-def of_the_module(scheme, dt):
+def from_module(scheme, dt):
     """The oscillator whose hardening is a variable of this module."""
     return oscillator(HARDENING, scheme, dt)
 
 
-def of_a_file(file, scheme, dt):
+def from_file(file, scheme, dt):
     """The oscillator whose hardening stands in a file."""
     return oscillator(float(Path(file).read_text()), scheme, dt)
 
 
-def of_the_environment(scheme, dt):
+def from_environment(scheme, dt):
     """The oscillator whose hardening is a variable of the environment."""
     return oscillator(float(os.environ["HARDENING"]), scheme, dt)

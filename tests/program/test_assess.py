@@ -40,23 +40,23 @@ def few_confirming():
 def spring(request, tmp_path_factory):
     """A spring as a program, the assessment of the program, and the hardening of the spring."""
     run = models.linear if request.param == 0 else models.hardening
-    own = program(run, tmp_path_factory.mktemp("runs"))
-    return own, study.assess(own), request.param
+    model = program(run, tmp_path_factory.mktemp("runs"))
+    return model, study.assess(model), request.param
 
 
 def test_the_truth_is_as_uncertain_as_it_says(spring):
-    own, ds, hardening = spring
-    found = Search(own, [0.1, 0.01, 0.001], round_step, math.inf, lambda *words: None).truth
+    model, ds, hardening = spring
+    reference = Search(model, [0.1, 0.01, 0.001], round_step, math.inf, lambda *words: None).truth
 
     def rate(t, y):
         return [y[1], -y[0] - hardening * y[0] ** 3]
 
-    t = np.linspace(0, found.best.motion["velocity"].t[-1], 5001)
+    t = np.linspace(0, reference.best.motion["velocity"].t[-1], 5001)
     exact = solve_ivp(rate, (0, models.DURATION), [1.0, 0.0], method="DOP853", t_eval=t, rtol=1e-12, atol=1e-13).y
     for name, along in zip(ALONG, exact, strict=True):
-        off = np.abs(found.best.motion[name].at(t) - along).max() / np.abs(along).max()
-        assert off <= found.uncertainty[name] <= 1e-4
-        assert found.uncertainty[name] == ds.reference_uncertainty.sel(quantity=name)
+        error = np.abs(reference.best.motion[name].at(t) - along).max() / np.abs(along).max()
+        assert error <= reference.uncertainty[name] <= 1e-4
+        assert reference.uncertainty[name] == ds.reference_uncertainty.sel(quantity=name)
     assert "by order 2" in ds.attrs["reference"] and "by order 2" in ds.attrs["witness"]
 
 
@@ -64,8 +64,8 @@ def test_its_steps_are_those_of_the_same_problem(spring):
     """Recommended steps agree within a factor of 1.25, the resolution of few runs and of rounding to two digits."""
     _, ds, hardening = spring
     problem = study.Problem(lambda u: u + hardening * u**3, u0=1.0, title="spring")
-    wanted = {"displacement": study.Quantity(lambda u: u), "velocity": study.Quantity(lambda v: v)}
-    expected = study.assess(problem, models.SCHEMES, duration=models.DURATION, quantities=wanted, maps=False)
+    quantities = {"displacement": study.Quantity(lambda u: u), "velocity": study.Quantity(lambda v: v)}
+    expected = study.assess(problem, models.SCHEMES, duration=models.DURATION, quantities=quantities, maps=False)
     ratio = ds.recommended_dt / expected.recommended_dt
     assert ((ratio > 1 / 1.25) & (ratio < 1.25)).all()
     assert (ds.recommended_error <= ds.allowed_error).all() and (ds.worst_error <= 1).all()
@@ -85,24 +85,24 @@ def test_recommend_and_report_take_it(spring, tmp_path):
 
 
 def test_error_against_time_is_drawn(spring, tmp_path):
-    own, ds, _ = spring
-    found = study.work_precision(own, figure=tmp_path / "work.svg", quantity="velocity")
-    assert found.error.equals(ds.error) and (found.time.notnull() == (ds.status == 0)).all()
-    assert (found.time > 0).any() and "error of velocity" in (tmp_path / "work.svg").read_text()
+    model, ds, _ = spring
+    cost = study.work_precision(model, figure=tmp_path / "work.svg", quantity="velocity")
+    assert cost.error.equals(ds.error) and (cost.time.notnull() == (ds.status == 0)).all()
+    assert (cost.time > 0).any() and "error of velocity" in (tmp_path / "work.svg").read_text()
     with pytest.raises(KeyError, match="no quantity 'speed'; known are displacement"):
-        study.work_precision(own, figure=tmp_path / "work.svg", quantity="speed")
+        study.work_precision(model, figure=tmp_path / "work.svg", quantity="speed")
 
 
-def _of_two_units(scheme, dt):
+def _two_units(scheme, dt):
     """Displacement, and a rotation of a ten-thousandth of the velocity."""
-    made = models.linear(scheme, dt)
-    motion = np.stack([made["displacement"], 1e-4 * np.asarray(made["velocity"])], axis=1)
-    return {"t": made["t"], "motion": motion, "last": made["displacement"][-1]}
+    right = models.linear(scheme, dt)
+    motion = np.stack([right["displacement"], 1e-4 * np.asarray(right["velocity"])], axis=1)
+    return {"t": right["t"], "motion": motion, "last": right["displacement"][-1]}
 
 
 def test_components_of_different_units_are_remarked(tmp_path):
     with pytest.warns(RuntimeWarning, match="1 of 2 components of 'motion' stay below .* return them separately"):
-        ds = study.assess(program(_of_two_units, tmp_path), errors=[0.1])
+        ds = study.assess(program(_two_units, tmp_path), errors=[0.1])
     assert ds.reference_value.sel(quantity="motion").values == pytest.approx([1.0, 1e-4], rel=1e-3)
     assert ds.reference_value.sel(quantity="last")[0] == pytest.approx(np.cos(models.DURATION), abs=1e-3)
     assert ds.relative_to.sel(quantity="last") == "relative to the value itself"
@@ -116,115 +116,115 @@ def test_each_component_of_a_quantity_may_have_its_own_scale():
         t = np.arange(0, 1 + dt / 2, dt)
         values = np.stack([np.cos(t) * (1 + 0.01 * dt**2), 1e-4 * np.cos(t) * (1 + dt**2)], axis=1)
         runs.append(Run("a", dt, "completed", "", 1.0, 1.0, t, {"u": values}))
-    each = study.Quantity(lambda u: u, "u", scale="each")
-    found = truth.estimate(runs, {"u": each}), truth.estimate(runs)
-    assert found[0] is not None and found[1] is not None
-    assert found[0].motion["u"].scale == pytest.approx([1.0, 1e-4])
-    for one, error in zip(found, (0.1**2, 0.01 * 0.1**2), strict=True):
-        made = truth.Truth(one, one, {"u": 0.0}, {"u": 0.0}).errors(runs[0])
-        assert made["u"] == pytest.approx(error, rel=0.01)
+    quantity = study.Quantity(lambda u: u, "u", scale="each")
+    estimates = truth.estimate(runs, {"u": quantity}), truth.estimate(runs)
+    assert estimates[0] is not None and estimates[1] is not None
+    assert estimates[0].motion["u"].scale == pytest.approx([1.0, 1e-4])
+    for estimate, error in zip(estimates, (0.1**2, 0.01 * 0.1**2), strict=True):
+        errors = truth.Truth(estimate, estimate, {"u": 0.0}, {"u": 0.0}).errors(runs[0])
+        assert errors["u"] == pytest.approx(error, rel=0.01)
 
 
 def test_a_second_question_repeats_one_run_of_each_scheme(spring):
-    own, ds, hardening = spring
-    made = []
+    model, ds, hardening = spring
+    calls = []
 
     def counted(scheme, dt):
-        made.append(scheme)
+        calls.append(scheme)
         return models.oscillator(hardening, scheme, dt)
 
-    again = study.assess(replace(own, run=counted))
-    assert sorted(made) == models.SCHEMES and again.error.equals(ds.error)
-    assert set(np.unique(again.status)) == {0, STATUSES.index("not_tried")}
+    repeated = study.assess(replace(model, run=counted))
+    assert sorted(calls) == models.SCHEMES and repeated.error.equals(ds.error)
+    assert set(np.unique(repeated.status)) == {0, STATUSES.index("not_tried")}
 
 
 def _set_hardening(where, value, tmp_path, monkeypatch):
     (tmp_path / "spring.txt").write_text(str(value))
     monkeypatch.setenv("HARDENING", str(value))
     monkeypatch.setattr(models, "HARDENING", value)
-    return {"module": models.of_the_module, "environment": models.of_the_environment}.get(
-        where, partial(models.of_a_file, str(tmp_path / "spring.txt"))
+    return {"module": models.from_module, "environment": models.from_environment}.get(
+        where, partial(models.from_file, str(tmp_path / "spring.txt"))
     )
 
 
 @pytest.mark.parametrize("where", ["module", "file", "environment"])
 def test_kept_runs_of_a_program_that_has_changed_are_discarded(where, tmp_path, monkeypatch):
     """The second assessment equals one of a program with the same hardening and an empty folder."""
-    own = program(_set_hardening(where, 0.0, tmp_path, monkeypatch), tmp_path / "runs", name=None)
-    study.assess(own, errors=[0.1])
+    model = program(_set_hardening(where, 0.0, tmp_path, monkeypatch), tmp_path / "runs", name=None)
+    study.assess(model, errors=[0.1])
     # as of its last assessment, the program keeps also runs of another first step
-    study.assess(replace(own, coarsest=0.9), errors=[0.1])
+    study.assess(replace(model, coarsest=0.9), errors=[0.1])
     _set_hardening(where, 0.5, tmp_path, monkeypatch)
     sentence = (
         r"the kept runs of '\w+' are discarded, because the program has changed or gives other results each time: "
         r"its run with 'average_acceleration' at Δt = [\d.]+ s differs by \d+.% from the kept run\."
     )
     with pytest.warns(RuntimeWarning, match=sentence):
-        ds = study.assess(own, errors=[0.1])
+        ds = study.assess(model, errors=[0.1])
     expected = study.assess(program(models.hardening, tmp_path / "expected"), errors=[0.1])
     assert ds.error.equals(expected.error)
-    other = study.assess(replace(own, coarsest=0.9), errors=[0.1])
+    other = study.assess(replace(model, coarsest=0.9), errors=[0.1])
     assert other.error.equals(
         study.assess(program(models.hardening, tmp_path / "other", coarsest=0.9), errors=[0.1]).error
     )
 
 
 def test_kept_failures_of_a_program_that_has_changed_are_discarded(tmp_path):
-    own = program(partial(models.of_a_file, str(tmp_path / "spring.txt")), tmp_path, coarsest=1.0, finest=0.1)
+    model = program(partial(models.from_file, str(tmp_path / "spring.txt")), tmp_path, coarsest=1.0, finest=0.1)
     with pytest.raises(NoTruth, match="it raised FileNotFoundError"):
-        study.assess(own)
+        study.assess(model)
     (tmp_path / "spring.txt").write_text("0.0")
     with pytest.warns(RuntimeWarning, match="which ended with 'it raised FileNotFoundError.*, ends with 'completed'"):
-        ds = study.assess(own, errors=[0.5])
+        ds = study.assess(model, errors=[0.5])
     assert (ds.verdict <= 1).all()
 
 
 def test_a_kept_failure_is_repeated_beside_completed_runs(tmp_path):
     """A full disk fails the fine runs; later they complete, and a failure that gives another reason is kept."""
-    full, made = True, []
+    full, calls = True, []
 
     def on_a_full_disk(scheme, dt):
-        made.append(dt)
+        calls.append(dt)
         if full and dt < 0.5:
-            raise OSError(f"no space left after {len(made)} runs")
+            raise OSError(f"no space left after {len(calls)} runs")
         return models.linear(scheme, dt)
 
-    own, jobs = program(on_a_full_disk, tmp_path), [("average_acceleration", dt) for dt in (1.0, 0.25)]
+    model, jobs = program(on_a_full_disk, tmp_path), [("average_acceleration", dt) for dt in (1.0, 0.25)]
     for _ in range(2):
-        with Runs(own) as runs_of:
+        with Runs(model) as runs_of:
             assert [run.completed for run in runs_of.run(jobs)] == [True, False]
-    assert made == [1.0, 0.25] * 2
+    assert calls == [1.0, 0.25] * 2
     full = False
-    with Runs(own) as runs_of, pytest.warns(RuntimeWarning, match="are discarded, .* ends with 'completed'"):
+    with Runs(model) as runs_of, pytest.warns(RuntimeWarning, match="are discarded, .* ends with 'completed'"):
         assert all(run.completed for run in runs_of.run(jobs))
 
 
 def test_a_small_change_is_noticed_and_the_scatter_of_a_program_is_not(tmp_path):
     """A program whose runs scatter by 1e-5 keeps its runs, until it changes by more than ten times this scatter."""
-    random, made = np.random.default_rng(0), []
+    random, calls = np.random.default_rng(0), []
 
     def scatters(scheme, dt):
-        made.append(dt)
+        calls.append(dt)
         right = models.linear(scheme, dt)
         return right | {"displacement": right["displacement"] * (factor + 1e-5 * random.random())}
 
-    factor, own = 1.0, program(scatters, tmp_path)
-    study.assess(own, errors=[0.1])
-    made.clear()
-    study.assess(own, errors=[0.1])
-    assert len(made) == len(models.SCHEMES)
+    factor, model = 1.0, program(scatters, tmp_path)
+    study.assess(model, errors=[0.1])
+    calls.clear()
+    study.assess(model, errors=[0.1])
+    assert len(calls) == len(models.SCHEMES)
     factor = 1.001
     with pytest.warns(RuntimeWarning, match="differs by 0.1.% from the kept run"):
-        study.assess(own, errors=[0.1])
+        study.assess(model, errors=[0.1])
 
 
 def test_processes_that_would_read_another_variable_make_no_run(tmp_path, monkeypatch):
     monkeypatch.setattr(models, "HARDENING", 0.5)
-    own = program(models.of_the_module, tmp_path, workers=2)
+    model = program(models.from_module, tmp_path, workers=2)
     with pytest.warns(
         RuntimeWarning, match="made one after the other, because other processes would read another value"
     ):
-        (run,) = Runs(own).run([("central_difference", 0.1)])
+        (run,) = Runs(model).run([("central_difference", 0.1)])
     assert (run.values["displacement"] == models.hardening("central_difference", 0.1)["displacement"]).all()
     assert Runs(program(models.hardening, tmp_path, workers=2))._pool is not None
 
@@ -245,9 +245,9 @@ def test_processes_that_would_read_another_variable_make_no_run(tmp_path, monkey
     ],
 )
 def test_a_scheme_that_goes_wrong_is_recorded(how, reason, tmp_path):
-    own = program(partial(models.fails, how), tmp_path, [*models.SCHEMES, "wrong"])
+    model = program(partial(models.fails, how), tmp_path, [*models.SCHEMES, "wrong"])
     with pytest.warns(RuntimeWarning, match="11 of 11 runs of 'wrong' failed: at Δt = 0.001221 s, "):
-        ds = study.assess(own, errors=[0.01])
+        ds = study.assess(model, errors=[0.01])
     wrong = ds.sel(scheme="wrong")
     assert wrong.status[0] == STATUSES.index(how) and wrong.reason[0] == reason
     assert wrong.verdict[0].item() == 2 and (ds.verdict.sel(scheme=models.SCHEMES) == 0).all()
@@ -255,8 +255,8 @@ def test_a_scheme_that_goes_wrong_is_recorded(how, reason, tmp_path):
 
 
 def test_a_run_that_ends_its_process_ends_no_other(tmp_path):
-    own = program(partial(models.fails, "signal"), tmp_path, [*models.SCHEMES, "wrong"], workers=2)
-    ds = study.assess(own, errors=[0.1])
+    model = program(partial(models.fails, "signal"), tmp_path, [*models.SCHEMES, "wrong"], workers=2)
+    ds = study.assess(model, errors=[0.1])
     assert ds.status.sel(scheme="wrong", dt=1.25) == STATUSES.index("signal")
     assert (ds.status.sel(scheme=models.SCHEMES, dt=1.25) == 0).all()
     assert (ds.verdict.sel(quantity="velocity") == 0).all()
@@ -292,8 +292,8 @@ def test_what_is_wrong_with_all_runs_is_said(run, schemes, sentence, tmp_path):
 
 def _largest_error(run, scheme, dt):
     """Error of the linear oscillator's displacement at the times of a run, from the closed form cos t."""
-    found = run(scheme, dt)
-    return np.abs(found["displacement"] - np.cos(found["t"])).max()
+    result = run(scheme, dt)
+    return np.abs(result["displacement"] - np.cos(result["t"])).max()
 
 
 def test_output_at_every_hundredth_step_is_refined_until_it_can_be_followed(tmp_path):
@@ -302,9 +302,9 @@ def test_output_at_every_hundredth_step_is_refined_until_it_can_be_followed(tmp_
         ds = study.assess(program(run, tmp_path), errors=[0.01])
     assert (ds.verdict == 0).all()
     for scheme in models.SCHEMES:
-        one = ds.sel(scheme=scheme, quantity="displacement", allowed_error=0.01)
-        off = _largest_error(run, scheme, one.recommended_dt.item())
-        assert off <= 0.01 and one.recommended_error == pytest.approx(off, abs=2e-4)
+        row = ds.sel(scheme=scheme, quantity="displacement", allowed_error=0.01)
+        error = _largest_error(run, scheme, row.recommended_dt.item())
+        assert error <= 0.01 and row.recommended_error == pytest.approx(error, abs=2e-4)
 
 
 def test_output_too_coarse_to_follow_a_quantity_is_said(tmp_path):
@@ -312,9 +312,9 @@ def test_output_too_coarse_to_follow_a_quantity_is_said(tmp_path):
         r"the output of '\w+', 17 times 1.25 s apart at steps of 0.00125 s, is too coarse to follow it to 0.1.%, which "
         r"needs times about 0\.\d+ s apart: no step is recommended for its errors below"
     )
-    own = program(partial(models.sampled, 1000), tmp_path, coarsest=0.005, finest=0.00125)
+    model = program(partial(models.sampled, 1000), tmp_path, coarsest=0.005, finest=0.00125)
     with pytest.warns(RuntimeWarning, match=sentence):
-        ds = study.assess(own, errors=[0.01])
+        ds = study.assess(model, errors=[0.01])
     assert (ds.verdict == VERDICTS.index("below_the_reference")).all() and "different problems" not in ds.attrs[
         "remarks"
     ]
@@ -327,9 +327,9 @@ def test_output_at_fixed_times_is_compared_at_these_times(tmp_path):
         ds = study.assess(program(run, tmp_path, spacing=2.0), errors=[0.01])
     assert (ds.verdict == 0).all() and (ds.reference_uncertainty < 1e-4).all()
     for scheme in models.SCHEMES:
-        one = ds.sel(scheme=scheme, quantity="displacement", allowed_error=0.01)
-        off = _largest_error(run, scheme, one.recommended_dt.item())
-        assert off <= 0.01 and one.recommended_error == pytest.approx(off, abs=1e-4)
+        row = ds.sel(scheme=scheme, quantity="displacement", allowed_error=0.01)
+        error = _largest_error(run, scheme, row.recommended_dt.item())
+        assert error <= 0.01 and row.recommended_error == pytest.approx(error, abs=1e-4)
 
 
 def test_a_recorder_whose_interval_the_steps_do_not_divide_needs_the_spacing(tmp_path):
@@ -349,16 +349,16 @@ def test_a_recorder_whose_interval_the_steps_do_not_divide_needs_the_spacing(tmp
     ],
 )
 def test_times_of_another_unit_or_clock_are_refused(factor, begin, reason, tmp_path):
-    own = program(partial(models.shifted, factor, begin), tmp_path, finest=0.1)
-    both = "'average_acceleration' and 'central_difference' end at Δt = "
-    with pytest.raises(NoTruth, match=rf"{both}.* s: {reason}\.$"):
-        study.assess(own)
+    model = program(partial(models.shifted, factor, begin), tmp_path, finest=0.1)
+    schemes = "'average_acceleration' and 'central_difference' end at Δt = "
+    with pytest.raises(NoTruth, match=rf"{schemes}.* s: {reason}\.$"):
+        study.assess(model)
 
 
 @pytest.mark.parametrize("kept", [slice(1, None), slice(None, -1)], ids=["from the first step", "to the step before"])
 def test_output_may_lack_its_first_or_last_time(kept, tmp_path):
-    own = program(lambda *job: {name: one[kept] for name, one in models.linear(*job).items()}, tmp_path)
-    ds = study.assess(own, errors=[0.01])
+    model = program(lambda *job: {name: values[kept] for name, values in models.linear(*job).items()}, tmp_path)
+    ds = study.assess(model, errors=[0.01])
     assert (ds.verdict == 0).all() and (ds.reference_uncertainty < 2e-4).all()
 
 
@@ -380,25 +380,25 @@ def test_an_unfit_program_is_refused(change, error, sentence, tmp_path):
 
 
 def test_ctrl_c_answers_what_is_known_and_loses_no_run(tmp_path):
-    made: list[tuple[str, float]] = []
+    calls: list[tuple[str, float]] = []
 
     def interrupted(below, scheme, dt):
         """A program that is interrupted at the first step size below ``below`` that does not come from halving 1.25."""
         if dt < below and math.log2(1.25 / dt) % 1:
             raise KeyboardInterrupt
-        made.append((scheme, dt))
+        calls.append((scheme, dt))
         return models.linear(scheme, dt)
 
-    own = program(partial(interrupted, 0.1), tmp_path)
+    model = program(partial(interrupted, 0.1), tmp_path)
     with pytest.warns(RuntimeWarning, match="interrupted: no step is recommended where more runs were needed"):
-        ds = study.assess(own, errors=[0.1, 0.001])
+        ds = study.assess(model, errors=[0.1, 0.001])
     found, out_of_time = VERDICTS.index("found"), VERDICTS.index("out_of_time")
     assert (ds.verdict.sel(allowed_error=0.1) == found).all()
     assert (ds.verdict.sel(allowed_error=0.001) == out_of_time).all()
-    again = study.assess(replace(own, run=partial(interrupted, 0.0)), errors=[0.1, 0.001])
-    assert (again.verdict == found).all()
+    repeated = study.assess(replace(model, run=partial(interrupted, 0.0)), errors=[0.1, 0.001])
+    assert (repeated.verdict == found).all()
     # one run of each scheme is always repeated, and one kept run of each by the second assessment
-    assert len(made) == len(set(made)) + 2 * len(models.SCHEMES)
+    assert len(calls) == len(set(calls)) + 2 * len(models.SCHEMES)
 
 
 def test_ctrl_c_before_the_truth_is_known_ends_the_question(tmp_path):
@@ -417,20 +417,20 @@ def _eight_seconds(run, scheme, dt, duration):
 def test_no_first_run_begins_if_another_first_run_took_too_long(tmp_path, monkeypatch):
     """A kept run that is not repeated in time is not used either."""
     monkeypatch.setattr(runs, "attempt", _eight_seconds)
-    own, jobs = program(models.linear, tmp_path, ["a", "b"], workers=1), [("a", 1.0), ("b", 1.0)]
-    with Runs(own, seconds=5.0) as made:
-        assert [run.scheme for run in made.run(jobs)] == ["a"] and made.late
-    with Runs(own) as made:
-        assert len(made.run(jobs)) == 2 and not made.late
-    with Runs(own, seconds=5.0) as made:
-        assert [run.scheme for run in made.run(jobs)] == ["a"] and made.late
+    model, jobs = program(models.linear, tmp_path, ["a", "b"], workers=1), [("a", 1.0), ("b", 1.0)]
+    with Runs(model, seconds=5.0) as runs_of:
+        assert [run.scheme for run in runs_of.run(jobs)] == ["a"] and runs_of.late
+    with Runs(model) as runs_of:
+        assert len(runs_of.run(jobs)) == 2 and not runs_of.late
+    with Runs(model, seconds=5.0) as runs_of:
+        assert [run.scheme for run in runs_of.run(jobs)] == ["a"] and runs_of.late
 
 
 def test_no_run_begins_that_would_end_late_on_its_own_worker(tmp_path, monkeypatch):
     monkeypatch.setattr(runs, "attempt", _eight_seconds)
-    with Runs(program(models.linear, tmp_path, ["a", "b"], workers=1), seconds=10.0) as made:
-        assert len(made.run([("a", 1.0)])) == 1 and not made.late
-        assert len(made.run([("a", 0.8)])) == 0 and made.late
+    with Runs(program(models.linear, tmp_path, ["a", "b"], workers=1), seconds=10.0) as runs_of:
+        assert len(runs_of.run([("a", 1.0)])) == 1 and not runs_of.late
+        assert len(runs_of.run([("a", 0.8)])) == 0 and runs_of.late
 
 
 def _scattered(scheme, dt):
@@ -439,10 +439,10 @@ def _scattered(scheme, dt):
 
 
 def test_a_cheap_program_confirms_its_steps_by_many(tmp_path, monkeypatch):
-    own = program(_scattered, tmp_path, ["a", "b"])
-    dear = study.assess(own, errors=[0.1])
+    model = program(_scattered, tmp_path, ["a", "b"])
+    dear = study.assess(model, errors=[0.1])
     monkeypatch.setattr(search, "MOST_CONFIRMING", MOST_CONFIRMING)
-    ds = study.assess(own, errors=[0.1])
+    ds = study.assess(model, errors=[0.1])
     for step in ds.recommended_dt.values.ravel():
         fresh = step * 2.0 ** -np.random.default_rng(7).random(200)
         exceed = np.array([_scattered("a", dt)["drift"] for dt in fresh]) - 1 - 0.1
@@ -451,11 +451,11 @@ def test_a_cheap_program_confirms_its_steps_by_many(tmp_path, monkeypatch):
 
 
 def test_a_program_that_never_runs_has_no_truth(tmp_path):
-    own = program(partial(models.fails, "nothing"), tmp_path, ["wrong", "average_acceleration"])
+    model = program(partial(models.fails, "nothing"), tmp_path, ["wrong", "average_acceleration"])
     with pytest.raises(NoTruth, match=r"no reference for 'model', as fewer .* 'wrong' ends at Δt = 1.25 s: it"):
-        study.assess(replace(own, finest=1.0))
+        study.assess(replace(model, finest=1.0))
     with pytest.raises(NoTruth, match=r"'wrong' ends at Δt = 0.1562 s: it returned nothing.$"):
-        study.assess(own)
+        study.assess(model)
     still = program(lambda scheme, dt: models.linear(scheme, dt) | {"idle": 0.0}, tmp_path / "still")
     with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero at all times"):
         study.assess(still)
@@ -463,20 +463,20 @@ def test_a_program_that_never_runs_has_no_truth(tmp_path):
     with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero at all times"):
         study.assess(alone)
     with pytest.raises(KeyError, match="'model' has no scheme 'newmark'; known are wrong, average_acceleration."):
-        study.assess(own, ["newmark", "wrong"])
+        study.assess(model, ["newmark", "wrong"])
 
 
 def test_runs_are_known_by_the_source(tmp_path):
-    def own(run):
+    def identity(run):
         return replace(program(run, tmp_path), name=None).identity()
 
-    assert own(models.linear) == own(partial(models.oscillator, 0.0)) != own(models.hardening)
-    made: dict = {}
-    exec("def bare(scheme, dt): ...", made)
+    assert identity(models.linear) == identity(partial(models.oscillator, 0.0)) != identity(models.hardening)
+    namespace: dict = {}
+    exec("def bare(scheme, dt): ...", namespace)
     with pytest.raises(
         ValueError, match="cannot be distinguished from runs of other programs.*give the program a name"
     ):
-        own(made["bare"])
+        identity(namespace["bare"])
 
 
 def test_a_curve_at_its_steps_needs_no_spline():

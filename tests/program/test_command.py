@@ -26,13 +26,13 @@ WORDS = "--dt {dt} --scheme {scheme} --output {output}"
 def script(tmp_path):
     """Function that makes a program from the lines of a shell script, in which $6 is the output file."""
 
-    def made(lines, **options):
+    def make_program(lines, **options):
         path = tmp_path / "mycode"
         path.write_text(f"#!/bin/sh\n{lines}\n")
         path.chmod(path.stat().st_mode | stat.S_IXUSR)
         return command(f"{path} {WORDS}", ["a", "b"], 4.0, **{"folder": tmp_path / "runs"} | options)
 
-    return made
+    return make_program
 
 
 @pytest.mark.parametrize(
@@ -52,8 +52,8 @@ def script(tmp_path):
     ],
 )
 def test_a_run_that_goes_wrong_has_a_reason(script, lines, status, reason):
-    own = script(lines, time_limit=0.2 if status == "timed_out" else None)
-    run = attempt(own.run, "a", 2.0, own.duration)
+    program = script(lines, time_limit=0.2 if status == "timed_out" else None)
+    run = attempt(program.run, "a", 2.0, program.duration)
     assert run.status == status and run.reason.startswith(reason)
 
 
@@ -70,15 +70,15 @@ def test_an_input_file_takes_the_values_of_each_run(tmp_path):
     script = tmp_path / "mycode"
     script.write_text(f"#!/bin/sh\ncp $1 {tmp_path}/read.inp\nprintf 't,u\\n0,1\\n2,3\\n4,5\\n' > $2\n")
     script.chmod(script.stat().st_mode | stat.S_IXUSR)
-    given = {"schemes": ["DYNAMIC, ALPHA=0", "DYNAMIC, ALPHA=-0.1"], "duration": 4.0, "deck": tmp_path / "bridge.inp"}
-    own = command(f"{script} {{deck}} {{output}}", **given)
-    run = attempt(own.run, "DYNAMIC, ALPHA=0", 2.0, own.duration)
+    options = {"schemes": ["DYNAMIC, ALPHA=0", "DYNAMIC, ALPHA=-0.1"], "duration": 4.0, "deck": tmp_path / "bridge.inp"}
+    program = command(f"{script} {{deck}} {{output}}", **options)
+    run = attempt(program.run, "DYNAMIC, ALPHA=0", 2.0, program.duration)
     assert run.values["u"].tolist() == [1, 3, 5]
-    read = (tmp_path / "read.inp").read_text()
-    assert read == "** step of 2.0 s\n*DYNAMIC, ALPHA=0\n2.0, 4.0\n*PARAMETER {other}\n"
-    before = own.run.source  # type: ignore[attr-defined]
+    text = (tmp_path / "read.inp").read_text()
+    assert text == "** step of 2.0 s\n*DYNAMIC, ALPHA=0\n2.0, 4.0\n*PARAMETER {other}\n"
+    source = program.run.source  # type: ignore[attr-defined]
     (tmp_path / "bridge.inp").write_text(_DECK + "*DENSITY\n")
-    assert command(f"{script} {{deck}} {{output}}", **given).run.source != before  # type: ignore[attr-defined]
+    assert command(f"{script} {{deck}} {{output}}", **options).run.source != source  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("row", [row for row in steps_in_decks() if row.line], ids=lambda row: row.code)
@@ -88,8 +88,8 @@ def test_the_line_of_a_code_takes_the_step(row, tmp_path):
     (tmp_path / "bridge").write_text(f"{{scheme}}\n{row.after}\n{row.line}\n")
     (tmp_path / "mycode").write_text(f"#!/bin/sh\ncp $1 {tmp_path}/read\nprintf 't,u\\n0,1\\n2,3\\n4,5\\n' > $2\n")
     (tmp_path / "mycode").chmod(0o755)
-    own = command(f"{tmp_path}/mycode {{deck}} {{output}}", [line, "other"], 4.0, deck=tmp_path / "bridge")
-    assert attempt(own.run, line, 0.125, 4.0).completed
+    program = command(f"{tmp_path}/mycode {{deck}} {{output}}", [line, "other"], 4.0, deck=tmp_path / "bridge")
+    assert attempt(program.run, line, 0.125, 4.0).completed
     scheme, *rest = (tmp_path / "read").read_text().splitlines()
     assert scheme == line and rest == [row.after, row.line.replace("{dt}", "0.125").replace("{duration}", "4.0")]
 
@@ -118,15 +118,15 @@ def test_single_numbers_need_no_times(script):
 
 def test_a_scheme_that_hangs_is_run_once(script):
     """A run that was stopped is repeated once per assessment, and replaced if the time limit is longer."""
-    own = script("sleep 60", time_limit=0.2)
+    program = script("sleep 60", time_limit=0.2)
     with pytest.raises(ValueError, match="no reference for 'mycode'.* 'a' and 'b' end at Δt = 0.25 s: it was stopped"):
-        study.assess(own)
-    kept = list(own.place.rglob("*.npz"))
+        study.assess(program)
+    kept = list(program.place.rglob("*.npz"))
     assert len(kept) == 2
-    longer = replace(own, run=replace(own.run, time_limit=0.3))
+    longer = replace(program, run=replace(program.run, time_limit=0.3))
     with pytest.raises(ValueError, match=r"it was stopped after 0.3 s"):
         study.assess(longer)
-    assert list(own.place.rglob("*.npz")) == kept
+    assert list(program.place.rglob("*.npz")) == kept
 
 
 def test_an_unfit_command_is_refused():
@@ -146,16 +146,16 @@ def test_the_example_in_c_is_assessed(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     # otherwise the number of confirming runs would depend on the computing time of a run
     monkeypatch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
-    source, made = PROJECT / "examples" / "oscillator.c", tmp_path / "oscillator"
-    subprocess.run(["cc", "-O2", "-Wall", "-Werror", "-o", made, source, "-lm"], check=True)
-    words = ["assess", "--command", f"{made} {WORDS}", "--schemes", ",".join(models.SCHEMES), "--duration", "10"]
+    source, executable = PROJECT / "examples" / "oscillator.c", tmp_path / "oscillator"
+    subprocess.run(["cc", "-O2", "-Wall", "-Werror", "-o", executable, source, "-lm"], check=True)
+    words = ["assess", "--command", f"{executable} {WORDS}", "--schemes", ",".join(models.SCHEMES), "--duration", "10"]
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         main([*words, "--error", "0.01", "--output", str(tmp_path / "assessed")])
     ds = study.io.read(tmp_path / "assessed.nc")
     assert "For 1\u00a0% of velocity: " in printed.getvalue() and (tmp_path / "assessed.html").is_file()
     assert (ds.verdict == 0).all() and ds.attrs["problem"] == "oscillator"
-    own = study.Program(models.hardening, models.SCHEMES, 10.0, folder=tmp_path, workers=1, coarsest=0.625)
+    program = study.Program(models.hardening, models.SCHEMES, 10.0, folder=tmp_path, workers=1, coarsest=0.625)
     monkeypatch.setattr(models, "DURATION", 10.0)
-    same = study.assess(own, errors=[0.01])
-    assert ds.recommended_dt.values == pytest.approx(same.recommended_dt.values)
-    assert ds.recommended_error.values == pytest.approx(same.recommended_error.values, rel=1e-6)
+    expected = study.assess(program, errors=[0.01])
+    assert ds.recommended_dt.values == pytest.approx(expected.recommended_dt.values)
+    assert ds.recommended_error.values == pytest.approx(expected.recommended_error.values, rel=1e-6)
