@@ -198,9 +198,12 @@ class Refinement:
             return
         pair = f"'{truth.best.scheme}' and '{truth.witness.scheme}'"
         steps = f"at steps of {truth.best.dt:.4g} s and {truth.witness.dt:.4g} s"
-        cause = "halving changes each by far less, so they solve different problems"
-        cause = cause if apart else "steps cannot be finer"
-        cause = "the time has run out" if self._runs.late else cause
+        if self._runs.late:
+            cause = "the time has run out"
+        elif apart:
+            cause = "halving changes each by far less, so they solve different problems"
+        else:
+            cause = "steps cannot be finer"
         self.remarks.append(
             f"{pair} agree to {percent(uncertainty)} of '{name}' only, {steps}, and {cause}: no step is recommended "
             f"for its errors below {percent(CERTAIN * uncertainty)}"

@@ -154,7 +154,7 @@ class Runs:
         if kept:
             schemes = listed(dict.fromkeys(scheme for scheme, _ in kept))
             self._report(f"one kept run of {schemes} is repeated, in case the program has changed")
-        repetitions = {(run.scheme, run.dt): run for run in self._made([*kept])}
+        repetitions = {(run.scheme, run.dt): run for run in self._attempts([*kept])}
         self._unsure = {scheme for scheme, dt in kept if (scheme, dt) not in repetitions}
         completes = {scheme for (scheme, _), run in kept.items() if run.completed}
         changes = [
@@ -231,7 +231,7 @@ class Runs:
                 schemes, finest = ", ".join(dict.fromkeys(s for s, _ in missing)), min(dt for _, dt in missing)
                 description = f"{len(missing)} run{'s' * (len(missing) > 1)} of {schemes} down to Δt = {finest:.4g} s"
                 self._report(f"{description}{_to_go(ends)}", ends - time.monotonic())
-            for number, run in enumerate(self._made(missing), start=1):
+            for number, run in enumerate(self._attempts(missing), start=1):
                 _keep(run, jobs[run.scheme, run.dt])
                 waiting.remove((run.scheme, run.dt))
                 failure = "" if run.completed else f", {run.reason}"
@@ -278,7 +278,7 @@ class Runs:
         limit = getattr(self.program.run, "time_limit", None)
         return run.status == "timed_out" and (limit is None or run.elapsed < limit)
 
-    def _made(self, jobs: list[Job]) -> Iterator[Run]:
+    def _attempts(self, jobs: list[Job]) -> Iterator[Run]:
         """Make runs, and yield each run when it ends; runs that are expected to end late do not begin."""
         if self._pool is None:
             for job in jobs:

@@ -131,7 +131,7 @@ class Search:
     def _search(self, error: float) -> bool:
         """Make runs until every scheme has a verdict on an allowed error; return whether any run was made."""
         count = len(self.errors)
-        while self.refinement.run(job for scheme in self.program.schemes for job in self._wanted(scheme, error)):
+        while self.refinement.run(job for scheme in self.program.schemes for job in self._next_jobs(scheme, error)):
             self._measure()
         return len(self.errors) > count
 
@@ -154,7 +154,7 @@ class Search:
         largest = largest_with_margin(dt[below], error[below], allowed)
         return largest, dt[dt > largest].min(initial=math.inf)
 
-    def _wanted(self, scheme: str, error: float) -> list[Job]:
+    def _next_jobs(self, scheme: str, error: float) -> list[Job]:
         """The next runs of a scheme for an allowed error; empty if no run is needed."""
         limits = [(name, error) for name in self.truth.uncertainty]
         steps = {step for limit in limits if self.certain(scheme, limit) for step in self._next(scheme, limit)}
