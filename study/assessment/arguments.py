@@ -35,24 +35,24 @@ FINE = np.logspace(-3, 0, 31)
 LEAST_ERROR = 1e-10
 
 
-def _checked(one: str | Scheme) -> Scheme:
-    scheme = resolve(one, schemes_by_name, Scheme)  # type: ignore[type-abstract]
+def _checked(choice: str | Scheme) -> Scheme:
+    scheme = resolve(choice, schemes_by_name, Scheme)  # type: ignore[type-abstract]
     check_attributes(scheme)
     return scheme
 
 
-def chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | Scheme] | None) -> dict[str, Scheme]:
+def chosen_schemes(schemes: str | Scheme | Mapping[str, Scheme] | Iterable[str | Scheme] | None) -> dict[str, Scheme]:
     """The given schemes, or the default ones, by their names in the dataset."""
-    if given is None:
+    if schemes is None:
         return {name: schemes_by_name[name] for name in USUAL}
-    if isinstance(given, Mapping) and given:
-        return {name: _checked(one) for name, one in given.items()}
-    if not isinstance(given, str | Scheme | Iterable):
-        raise TypeError(f"schemes must be names, schemes, or a mapping from names to schemes, not {given!r}.")
+    if isinstance(schemes, Mapping) and schemes:
+        return {name: _checked(choice) for name, choice in schemes.items()}
+    if not isinstance(schemes, str | Scheme | Iterable):
+        raise TypeError(f"schemes must be names, schemes, or a mapping from names to schemes, not {schemes!r}.")
     chosen: dict[str, Scheme] = {}
-    for one in [given] if isinstance(given, str | Scheme) else given:
-        scheme = _checked(one)
-        name = schemes_by_name.resolve(one) if isinstance(one, str) else scheme.title
+    for choice in [schemes] if isinstance(schemes, str | Scheme) else schemes:
+        scheme = _checked(choice)
+        name = schemes_by_name.resolve(choice) if isinstance(choice, str) else scheme.title
         if name in chosen:
             raise ValueError(f"two schemes have the name '{name}'; give a mapping from names to schemes.")
         chosen[name] = scheme
@@ -61,12 +61,12 @@ def chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | S
     return chosen
 
 
-def remarks_on_stability(own: Iterable[Scheme]) -> list[str]:
+def remarks_on_stability(schemes: Iterable[Scheme]) -> list[str]:
     """Remarks on your own explicit schemes that are unstable without damping at every step."""
     return [
-        f"{one.title} is unstable without damping at every step"
-        for one in own
-        if one.explicit and not LinearTheory(one, FINE).stability_limit() > 0
+        f"{scheme.title} is unstable without damping at every step"
+        for scheme in schemes
+        if scheme.explicit and not LinearTheory(scheme, FINE).stability_limit() > 0
     ]
 
 
@@ -96,8 +96,8 @@ def refusal(quantity: Quantity, problem: Problem) -> str | None:
 def wanted_quantities(quantities: Mapping[str, Quantity] | None, problem: Problem) -> dict[str, Quantity]:
     """The given quantities, or the default ones that the problem has, by their names in the dataset."""
     if quantities is None:
-        quantities = {name: one for name, one in DEFAULT.items() if not refusal(one, problem)}
-    wanted = named(quantities)
-    if ENERGY in wanted:
+        quantities = {name: quantity for name, quantity in DEFAULT.items() if not refusal(quantity, problem)}
+    chosen = named(quantities)
+    if ENERGY in chosen:
         raise ValueError(f"the name '{ENERGY}' is reserved for the balance of energies; give the quantity another one.")
-    return wanted
+    return chosen

@@ -161,22 +161,22 @@ def assess(
             raise ValueError(
                 "a program has its own quantities, duration and steps; leave quantities, duration and controller out."
             )
-        own = narrowed(problem, schemes)  # type: ignore[arg-type]
-        return assess_program(own, checked_errors(errors), seconds, Progress(len(own.schemes)).report)
+        selection = narrowed(problem, schemes)  # type: ignore[arg-type]
+        return assess_program(selection, checked_errors(errors), seconds, Progress(len(selection.schemes)).report)
     # scaled by one, so that it shares a compiled program with the same problem scaled by 0.99 and 1.01
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
-    wanted = wanted_quantities(quantities, equation)
-    of_energy = quantities is None and equation.potential is not None and not equation.dissipative
+    selected = wanted_quantities(quantities, equation)
+    with_energy = quantities is None and equation.potential is not None and not equation.dissipative
     length = requested = length_of(equation, duration)
-    for name, quantity in wanted.items():
+    for name, quantity in selected.items():
         if reason := refusal(replace(quantity, name=name), equation):
             raise ValueError(reason)
     control = None if controller is None else resolve(controller, controllers, Controller)  # type: ignore[type-abstract]
-    fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
+    fit = {name: scheme for name, scheme in chosen.items() if not scheme.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))
-    own_schemes = {name: one for name, one in fit.items() if one not in schemes_by_name.values()}
+    own_schemes = {name: scheme for name, scheme in fit.items() if scheme not in schemes_by_name.values()}
     asked = "; ".join(own_schemes)
     spacing, progress, budget = search.spacing(equation, length), Progress(len(fit)), Budget(time.monotonic() + seconds)
     model = model_of(equation, length, spacing)
@@ -210,7 +210,7 @@ def assess(
     )
     # functions inside the force are traced again too if what they read has changed
     with within(budget.end, unfinished), reading(equation.reads):
-        reference = certified(equation, length, wanted, allowed[-1], coarsest, periodic=quantities is None)
+        reference = certified(equation, length, selected, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
     if length < requested:
         warnings.warn(
@@ -221,35 +221,35 @@ def assess(
         )
     remarks += remarks_on_scales(reference.targets)
     with within(budget.end, unfinished), reading(equation.reads):
-        cases = cases_of(equation, reference, wanted, allowed[-1])
-    if of_energy and (lacking := lack_of_energy(equation, reference.solution)):
-        warnings.warn(lacking, RuntimeWarning, stacklevel=2)
-        of_energy = False
-    uncertainty = reference.uncertainty | ({ENERGY: 0.0} if of_energy else {})
-    names = [*wanted, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
+        cases = cases_of(equation, reference, selected, allowed[-1])
+    if with_energy and (lack := lack_of_energy(equation, reference.solution)):
+        warnings.warn(lack, RuntimeWarning, stacklevel=2)
+        with_energy = False
+    uncertainty = reference.uncertainty | ({ENERGY: 0.0} if with_energy else {})
+    names = [*selected, *([ENERGY] if with_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
     highest = highest_frequency_along(equation, reference.solution)
     finest = search.finest_step(length, slowest, highest, np.size(equation.u0))
     limits = [(name, error) for name in names for error in allowed if error >= CERTAIN * uncertainty[name]]
 
-    def of(scheme: Scheme) -> Assessed | None:
+    def assessment_of(scheme: Scheme) -> Assessed | None:
         if not budget.allows("compiling"):
             return None
         with until(budget.end):
-            runs = Search(scheme, cases, length, min(coarsest, length), finest, of_energy, budget.end)
+            runs = Search(scheme, cases, length, min(coarsest, length), finest, with_energy, budget.end)
             runs.search(limits, lambda top: progress.report(f"{scheme.title}: steps of {top / 2:.3g} to {top:.3g} s"))
         if not len(runs.runs):
             return None
         budget.took("compiling", runs.compiling)
         verdicts = {limit: runs.verdict(*limit) for limit in limits}
-        recommended = np.unique([one.recommended for one in verdicts.values() if one.recommended > 0])
+        recommended = np.unique([verdict.recommended for verdict in verdicts.values() if verdict.recommended > 0])
         map_of_failures = None
         if maps and not runs.late and budget.allows("map"):
             with budget.work("map"):
                 map_of_failures = failures.map_of(equation, scheme, length, coarsest, recommended)
         if control is None or scheme.needs_equal_steps:
             return Assessed(runs.runs, verdicts, map_of_failures)
-        with_control = ToleranceSearch(scheme, control, cases, length, of_energy, budget.end)
-        along = [limit for limit in limits if limit[0] in wanted or limit[0] == ENERGY]
+        with_control = ToleranceSearch(scheme, control, cases, length, with_energy, budget.end)
+        along = [limit for limit in limits if limit[0] in selected or limit[0] == ENERGY]
         with_control.late = not budget.allows("compiling control")
         with until(budget.end):
             with_control.search(along, lambda top: progress.report(f"{scheme.title}: tolerances up to {top:.3g}"))
@@ -257,10 +257,12 @@ def assess(
         tolerances = {limit: with_control.verdict(*limit) for limit in along}
         return Assessed(runs.runs, verdicts, map_of_failures, tolerances)
 
-    found = _each(fit, of, progress, f"no scheme was run on '{equation.title}' in {seconds:g} s; allow more seconds.")
-    ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed, budget.end)
+    results = _assess_each(
+        fit, assessment_of, progress, f"no scheme was run on '{equation.title}' in {seconds:g} s; allow more seconds."
+    )
+    ds = dataset_of(equation, results, {name: chosen[name] for name in results}, names, allowed, budget.end)
     if control is not None:
-        ds = ds.merge(variables_of({name: one.tolerances for name, one in found.items()}, names, allowed))
+        ds = ds.merge(variables_of({name: result.tolerances for name, result in results.items()}, names, allowed))
         ds.attrs["controller"] = control.title
     ds["reference_uncertainty"] = (
         "quantity",
@@ -272,8 +274,8 @@ def assess(
         highest,
         {"long_name": "highest circular frequency of small motions about points of the motion", "units": "s-1"},
     )
-    ds = with_reference(ds, measured(reference, of_energy))
-    titles = {name: one.long_name or name for name, one in (quantities or DEFAULT).items()}
+    ds = with_reference(ds, measured(reference, with_energy))
+    titles = {name: quantity.long_name or name for name, quantity in (quantities or DEFAULT).items()}
     titles |= {ENERGY: "balance of energies, relative to the energy that was put in"} | oscillation.TITLES
     described = {"long_name": "description of the quantity"}
     ds = ds.assign_coords(quantity_title=("quantity", [titles[name] for name in names], described))
@@ -299,8 +301,8 @@ def assess(
     return ds
 
 
-def _each(
-    schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed | None], progress: Progress, late: str
+def _assess_each(
+    schemes: dict[str, Scheme], function: Callable[[Scheme], Assessed | None], progress: Progress, late: str
 ) -> dict[str, Assessed]:
     """Results by name of the scheme; after Ctrl-C, or for lack of time, results of the finished schemes only.
 
@@ -310,21 +312,23 @@ def _each(
         If there was no time for any scheme; ``late`` is the message.
     """
     with progress.bar, ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
-        waiting = {name: pool.submit(of, scheme) for name, scheme in schemes.items()}
+        waiting = {name: pool.submit(function, scheme) for name, scheme in schemes.items()}
         try:
-            for one in as_completed(waiting.values()):
-                one.result()
+            for future in as_completed(waiting.values()):
+                future.result()
                 progress.update()
         except KeyboardInterrupt:
             progress.stopped = True
             pool.shutdown(cancel_futures=True)
-    done = {name: one.result() for name, one in waiting.items() if not one.cancelled() and not one.exception()}
-    found = {name: one for name, one in done.items() if one is not None}
+    done = {
+        name: future.result() for name, future in waiting.items() if not future.cancelled() and not future.exception()
+    }
+    results = {name: result for name, result in done.items() if result is not None}
     if not done:
         raise KeyboardInterrupt
-    if not found:
+    if not results:
         raise OutOfTime(late)
-    if left := [name for name in schemes if name not in found]:
-        why = "interrupted" if progress.stopped else "out of time"
-        warnings.warn(f"{why}: {', '.join(left)} were not assessed.", RuntimeWarning, stacklevel=3)
-    return found
+    if left := [name for name in schemes if name not in results]:
+        cause = "interrupted" if progress.stopped else "out of time"
+        warnings.warn(f"{cause}: {', '.join(left)} were not assessed.", RuntimeWarning, stacklevel=3)
+    return results

@@ -23,41 +23,41 @@ def confirmation(assessed: xr.Dataset) -> str:
     tried = assessed.steps_tried.values[assessed.recommended_dt.notnull().values]
     if not tried.size:
         return ""
-    few, many = tried.min(), tried.max()
+    fewest, most = tried.min(), tried.max()
     worst = percent(float(assessed.worst_error.max()))
     # for a program neither confidence nor frequency is stated: some steps are not random, and frequencies are unknown
-    of_program = "reason" in assessed
-    kind = "finer steps, some of them random," if of_program else "random finer steps"
-    assured, others = tried[tried >= ASSURING], int(np.sum(tried < ASSURING))
-    certain = ""
+    is_program = "reason" in assessed
+    kind = "finer steps, some of them random," if is_program else "random finer steps"
+    assured, unassured = tried[tried >= ASSURING], int(np.sum(tried < ASSURING))
+    certainty = ""
     if assured.size:
         bounds = " to ".join(dict.fromkeys(percent(3 / n) for n in (assured.max(), assured.min())))
-        certain = f" With 95 % confidence, at most {bounds} of such steps exceed the allowed error."
-    if others:
-        certain += (
-            f" {others} of {len(tried)} recommended steps were confirmed by fewer than {ASSURING} steps, which is no "
-            "assurance for the steps that were not tried."
+        certainty = f" With 95 % confidence, at most {bounds} of such steps exceed the allowed error."
+    if unassured:
+        certainty += (
+            f" {unassured} of {len(tried)} recommended steps were confirmed by fewer than {ASSURING} steps, which is "
+            "no assurance for the steps that were not tried."
         )
     frequency = (
         " Small motions about points of the motion have frequencies up to "
         f"ω = {assessed.highest_frequency.item():.4g} /s."
     )
     return (
-        f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} {kind} "
+        f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {fewest} to {most} {kind} "
         f"down to a twentieth of it, or to the finest one. Their largest error is {worst} of the allowed error."
-        f"{'' if of_program else certain} {assessed.attrs['starts']} Errors along time are the largest at any step, "
+        f"{'' if is_program else certainty} {assessed.attrs['starts']} Errors along time are the largest at any step, "
         "and a peak is the largest value at any step."
-        f"{'' if of_program else frequency}"
+        f"{'' if is_program else frequency}"
     )
 
 
 def limits_of_reference(assessed: xr.Dataset) -> str:
     """The remarks, and a sentence if the reference holds only for part of the duration; empty if there are none."""
     sentences = [f"{assessed.attrs['remarks']}."] if assessed.attrs.get("remarks") else []
-    held, requested = assessed.attrs["duration"], assessed.attrs["duration_requested"]
-    if held < requested:
+    duration, requested = assessed.attrs["duration"], assessed.attrs["duration_requested"]
+    if duration < requested:
         sentences.append(
-            f"Beyond t = {held:.4g} s of the requested {requested:.4g} s, {assessed.attrs['reference']} and "
+            f"Beyond t = {duration:.4g} s of the requested {requested:.4g} s, {assessed.attrs['reference']} and "
             f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do if neighbouring "
             "motions diverge. All errors are measured up to this time."
         )
@@ -66,23 +66,27 @@ def limits_of_reference(assessed: xr.Dataset) -> str:
 
 def other_durations(assessed: xr.Dataset) -> str:
     """Sentences on the steps for longer durations, by the law of :mod:`study.analysis.duration`."""
-    held = f"All steps hold for {assessed.attrs['duration']:.4g} s."
+    sentence = f"All steps hold for {assessed.attrs['duration']:.4g} s."
     if not assessed.attrs.get("free_vibration"):
-        return f"{held} A longer duration needs an assessment of its own."
+        return f"{sentence} A longer duration needs an assessment of its own."
     laws: dict[float, list[str]] = {}
-    for one in assessed.scheme:
-        laws.setdefault(step_exponent(one.order.item(), one.keeps_energy.item()), []).append(one.scheme_title.item())
+    for scheme in assessed.scheme:
+        laws.setdefault(step_exponent(scheme.order.item(), scheme.keeps_energy.item()), []).append(
+            scheme.scheme_title.item()
+        )
     steps = "; ".join(f"n^(−{number(exponent, 2)}) with {listed(titles)}" for exponent, titles in sorted(laws.items()))
     return (
-        f"{held} Over n periods of a free vibration that is not chaotic, the step that keeps an error of the motion "
-        f"falls with {steps}. study.recommend(..., duration=) extrapolates by this law."
+        f"{sentence} Over n periods of a free vibration that is not chaotic, the step that keeps an error of the "
+        f"motion falls with {steps}. study.recommend(..., duration=) extrapolates by this law."
     )
 
 
 def reference_of(assessed: xr.Dataset) -> str:
     """Sentences on the reference and its uncertainty."""
-    attributes, off = assessed.attrs, assessed.reference_uncertainty
-    differences = ", ".join(f"{percent(float(off.sel(quantity=name)))} of {name}" for name in assessed.quantity.values)
+    attributes, uncertainty = assessed.attrs, assessed.reference_uncertainty
+    differences = ", ".join(
+        f"{percent(float(uncertainty.sel(quantity=name)))} of {name}" for name in assessed.quantity.values
+    )
     if "interpolation" in attributes:
         return (
             f"The reference comes from the program itself: {attributes['reference']}, compared with "
@@ -101,12 +105,12 @@ def values_of_reference(assessed: xr.Dataset) -> list[tuple[str, ...]]:
     """
     rows: list[tuple[str, ...]] = []
     for name in assessed.quantity.values:
-        one = assessed[["reference_value", "reference_value_uncertainty", "reference_time"]].sel(quantity=name)
-        table = one.to_dataframe().dropna(subset="reference_value")
+        values = assessed[["reference_value", "reference_value_uncertainty", "reference_time"]].sel(quantity=name)
+        table = values.to_dataframe().dropna(subset="reference_value")
         unit = assessed.quantity_units.sel(quantity=name).item()
         for row in table.loc[table.reference_value.abs().nlargest(SHOWN).index].itertuples():
-            when = "–" if np.isnan(row.reference_time) else f"{row.reference_time:.4g}"
+            time = "–" if np.isnan(row.reference_time) else f"{row.reference_time:.4g}"
             numbers = printed(f"{row.reference_value:.7g} ± {row.reference_value_uncertainty:.1g}")
             value = numbers if unit == "1" else f"{numbers} {unit}"
-            rows.append((f"{name}, component {row.Index}" if len(table) > 1 else name, value, when))
+            rows.append((f"{name}, component {row.Index}" if len(table) > 1 else name, value, time))
     return rows

@@ -52,24 +52,24 @@ def undeclared(load: Callable | None) -> bool:
 
 
 def _holds(
-    one: DenseSolution, other: DenseSolution, quantities: dict[str, Quantity], problem: Problem, most: float
+    first: DenseSolution, second: DenseSolution, quantities: dict[str, Quantity], problem: Problem, most: float
 ) -> float:
-    """Last time on the grid of ``one`` that is not after the first difference above ``most`` in any quantity."""
-    ends = [one.t[-1]]
+    """Last time on the grid of ``first`` that is not after the first difference above ``most`` in any quantity."""
+    ends = [first.t[-1]]
     for quantity in quantities.values():
-        _, along = errors.difference(quantity, problem, one, other)
-        apart = other.t[~(along <= most)]
-        ends += [one.t[np.searchsorted(one.t, apart[0], side="right") - 1]] if apart.size else []
+        _, along = errors.difference(quantity, problem, first, second)
+        times = second.t[~(along <= most)]
+        ends += [first.t[np.searchsorted(first.t, times[0], side="right") - 1]] if times.size else []
     return float(min(ends))
 
 
 def _suddenly(
-    one: DenseSolution, other: DenseSolution, quantities: dict[str, Quantity], problem: Problem, horizon: float
+    first: DenseSolution, second: DenseSolution, quantities: dict[str, Quantity], problem: Problem, horizon: float
 ) -> float:
-    """Largest difference in any quantity up to two points of the grid of ``one`` after a time."""
-    end = one.t[min(int(np.searchsorted(one.t, horizon)) + 2, len(one.t) - 1)]
-    along = (errors.difference(quantity, problem, one, other)[1] for quantity in quantities.values())
-    return float(max(difference[other.t <= end].max() for difference in along))
+    """Largest difference in any quantity up to two points of the grid of ``first`` after a time."""
+    end = first.t[min(int(np.searchsorted(first.t, horizon)) + 2, len(first.t) - 1)]
+    along = (errors.difference(quantity, problem, first, second)[1] for quantity in quantities.values())
+    return float(max(difference[second.t <= end].max() for difference in along))
 
 
 def _check_shortest(reference: Reference) -> None:
@@ -108,48 +108,48 @@ def certified(
     reference = Reference(problem, duration)
     _check_shortest(reference)
     (route, witness), grid = reference.routes, reference.grid(coarsest)
-    reached: tuple | None = None
+    best: tuple | None = None
     for rtol in TOLERANCES:
         try:
-            one, other, grid = reference.solutions(grid, rtol, AIMED * tightest)
+            solution, comparison, grid = reference.solutions(grid, rtol, AIMED * tightest)
         except (ValueError, RuntimeError) as error:
-            if reached is None:
+            if best is None:
                 raise NoReference(
                     f"no reference of '{problem.title}' was found: {str(error).rstrip('.')}; try a shorter duration."
                 ) from error
             break
-        apart = {name: errors.difference(q, problem, one, other)[0] for name, q in quantities.items()}
-        if reached is None or max(apart.values()) < max(reached[2].values()):
-            reached = one, other, apart, rtol
-        if max(apart.values()) <= AIMED * tightest:
+        differences = {name: errors.difference(q, problem, solution, comparison)[0] for name, q in quantities.items()}
+        if best is None or max(differences.values()) < max(best[2].values()):
+            best = solution, comparison, differences, rtol
+        if max(differences.values()) <= AIMED * tightest:
             break
-    assert reached is not None
-    one, other, apart, rtol = reached
-    if not np.any(one.u != one.u[0]) and not np.any(one.v):
+    assert best is not None
+    solution, comparison, differences, rtol = best
+    if not np.any(solution.u != solution.u[0]) and not np.any(solution.v):
         raise ValueError(f"'{problem.title}' does not move: give it a start away from equilibrium, or a load.")
     horizon = duration
-    if max(apart.values()) > ACCEPTED * tightest:
-        horizon = _holds(one, other, quantities, problem, AIMED * tightest)
+    if max(differences.values()) > ACCEPTED * tightest:
+        horizon = _holds(solution, comparison, quantities, problem, AIMED * tightest)
         may_jump = undeclared(problem.load) and not problem.kinked and problem.history is None
-        if may_jump and _suddenly(one, other, quantities, problem, horizon) > SUDDEN * AIMED * tightest:
+        if may_jump and _suddenly(solution, comparison, quantities, problem, horizon) > SUDDEN * AIMED * tightest:
             raise NoReference(
                 f"{route.name} and {witness.name} part suddenly on '{problem.title}' after t = {horizon:.4g}, as at a "
                 f"short pulse of the load: {KINKS}."
             )
         if horizon < SHORTEST * duration:
             raise NoReference(
-                f"{route.name} and {witness.name} differ by {max(apart.values()):.1e} on '{problem.title}' at a "
+                f"{route.name} and {witness.name} differ by {max(differences.values()):.1e} on '{problem.title}' at a "
                 f"tolerance of {rtol:g}, and agree to {AIMED * tightest:.1e} only up to t = {horizon:.4g}: "
                 + (f"{KINKS}, or " if undeclared(problem.load) else "")
                 + "allow a larger error or a shorter duration."
             )
-        one, other = (s.until(horizon) for s in (one, other))
-        apart = {name: errors.difference(q, problem, one, other)[0] for name, q in quantities.items()}
-    targets = {name: errors.target(q, problem, one) for name, q in quantities.items()}
-    swing, of_witness = (oscillation.oscillation(problem, s) if periodic else None for s in (one, other))
-    if swing is not None and of_witness is not None:
-        apart |= oscillation.uncertainties(swing, of_witness, max(apart.values()))
-    return Certified(one, targets, swing, apart, route, witness, rtol, horizon)
+        solution, comparison = (s.until(horizon) for s in (solution, comparison))
+        differences = {name: errors.difference(q, problem, solution, comparison)[0] for name, q in quantities.items()}
+    targets = {name: errors.target(q, problem, solution) for name, q in quantities.items()}
+    swing, witness_swing = (oscillation.oscillation(problem, s) if periodic else None for s in (solution, comparison))
+    if swing is not None and witness_swing is not None:
+        differences |= oscillation.uncertainties(swing, witness_swing, max(differences.values()))
+    return Certified(solution, targets, swing, differences, route, witness, rtol, horizon)
 
 
 def cases_of(
@@ -167,18 +167,18 @@ def cases_of(
     cases = {1.0: Case(problem, reference.targets, reference.oscillation)}
     for factor in search.STARTS:
         neighbour = excited(problem, factor, displaced=True)
-        own, grid = Reference(neighbour, reference.horizon), reference.solution.t
+        nearby, grid = Reference(neighbour, reference.horizon), reference.solution.t
         try:
             if problem.kinked or problem.history is not None:  # the neighbour's kinks are at other times
-                one, *_ = own.solutions(own.with_kinks(grid), reference.rtol, AIMED * tightest)
+                solution, *_ = nearby.solutions(nearby.with_kinks(grid), reference.rtol, AIMED * tightest)
             else:
-                one = own.solution(own.routes[0], grid, reference.rtol)
+                solution = nearby.solution(nearby.routes[0], grid, reference.rtol)
         except (ValueError, RuntimeError) as error:
             raise NoReference(
                 f"no reference of '{problem.title}' was found from a start one percent away: {str(error).rstrip('.')}; "
                 "try a shorter duration."
             ) from error
-        targets = {name: errors.target(quantity, neighbour, one) for name, quantity in quantities.items()}
-        swing = oscillation.oscillation(neighbour, one) if reference.oscillation else None
+        targets = {name: errors.target(quantity, neighbour, solution) for name, quantity in quantities.items()}
+        swing = oscillation.oscillation(neighbour, solution) if reference.oscillation else None
         cases[factor] = Case(neighbour, targets, swing)
     return cases

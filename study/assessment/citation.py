@@ -24,17 +24,17 @@ _OWN = re.compile(r"^  (?:shortjournal|shortbooktitle|unconfirmed) = .*\n", re.M
 
 def _label(entry: str) -> str:
     """Authors and year of an entry, in the form in which a scheme states its source."""
-    found = {
+    fields = {
         key: re.sub("[{}]", "", value) for key, value in re.findall(r"^  (\w+) = \{(.*)\},?$", entry, re.MULTILINE)
     }
-    first, *others = (name.partition(",")[0] for name in found["author"].split(" and "))
-    more = "" if not others else f" and {others[0]}" if len(others) == 1 else " et al."
-    return f"{first}{more} ({found['year']})"
+    first, *others = (name.partition(",")[0] for name in fields["author"].split(" and "))
+    suffix = "" if not others else f" and {others[0]}" if len(others) == 1 else " et al."
+    return f"{first}{suffix} ({fields['year']})"
 
 
 def _study(attributes: dict) -> str:
-    made = attributes.get("date_created", "")[:4]
-    year = f"  year = {{{made}}},\n" if made.isdigit() else ""
+    created = attributes.get("date_created", "")[:4]
+    year = f"  year = {{{created}}},\n" if created.isdigit() else ""
     return (
         "@software{time_integration_study,\n  author = {{The founders of the study}},\n  title = {Time integration "
         "schemes on non-linear dynamic equations: a reproducible study},\n"
@@ -79,10 +79,14 @@ def cite(dataset: xr.Dataset) -> str:
     """
     if not isinstance(dataset, xr.Dataset) or "version" not in dataset.attrs:
         raise ValueError("cite takes a dataset of the study, such as the result of study.assess.")
-    works = {found[1]: found[0] for found in _ENTRY.finditer(WORKS.read_text(encoding="utf-8"))}
+    works = {match[1]: match[0] for match in _ENTRY.finditer(WORKS.read_text(encoding="utf-8"))}
     by_source = {(_label(text), (re.findall(r"  doi = \{(.*)\}", text) or [""])[0]): key for key, text in works.items()}
     solvers = " ".join(str(dataset.attrs.get(key, "")) for key in ("reference", "witness"))
-    keys = {PAPER, *(by_source[one] for one in _sources(dataset)), *(key for w, key in SOLVERS.items() if w in solvers)}
-    of_record = {key for (label, _), key in by_source.items() if label in dataset.attrs.get("record_source", "")}
-    entries = [_study(dataset.attrs), *(_OWN.sub("", works[key]) for key in sorted(keys | of_record))]
-    return "\n\n".join(entries if of_record or "record" not in dataset.attrs else [*entries, _record(dataset.attrs)])
+    keys = {
+        PAPER,
+        *(by_source[source] for source in _sources(dataset)),
+        *(key for w, key in SOLVERS.items() if w in solvers),
+    }
+    record_works = {key for (label, _), key in by_source.items() if label in dataset.attrs.get("record_source", "")}
+    entries = [_study(dataset.attrs), *(_OWN.sub("", works[key]) for key in sorted(keys | record_works))]
+    return "\n\n".join(entries if record_works or "record" not in dataset.attrs else [*entries, _record(dataset.attrs)])

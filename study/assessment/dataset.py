@@ -71,49 +71,49 @@ class Assessed(NamedTuple):
     tolerances: dict[Limit, Tolerance] | None = None
 
 
-def _timed(problem: Problem, scheme: Scheme, wanted: dict[float, int]) -> dict[float, tuple]:
+def _timed(problem: Problem, scheme: Scheme, steps_by_dt: dict[float, int]) -> dict[float, tuple]:
     """Median and interquartile range of the time in s of all steps of a run, by step size.
 
-    ``wanted`` maps each step size to the number of steps of its run. A timed run has this number of steps, but at most
+    ``steps_by_dt`` maps each step size to the number of steps of its run. A timed run has this number, but at most
     ``MOST_TIMED``. If they take less than ``ENOUGH`` seconds, it has more steps, unless one of these fails. Its time is
     scaled to the number of steps wanted. The overhead of a call is the time of a run of one step. It is subtracted from
     the median if the median exceeds twice the overhead.
     """
     timed = Timed(problem, scheme, ())
-    call = np.median([timed.run(max(wanted), 1)[0] for _ in range(REPEATS)])
+    call = np.median([timed.run(max(steps_by_dt), 1)[0] for _ in range(REPEATS)])
     times = {}
-    for dt, steps in sorted(wanted.items(), reverse=True):
+    for dt, steps in sorted(steps_by_dt.items(), reverse=True):
         first = min(steps, MOST_TIMED)
         once = max(timed.run(dt, first)[0] - call, ENOUGH * first / MOST_TIMED)
-        most = max(first, int(first * ENOUGH / once))
-        runs = [timed.run(dt, most) for _ in range(REPEATS)]
+        timed_steps = max(first, int(first * ENOUGH / once))
+        runs = [timed.run(dt, timed_steps) for _ in range(REPEATS)]
         # steps beyond the wanted number may fail; the run is then timed without them
         if not all(completed for _, completed in runs):
-            most, runs = first, [timed.run(dt, first) for _ in range(REPEATS)]
-        low, median, high = np.quantile([taken for taken, _ in runs], [0.25, 0.5, 0.75])
+            timed_steps, runs = first, [timed.run(dt, first) for _ in range(REPEATS)]
+        low, median, high = np.quantile([seconds for seconds, _ in runs], [0.25, 0.5, 0.75])
         less = call if median > 2 * call else 0.0
-        times[dt] = float((median - less) * steps / most), float((high - low) * steps / most)
+        times[dt] = float((median - less) * steps / timed_steps), float((high - low) * steps / timed_steps)
     return times
 
 
 def _times(
-    problem: Problem, schemes: dict[str, Scheme], found: dict[str, Assessed], end: float = math.inf
+    problem: Problem, schemes: dict[str, Scheme], results: dict[str, Assessed], end: float = math.inf
 ) -> dict[str, dict]:
     """Times of recommended steps by scheme, one scheme after the other.
 
     After Ctrl-C, or after ``end`` of the monotonic clock, only the finished schemes have times.
     """
     times, longest = dict[str, dict](), 0.0
-    for name, one in found.items():
+    for name, result in results.items():
         if (begin := time.monotonic()) + longest > end:
             break
-        steps = one.runs.groupby("dt").steps.first()
-        wanted = {v.recommended: int(steps[v.recommended]) for v in one.verdicts.values() if v.recommended > 0}
+        steps = result.runs.groupby("dt").steps.first()
+        steps_by_dt = {v.recommended: int(steps[v.recommended]) for v in result.verdicts.values() if v.recommended > 0}
         try:
-            times[name] = _timed(problem, schemes[name], wanted) if wanted else {}
+            times[name] = _timed(problem, schemes[name], steps_by_dt) if steps_by_dt else {}
         except KeyboardInterrupt:
-            left = [other for other in found if other not in times]
-            warnings.warn(f"interrupted: {', '.join(left)} have no times.", RuntimeWarning, stacklevel=4)
+            untimed = [other for other in results if other not in times]
+            warnings.warn(f"interrupted: {', '.join(untimed)} have no times.", RuntimeWarning, stacklevel=4)
             break
         longest = max(longest, time.monotonic() - begin)
     return times
@@ -121,51 +121,51 @@ def _times(
 
 def dataset_of(
     problem: Problem,
-    found: dict[str, Assessed],
+    results: dict[str, Assessed],
     schemes: dict[str, Scheme],
     names: list[str],
     allowed: list[float],
     end: float = math.inf,
 ) -> xr.Dataset:
     """Results of all schemes, with the times of the recommended steps, as a dataset."""
-    of_scheme = _times(problem, schemes, found, end)
-    own = {name: one.runs[one.runs.start == 1.0].set_index("dt") for name, one in found.items()}
-    tried = pd.concat(own, names=["scheme"]).to_xarray().sel(scheme=list(found)).sortby("dt", ascending=False)
+    times_by_scheme = _times(problem, schemes, results, end)
+    runs = {name: result.runs[result.runs.start == 1.0].set_index("dt") for name, result in results.items()}
+    tried = pd.concat(runs, names=["scheme"]).to_xarray().sel(scheme=list(results)).sortby("dt", ascending=False)
     rows = []
-    for name, one in found.items():
-        times = of_scheme.get(name, {})
+    for name, result in results.items():
+        times = times_by_scheme.get(name, {})
         for limit in ((quantity, error) for quantity in names for error in allowed):
-            verdict = one.verdicts.get(limit, Recommendation(UNCERTAIN))
-            taken, spread, forces, error = (np.nan,) * 4
+            verdict = result.verdicts.get(limit, Recommendation(UNCERTAIN))
+            seconds, spread, forces, error = (np.nan,) * 4
             if verdict.recommended > 0:
-                run = own[name].loc[verdict.recommended]
-                taken, spread = times.get(verdict.recommended, (np.nan,) * 2)
+                run = runs[name].loc[verdict.recommended]
+                seconds, spread = times.get(verdict.recommended, (np.nan,) * 2)
                 forces, error = run.forces, run[limit[0]]
-            rows.append((name, *limit, *verdict, error, taken, spread, forces))
+            rows.append((name, *limit, *verdict, error, seconds, spread, forces))
     index = ["scheme", "quantity", "allowed_error"]
     variables = ["verdict", "largest_dt", "recommended_dt", "steps_tried", "worst_error", "recommended_error"]
     verdicts = pd.DataFrame(rows, columns=[*index, *variables, "time", "time_spread", "force_evaluations"])
-    ds = verdicts.set_index(index).to_xarray().sel(scheme=list(found), quantity=names, allowed_error=allowed)
+    ds = verdicts.set_index(index).to_xarray().sel(scheme=list(results), quantity=names, allowed_error=allowed)
     ds = ds.assign(verdict=ds.verdict.astype(np.int8), steps_tried=ds.steps_tried.astype(np.int32))
     ds["error"] = tried[names].to_dataarray("quantity").transpose("scheme", "dt", "quantity")
     ds["status"] = tried.status.fillna(NOT_TRIED).astype(np.int8)
     ds["energy_imbalance"], ds["newton_iterations"] = tried.imbalance, tried.iterations
-    finest = {name: min(of_scheme.get(name, {}), default=np.nan) for name in found}
+    finest = {name: min(times_by_scheme.get(name, {}), default=np.nan) for name in results}
     ds["time_per_step"] = (
         "scheme",
-        [of_scheme[n][dt][0] / own[n].steps[dt] if dt > 0 else np.nan for n, dt in finest.items()],
+        [times_by_scheme[n][dt][0] / runs[n].steps[dt] if dt > 0 else np.nan for n, dt in finest.items()],
     )
     ds = ds.assign_coords(
-        scheme_title=("scheme", [schemes[name].title for name in found]),
-        kind=("scheme", ["explicit" if schemes[name].explicit else "implicit" for name in found]),
-        order=("scheme", [schemes[name].order for name in found]),
-        keeps_energy=("scheme", [int(schemes[name].keeps_energy) for name in found]),
+        scheme_title=("scheme", [schemes[name].title for name in results]),
+        kind=("scheme", ["explicit" if schemes[name].explicit else "implicit" for name in results]),
+        order=("scheme", [schemes[name].order for name in results]),
+        keeps_energy=("scheme", [int(schemes[name].keeps_energy) for name in results]),
         steps=tried.steps.max("scheme").astype(int),
     )
     for name, attributes in (ATTRIBUTES | OF_SCHEMES).items():
         ds[name].attrs |= attributes
     ds.attrs = io.provenance(f"Which scheme and which step: {problem.title}", "study.assess", io.now())
-    parts = {name: one.map for name, one in found.items() if one.map is not None}
-    if len(parts) == len(found):
+    parts = {name: result.map for name, result in results.items() if result.map is not None}
+    if len(parts) == len(results):
         ds = ds.merge(xr.concat(list(parts.values()), "scheme").assign_coords(scheme=list(parts)))
     return ds

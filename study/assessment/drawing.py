@@ -53,22 +53,22 @@ def times_of_runs(assessed: xr.Dataset) -> xr.DataArray:
     return assessed.run_time if "run_time" in assessed else assessed.time_per_step * assessed.steps
 
 
-def motion(one: xr.Dataset) -> str:
+def motion(quantity: xr.Dataset) -> str:
     """The reference of a quantity along time, with its value as a point, as SVG; empty if it has no motion."""
     from matplotlib.figure import Figure
 
-    low, high = one.reference_low.values, one.reference_high.values
+    low, high = quantity.reference_low.values, quantity.reference_high.values
     if not np.isfinite(low).any():
         return ""
     figure = Figure(figsize=(5.4, 2.2), layout="constrained")
     axes = figure.subplots()
-    axes.fill_between(one.reference_t, low, high, color="black", lw=0.9)
-    largest = one.isel(component=int(abs(one.reference_value).fillna(0).argmax("component")))
+    axes.fill_between(quantity.reference_t, low, high, color="black", lw=0.9)
+    largest = quantity.isel(component=int(abs(quantity.reference_value).fillna(0).argmax("component")))
     if largest.reference_time.notnull():
-        at = np.abs(one.reference_t.values - largest.reference_time.item()).argmin()
-        axes.plot(largest.reference_time, max(low[at], high[at], key=abs), "o", color=COLOURS[2], ms=6)
-    unit = "" if one.quantity_units.item() == "1" else f", {one.quantity_units.item()}"
-    axes.set(xlabel="t, s", ylabel=f"{one.quantity.item()}{unit}", xlim=(0, None))
+        index = np.abs(quantity.reference_t.values - largest.reference_time.item()).argmin()
+        axes.plot(largest.reference_time, max(low[index], high[index], key=abs), "o", color=COLOURS[2], ms=6)
+    unit = "" if quantity.quantity_units.item() == "1" else f", {quantity.quantity_units.item()}"
+    axes.set(xlabel="t, s", ylabel=f"{quantity.quantity.item()}{unit}", xlim=(0, None))
     axes.grid(color="0.9")
     axes.set_axisbelow(True)
     return svg_of(figure)
@@ -109,8 +109,8 @@ def curves(
     figure = Figure(figsize=(5.4, 3.6 + 0.1 * len(strong)), layout="constrained")
     axes = figure.subplots()
     drawn = 0
-    for name in [*(one for one in names if one not in strong), *strong]:
-        one = assessed.sel(scheme=name)
+    for name in [*(other for other in names if other not in strong), *strong]:
+        selected = assessed.sel(scheme=name)
         x = along.broadcast_like(values).sel(scheme=name).values
         y = values.sel(scheme=name).values
         tried = np.isfinite(y) & (y > 0) & np.isfinite(x)
@@ -123,7 +123,7 @@ def curves(
         s = strong.index(name)
         colour = COLOURS[s % len(COLOURS)]
         style: dict[str, Any] = {"color": colour, "marker": MARKERS[s % len(MARKERS)], "mfc": "none"}
-        axes.plot(worst.x, worst.y, **style, ms=5, lw=1.4, markevery=IN_OCTAVE, label=str(one.scheme_title.values))
+        axes.plot(worst.x, worst.y, **style, ms=5, lw=1.4, markevery=IN_OCTAVE, label=str(selected.scheme_title.values))
         if stable is not None and 0 < stable.sel(scheme=name) < np.inf:
             axes.axvline(stable.sel(scheme=name).item(), color=colour, ls=":", lw=1.4)
     for limit in limits:
@@ -157,20 +157,20 @@ def maps(assessed: xr.Dataset) -> str:
         for e, row in enumerate(outcome):
             ends = np.flatnonzero(np.diff(row, prepend=-1, append=-1))  # a letter for each stretch of equal outcomes
             for first, end in itertools.pairwise(ends):
-                one, middle = row[first], (first + end - 1) / 2
-                axes.text(middle, e, LETTERS[one], color=INK[one], ha="center", va="center", fontsize=8)
+                code, middle = row[first], (first + end - 1) / 2
+                axes.text(middle, e, LETTERS[code], color=INK[code], ha="center", va="center", fontsize=8)
         # the steps of a map descend in geometric progression; a limit of zero or infinity is not drawn
         stable = assessed.stable_dt.sel(scheme=name)
-        at_limit = -np.log(stable.where((stable > 0) & np.isfinite(stable)).values)
+        log_limits = -np.log(stable.where((stable > 0) & np.isfinite(stable)).values)
         steps = np.arange(assessed.sizes["map_dt"])
-        place = np.interp(at_limit, -np.log(assessed.map_dt.values), steps, left=np.nan, right=np.nan)
-        for e, at in enumerate(place):
-            axes.plot([at, at], [e - 0.5, e + 0.5], color="black", lw=1.2, ls="--")
+        place = np.interp(log_limits, -np.log(assessed.map_dt.values), steps, left=np.nan, right=np.nan)
+        for e, x in enumerate(place):
+            axes.plot([x, x], [e - 0.5, e + 0.5], color="black", lw=1.2, ls="--")
         axes.set_title(str(assessed.scheme_title.sel(scheme=name).values), fontsize=9)
     for axes in panels[assessed.sizes["scheme"] :]:
         axes.remove()
-    every = range(0, assessed.sizes["map_dt"], max(1, assessed.sizes["map_dt"] // 4))
-    panels[0].set_xticks(list(every), [f"{assessed.map_dt.values[i]:.2g}" for i in every])
+    ticks = range(0, assessed.sizes["map_dt"], max(1, assessed.sizes["map_dt"] // 4))
+    panels[0].set_xticks(list(ticks), [f"{assessed.map_dt.values[i]:.2g}" for i in ticks])
     panels[0].set_yticks(range(assessed.sizes["excitation"]), [f"{x:g}" for x in assessed.excitation.values])
     figure.supxlabel("step size, s", fontsize=10)
     figure.supylabel("multiple of start and load", fontsize=10)

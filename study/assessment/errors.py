@@ -61,7 +61,7 @@ def named(quantities: Mapping[str, Quantity]) -> dict[str, Quantity]:
 
 @partial(jit, compiler=eqx.filter_jit)
 def _evaluated(quantity, problem, t, u, v):
-    return jax.vmap(lambda *at: jnp.atleast_1d(quantity.value(problem, *at)).astype(float))(t, u, v)
+    return jax.vmap(lambda *arguments: jnp.atleast_1d(quantity.value(problem, *arguments)).astype(float))(t, u, v)
 
 
 def values_along(quantity: Quantity, problem: Problem, solution: DenseSolution, times: Times) -> Values:
@@ -148,18 +148,18 @@ class Target:
 
     def until(self, ends: Times) -> Values:
         """The reduced quantity of the reference from t = 0 to each of the ``ends``, of shape (ends, components)."""
-        at_end = values_along(self.quantity, self.problem, self.solution, ends)
+        end_values = values_along(self.quantity, self.problem, self.solution, ends)
         if self.quantity.reduce == "final":
-            return at_end
+            return end_values
         before = np.searchsorted(self.times, ends, side="right") - 1
         if self.quantity.reduce == "rms":
             squares = self.values**2
             steps = np.diff(self.times)[:, None] * (squares[:-1] + squares[1:]) / 2
             total = np.cumsum(np.append(np.zeros_like(squares[:1]), steps, axis=0), axis=0)[before]
-            rest = (ends - self.times[before])[:, None] * (squares[before] + at_end**2) / 2
-            return np.sqrt((total + rest) / ends[:, None])
+            remainder = (ends - self.times[before])[:, None] * (squares[before] + end_values**2) / 2
+            return np.sqrt((total + remainder) / ends[:, None])
         sizes = np.abs(self.values)
-        so_far = np.maximum(np.maximum.accumulate(sizes)[before], np.abs(at_end))
+        so_far = np.maximum(np.maximum.accumulate(sizes)[before], np.abs(end_values))
         return np.where(self.times[sizes.argmax(axis=0)] <= ends[:, None], self._peak, so_far)
 
     @cached_property
@@ -184,9 +184,9 @@ def target(quantity: Quantity, problem: Problem, solution: DenseSolution, finer:
             f"the quantity '{quantity.long_name}' of '{problem.title}' is zero at all times, so that an error relative "
             "to it has no meaning."
         )
-    found = Target(quantity, problem, solution, times, values, np.abs(values).max(axis=0))
-    own = found.own if quantity.reduce else found.sizes
-    return replace(found, scale=quantity.scales(own, found.sizes))
+    result = Target(quantity, problem, solution, times, values, np.abs(values).max(axis=0))
+    reduced = result.own if quantity.reduce else result.sizes
+    return replace(result, scale=quantity.scales(reduced, result.sizes))
 
 
 class ErrorsAlong(Reduction):
@@ -211,8 +211,8 @@ class ErrorsAlong(Reduction):
     def of(cls, targets: Sequence[Target]) -> "ErrorsAlong":
         """The observer for targets that share one reference solution."""
         solution, length = targets[0].solution, np.diff(targets[0].solution.t)
-        before, after = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
-        table = np.stack(quintic(before, after, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
+        starts, ends = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
+        table = np.stack(quintic(starts, ends, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
         # padded to a power of two, so that few programs are compiled; no step reaches the padding, which begins at ∞
         padding = 2 ** math.ceil(math.log2(len(length) + 2)) - len(length)
         begin = np.append(solution.t[:-1], np.full(padding, np.inf))
@@ -221,12 +221,12 @@ class ErrorsAlong(Reduction):
             np.append(length, np.ones(padding)),
             np.append(table, np.zeros((padding, *table.shape[1:])), axis=0),
         )
-        scales = tuple(jnp.asarray(one.scale) for one in targets)
-        return cls(tuple(one.quantity for one in targets), scales, *map(jnp.asarray, numbers))
+        scales = tuple(jnp.asarray(target.scale) for target in targets)
+        return cls(tuple(target.quantity for target in targets), scales, *map(jnp.asarray, numbers))
 
     @property
     def variables(self) -> dict[str, dict[str, str]]:  # type: ignore[override]
-        return {name: values for one in self.quantities for name, values in one.variables.items()}
+        return {name: values for quantity in self.quantities for name, values in quantity.variables.items()}
 
     def start(self, problem, state):
         return jnp.zeros((), int), (jnp.zeros(()),) * len(self.quantities)
@@ -238,14 +238,14 @@ class ErrorsAlong(Reduction):
         place = lax.while_loop(lambda i: self.begin[i + 1] <= t, lambda i: i + 1, place)
         s = (t - self.begin[place]) / self.length[place]
         polynomial = tuple(self.coefficients[place])
-        slope = tuple(k * one for k, one in enumerate(polynomial))[1:]
+        slope = tuple(k * coefficient for k, coefficient in enumerate(polynomial))[1:]
         exact = value(polynomial, s), value(slope, s) / self.length[place]
-        off = [
-            jnp.max(jnp.abs(one.value(problem, t, state.u, state.v) - one.value(problem, t, *exact)) / scale)
-            for one, scale in zip(self.quantities, self.scales, strict=True)
+        errors = [
+            jnp.max(jnp.abs(quantity.value(problem, t, state.u, state.v) - quantity.value(problem, t, *exact)) / scale)
+            for quantity, scale in zip(self.quantities, self.scales, strict=True)
         ]
         # one array of all quantities would be computed entry by entry, twice as long for ensembles
-        return place, tuple(map(jnp.maximum, largest, off))
+        return place, tuple(map(jnp.maximum, largest, errors))
 
     def result(self, carried, problem, state):
         return dict(zip(self.variables, carried[1], strict=True))
@@ -273,39 +273,39 @@ class ErrorsAtSamples(Reduction):
     def of(cls, targets: Sequence[Target]) -> "ErrorsAtSamples":
         """The observer for targets whose reference is known at equal intervals."""
         interval = jnp.asarray(targets[0].times[1])
-        along = ([one.quantity, jnp.asarray(one.scale), jnp.asarray(one.values)] for one in targets)
-        quantities, scales, samples = (tuple(part) for part in zip(*along, strict=True))
+        parts = ([target.quantity, jnp.asarray(target.scale), jnp.asarray(target.values)] for target in targets)
+        quantities, scales, samples = (tuple(part) for part in zip(*parts, strict=True))
         return cls(quantities, scales, interval, samples)
 
     @property
     def variables(self) -> dict[str, dict[str, str]]:  # type: ignore[override]
-        return {name: values for one in self.quantities for name, values in one.variables.items()}
+        return {name: values for quantity in self.quantities for name, values in quantity.variables.items()}
 
     def start(self, problem, state):
         return (jnp.zeros(()),) * len(self.quantities)
 
     def update(self, carried, problem, state, t, effort):
         place = jnp.round(t / self.interval)
-        at_sample = jnp.abs(t - place * self.interval) < 1e-6 * self.interval
-        off = [
-            jnp.max(jnp.abs(one.value(problem, t, state.u, state.v).ravel() - samples[place.astype(int)]) / scale)
-            for one, scale, samples in zip(self.quantities, self.scales, self.samples, strict=True)
+        is_sample = jnp.abs(t - place * self.interval) < 1e-6 * self.interval
+        errors = [
+            jnp.max(jnp.abs(quantity.value(problem, t, state.u, state.v).ravel() - samples[place.astype(int)]) / scale)
+            for quantity, scale, samples in zip(self.quantities, self.scales, self.samples, strict=True)
         ]
-        return tuple(jnp.where(at_sample, jnp.maximum(*both), both[0]) for both in zip(carried, off, strict=True))
+        return tuple(jnp.where(is_sample, jnp.maximum(*pair), pair[0]) for pair in zip(carried, errors, strict=True))
 
     def result(self, carried, problem, state):
         return dict(zip(self.variables, carried, strict=True))
 
 
-def _relative(off: np.ndarray, scale: np.ndarray | float) -> np.ndarray:
-    """Absolute value of ``off`` over its scale. Over a scale of zero it is infinite, unless ``off`` is zero too."""
+def _relative(deviation: np.ndarray, scale: np.ndarray | float) -> np.ndarray:
+    """Absolute value of a deviation over its scale; over a scale of zero it is infinite, or zero without deviation."""
     with np.errstate(divide="ignore"):
-        return np.divide(np.abs(off), scale, out=np.zeros(np.shape(off)), where=off != 0)
+        return np.divide(np.abs(deviation), scale, out=np.zeros(np.shape(deviation)), where=deviation != 0)
 
 
 def observers(targets: Sequence[Target]) -> list[Observer]:
     """The observers for the errors of all targets of one reference."""
-    along = [one for one in targets if one.quantity.reduce is None]
+    along = [target for target in targets if target.quantity.reduce is None]
     return [*([ErrorsAlong.of(along)] if along else []), *(t.quantity for t in targets if t.quantity.reduce)]
 
 
@@ -315,14 +315,16 @@ def error(target: Target, runs: xr.Dataset, ends: Times) -> np.ndarray:
     The error of a quantity along time is the largest difference at any step. A reduced quantity is compared with the
     reduced reference up to the end of the run, which ``ends`` gives for each lane.
     """
-    got = runs[target.quantity.name].values
+    values = runs[target.quantity.name].values
     if target.quantity.reduce is None:
-        return got
-    return _relative(got.reshape(len(ends), -1) - target.until(ends), target.scale).max(axis=1)
+        return values
+    return _relative(values.reshape(len(ends), -1) - target.until(ends), target.scale).max(axis=1)
 
 
-def difference(quantity: Quantity, problem: Problem, one: DenseSolution, other: DenseSolution) -> tuple[float, Times]:
-    """Difference of a quantity between two solutions, relative to its scale in ``one``, at the times of ``other``.
+def difference(
+    quantity: Quantity, problem: Problem, first: DenseSolution, second: DenseSolution
+) -> tuple[float, Times]:
+    """Difference of a quantity between two solutions, relative to its scale in ``first``, at the times of ``second``.
 
     Returns
     -------
@@ -331,12 +333,12 @@ def difference(quantity: Quantity, problem: Problem, one: DenseSolution, other: 
         reduced. Second, the largest difference up to each time, of shape (t,), relative to the largest value along time
         if the quantity is reduced.
     """
-    values, others = (values_along(quantity, problem, s, other.t) for s in (one, other))
-    _check_finite(values, other.t, quantity, problem)
+    values, second_values = (values_along(quantity, problem, s, second.t) for s in (first, second))
+    _check_finite(values, second.t, quantity, problem)
     sizes = np.abs(values).max(axis=0)
     scale = quantity.scales(sizes, sizes) if quantity.reduce is None else np.maximum(sizes.max(), np.finfo(float).tiny)
-    along = np.maximum.accumulate(_relative(values - others, scale).max(axis=1))
+    along = np.maximum.accumulate(_relative(values - second_values, scale).max(axis=1))
     if quantity.reduce is None:
         return float(along[-1]), along
-    first, second = (target(quantity, problem, s) for s in (one, other))
-    return float(_relative(first.own - second.own, first.scale).max()), along
+    first_target, second_target = (target(quantity, problem, s) for s in (first, second))
+    return float(_relative(first_target.own - second_target.own, first_target.scale).max()), along

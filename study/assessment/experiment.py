@@ -72,7 +72,7 @@ def _jobs(options: Options) -> dict[str, Options]:
 
     The pipeline needs these names, because the files that a job reads follow from them.
     """
-    return {name: {"schemes": list(USUAL)} | one for name, one in options.items()}
+    return {name: {"schemes": list(USUAL)} | job for name, job in options.items()}
 
 
 def _problem(place: str) -> Problem:
@@ -116,6 +116,6 @@ def assessment(
         errors=errors,
         maps=maps,
     )
-    for of_own in ("date_created", "history"):  # the pipeline adds reproducible ones
-        del assessed.attrs[of_own]
+    for name in ("date_created", "history"):  # the pipeline adds reproducible ones
+        del assessed.attrs[name]
     return assessed if periods is None else assessed.assign_attrs(periods=periods)

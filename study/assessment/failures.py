@@ -69,24 +69,24 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
     stable, steps = np.full(len(EXCITATIONS), np.inf), np.ceil(duration / dt).astype(int)
     motions: list[SmallMotion | None] = []
     for e, factor in enumerate(EXCITATIONS):
-        one, beyond = excited(problem, factor, displaced=True), np.zeros(len(dt), bool)
-        motion = at_start(one) if has_limit(scheme, one) else None
+        scaled, beyond = excited(problem, factor, displaced=True), np.zeros(len(dt), bool)
+        motion = at_start(scaled) if has_limit(scheme, scaled) else None
         motions.append(motion)
         if motion is not None:
             beyond = excess(scheme, motion, dt, steps) > 0
             stable[e] = dt[0] * stable_part(scheme, motion, dt[0])[0] if beyond[0] else np.inf
         observe = [*energy, "lyapunov_exponent", "newton_iterations"]
-        runs = sweep(one, scheme, dt=dt, steps=steps, observe=observe)
+        runs = sweep(scaled, scheme, dt=dt, steps=steps, observe=observe)
         outcome[e] = outcomes_of_balance(runs, runs.lyapunov_exponent.values * duration, beyond)
         exponent[e], iterations[e] = runs.lyapunov_exponent, runs.max_newton_iterations
     safe = np.isin(outcome, SAFE)[np.array(EXCITATIONS) <= 1].all(axis=0)
     unsafe = np.flatnonzero(~safe)
-    largest, why = dt[0], "No run of the map fails."
+    largest, cause = dt[0], "No run of the map fails."
     if unsafe.size:
         last = unsafe[-1]
         largest = dt[last + 1] if last + 1 < len(dt) else np.nan
         ends = outcome[np.array(EXCITATIONS) <= 1, last]
-        why = _cause(problem, scheme, ends.max(), dt[last], motions[ends.argmax()])
+        cause = _cause(problem, scheme, ends.max(), dt[last], motions[ends.argmax()])
     shown = np.isin(dt, drawn)
     dims = ("excitation", "map_dt")
     return xr.Dataset(
@@ -104,7 +104,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
                 {"long_name": "largest step within the stability limit at the start", "units": "s"},
             ),
             "largest_safe_dt": ((), largest, {"long_name": "largest step up to which no run fails", "units": "s"}),
-            "failure": ((), why, {"long_name": "cause of the limit of the step, and remedies"}),
+            "failure": ((), cause, {"long_name": "cause of the limit of the step, and remedies"}),
         },
         {
             "excitation": ("excitation", list(EXCITATIONS), {"long_name": "multiple of start and load", "units": "1"}),
@@ -117,5 +117,5 @@ def failed_runs(assessed: xr.Dataset) -> list[tuple[str, str, str]]:
     """Scheme, step and reason of each failed run; empty if the dataset has no variable ``reason``."""
     if "reason" not in assessed:
         return []
-    every = assessed.reason.stack(run=["scheme", "dt"])
-    return [(one.scheme.item(), f"{one.dt.item():.4g}", one.item()) for one in every if one.item()]
+    reasons = assessed.reason.stack(run=["scheme", "dt"])
+    return [(reason.scheme.item(), f"{reason.dt.item():.4g}", reason.item()) for reason in reasons if reason.item()]

@@ -57,15 +57,15 @@ class _Runs:
         distinguish equations that differ only in numbers.
         """
 
-        def of_state(t, u, v):
+        def evaluate(t, u, v):
             terms = self.problem.at_time(t).internal_force(u, v), load(self.problem, t), self.problem.momentum(v)
             damping = 0.0 if self.problem.damping is None else times(self.problem.damping, v)
-            return terms, damping, [one.value(self.problem, t, u, v) for one in self.quantities]
+            return terms, damping, [quantity.value(self.problem, t, u, v) for quantity in self.quantities]
 
-        at = self.problem.u0, self.problem.v0
-        options = self.schemes, [one.reduce for one in self.quantities]
-        digest = hashlib.sha256(f"{jax.make_jaxpr(of_state)(0.0, *at).jaxpr} {options}".encode())
-        values = [at, *(jax.jit(of_state)(0.5 * self.duration, *one) for one in _states(self.problem))]
+        start = self.problem.u0, self.problem.v0
+        options = self.schemes, [quantity.reduce for quantity in self.quantities]
+        digest = hashlib.sha256(f"{jax.make_jaxpr(evaluate)(0.0, *start).jaxpr} {options}".encode())
+        values = [start, *(jax.jit(evaluate)(0.5 * self.duration, *sample) for sample in _states(self.problem))]
         for numbers in jax.tree.leaves(values):
             digest.update(np.asarray(numbers).tobytes())
         object.__setattr__(self, "source", digest.hexdigest())
@@ -78,15 +78,15 @@ class _Runs:
     def __call__(self, scheme: str, dt: float) -> dict[str, np.ndarray]:
         """Times and quantities of a run; a reduced quantity is constant along time."""
         steps = int(np.floor(self.duration / dt * (1 + 1e-9)))
-        given: dict[str, Any] = {"dt": dt, "steps": steps, "observe": self.quantities}
-        ds = sweep(self.problem, self.schemes[scheme], **given)
+        options: dict[str, Any] = {"dt": dt, "steps": steps, "observe": self.quantities}
+        ds = sweep(self.problem, self.schemes[scheme], **options)
         if ds.status.item():  # the run once more, which raises an error with the cause of the failure
-            run(self.problem, self.schemes[scheme], **given, on_failure="raise")
-        found: dict[str, np.ndarray] = {"t": dt * np.arange(steps + 1)}
-        for one in self.quantities:
-            value = ds[one.name].values
-            found[one.name] = np.broadcast_to(value, (steps + 1, *value.shape)) if one.reduce else value
-        return found
+            run(self.problem, self.schemes[scheme], **options, on_failure="raise")
+        result: dict[str, np.ndarray] = {"t": dt * np.arange(steps + 1)}
+        for quantity in self.quantities:
+            value = ds[quantity.name].values
+            result[quantity.name] = np.broadcast_to(value, (steps + 1, *value.shape)) if quantity.reduce else value
+        return result
 
 
 def _states(problem: Problem) -> list[np.ndarray]:
@@ -99,13 +99,13 @@ def _not_linear(problem: Problem) -> np.ndarray:
     """Unknowns at which p(2u, 2v) − 2 p(u, v) + p(0, 0) exceeds round-off for random u and v."""
 
     @jax.jit
-    def off(state):
+    def deviates(state):
         at_rest, once, twice = (problem.at_time(0.0).varying_force(*(factor * state)) for factor in (0, 1, 2))
         size = jnp.abs(twice) + 2 * jnp.abs(once) + jnp.abs(at_rest)
         return jnp.abs(twice - 2 * once + at_rest) > ROUND_OFF * size
 
     # both signs, because a stop acts only on one side
-    both_sides = [off(sign * state) for state in _states(problem) for sign in (1, -1)]
+    both_sides = [deviates(sign * state) for state in _states(problem) for sign in (1, -1)]
     return np.flatnonzero(np.any(both_sides, axis=0))
 
 
@@ -141,22 +141,22 @@ def program_of(
         If a final value or a root mean square is to be relative to the peak, which its runs do not return.
     """
     if quantities is None:
-        shown = compared(problem)
-        quantities = {"displacement": Quantity(lambda u: u[shown]), "velocity": Quantity(lambda v: v[shown])}
-    for name, one in quantities.items():
-        if one.scale == "peak" and one.reduce in ("final", "rms"):
+        unknowns = compared(problem)
+        quantities = {"displacement": Quantity(lambda u: u[unknowns]), "velocity": Quantity(lambda v: v[unknowns])}
+    for name, quantity in quantities.items():
+        if quantity.scale == "peak" and quantity.reduce in ("final", "rms"):
             raise ValueError(
                 f"the quantity '{name}' needs a number as scale, because '{problem.title}' has more than {MOST:,} "
                 "unknowns or one without mass, and its runs do not return the peak of a final value."
             )
-    titles = {one.title for one in schemes.values()}
+    titles = {scheme.title for scheme in schemes.values()}
 
     def fitting(names):
         candidates = {name: schemes_by_name[name] for name in names}
-        return {name: one for name, one in candidates.items() if not one.refusal(problem)}
+        return {name: scheme for name, scheme in candidates.items() if not scheme.refusal(problem)}
 
     known = fitting(WITNESSES) or fitting(IMPLICIT_WITNESSES)
-    witnesses = {name: one for name, one in known.items() if one.title not in titles}
-    named = [replace(one, name=name, long_name=name) for name, one in quantities.items()]
+    witnesses = {name: scheme for name, scheme in known.items() if scheme.title not in titles}
+    named = [replace(quantity, name=name, long_name=name) for name, quantity in quantities.items()]
     runs = _Runs(problem, witnesses | dict(schemes), duration, named)
     return Program(runs, list(schemes), duration, spacing=spacing, witnesses=list(witnesses))

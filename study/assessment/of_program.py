@@ -69,9 +69,9 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
     dts = sorted({dt for name, dt in search.errors if name in program.schemes}, reverse=True)
     ds = _verdicts(search, names, allowed).merge(_runs(search, names, dts))
     known = {name: schemes_by_name.get(name) for name in program.schemes}
-    kinds = [("explicit" if one.explicit else "implicit") if one else "unknown" for one in known.values()]
+    kinds = [("explicit" if scheme.explicit else "implicit") if scheme else "unknown" for scheme in known.values()]
     ds = ds.assign_coords(
-        scheme_title=("scheme", [one.title if one else name for name, one in known.items()]),
+        scheme_title=("scheme", [scheme.title if scheme else name for name, scheme in known.items()]),
         kind=("scheme", kinds),
         steps=("dt", np.floor(program.duration / np.array(dts) * (1 + 1e-9)).astype(int)),
         quantity_title=("quantity", names, {"long_name": "description of the quantity"}),
@@ -79,7 +79,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
     ds["reference_uncertainty"] = "quantity", list(search.truth.uncertainty.values())
     ds["repeated"] = "scheme", [search.refinement.noise[name] for name in program.schemes]
     ds["highest_frequency"] = (), np.nan
-    ds = with_reference(ds, {name: _measured(one) for name, one in search.truth.best.motion.items()})
+    ds = with_reference(ds, {name: _measured(curve) for name, curve in search.truth.best.motion.items()})
     for name, attributes in (ATTRIBUTES | OWN).items():
         ds[name].attrs |= attributes
     best, witness = search.truth.best, search.truth.witness
@@ -106,33 +106,35 @@ def _measured(curve: Curve) -> Measured:
     if curve.values.ndim:
         flat = curve.values.reshape(len(curve.t), -1)
         sizes = np.abs(flat)
-        one = Measured("", value=curve.sizes, time=curve.t[sizes.argmax(axis=0)], along=(curve.t, flat))
+        result = Measured("", value=curve.sizes, time=curve.t[sizes.argmax(axis=0)], along=(curve.t, flat))
     else:
-        one = Measured("", value=np.atleast_1d(curve.values))
-    one = one._replace(scale=curve.scale)
+        result = Measured("", value=np.atleast_1d(curve.values))
+    result = result._replace(scale=curve.scale)
     if curve.quantity is not None:
-        return one._replace(relative_to=curve.quantity.relative_to(len(one.value)), units=curve.quantity.units)
-    along = relative_to(components=len(one.value))
-    return one._replace(relative_to=along if curve.values.ndim else "relative to the value itself")
+        return result._replace(relative_to=curve.quantity.relative_to(len(result.value)), units=curve.quantity.units)
+    relation = relative_to(components=len(result.value))
+    return result._replace(relative_to=relation if curve.values.ndim else "relative to the value itself")
 
 
 def _remarks_on_components(search: Search) -> list[str]:
     """Remarks on quantities whose components differ much in size."""
-    given = search.program.quantities
+    quantities = search.program.quantities
     remedy = (
-        "study.Quantity(..., scale='each') gives each component its own scale" if given else "return them separately"
+        "study.Quantity(..., scale='each') gives each component its own scale"
+        if quantities
+        else "return them separately"
     )
     return [
         remark
         for name, curve in search.truth.best.motion.items()
-        if name not in given or given[name].scale in ("own", "peak")
+        if name not in quantities or quantities[name].scale in ("own", "peak")
         for remark in remark_on_components(name, curve.sizes, remedy)
     ]
 
 
-def _described(one: Estimate) -> str:
-    orders = ", ".join(f"{name} by order {order}" for name, order in one.order.items())
-    return f"{one.scheme} down to Δt = {one.dt:.4g} s" + (f", extrapolated ({orders})" if orders else "")
+def _described(estimate: Estimate) -> str:
+    orders = ", ".join(f"{name} by order {order}" for name, order in estimate.order.items())
+    return f"{estimate.scheme} down to Δt = {estimate.dt:.4g} s" + (f", extrapolated ({orders})" if orders else "")
 
 
 def _verdicts(search: Search, names: list[str], allowed: list[float]) -> xr.Dataset:
@@ -152,7 +154,7 @@ def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
 
     The spread is taken over the runs in the octave below the recommended step.
     """
-    runs = {run.dt: run for run in search.refinement.of(scheme)}
+    runs = {run.dt: run for run in search.refinement.runs_of(scheme)}
     row = dict.fromkeys(NUMBERS, np.nan) | {"verdict": UNCERTAIN, "steps_tried": 0}
     if not search.certain(scheme, limit):
         return row
@@ -185,22 +187,22 @@ def _runs(search: Search, names: list[str], dts: list[float]) -> xr.Dataset:
     reason = np.full(shape, "", object)
     per_step = []
     for s, scheme in enumerate(schemes):
-        runs = search.refinement.of(scheme)
+        runs = search.refinement.runs_of(scheme)
         for run in runs:
-            at = s, dts.index(run.dt)
-            error[at] = [search.errors[scheme, run.dt][name] for name in names]
-            status[at], reason[at], seconds[at] = STATUSES.index(run.status), run.reason, run.seconds
+            index = s, dts.index(run.dt)
+            error[index] = [search.errors[scheme, run.dt][name] for name in names]
+            status[index], reason[index], seconds[index] = STATUSES.index(run.status), run.reason, run.seconds
         finest = next((run for run in reversed(runs) if run.completed), None)
         per_step.append(finest.seconds * finest.dt / search.program.duration if finest else np.nan)
-    of_runs = ("scheme", "dt")
+    dims = ("scheme", "dt")
     return xr.Dataset(
         {
-            "error": ((*of_runs, "quantity"), error),
-            "status": (of_runs, status),
-            "reason": (of_runs, reason.astype(str)),
-            "run_time": (of_runs, seconds),
-            "energy_imbalance": (of_runs, np.full(shape, np.nan)),
-            "newton_iterations": (of_runs, np.full(shape, np.nan)),
+            "error": ((*dims, "quantity"), error),
+            "status": (dims, status),
+            "reason": (dims, reason.astype(str)),
+            "run_time": (dims, seconds),
+            "energy_imbalance": (dims, np.full(shape, np.nan)),
+            "newton_iterations": (dims, np.full(shape, np.nan)),
             "time_per_step": ("scheme", per_step),
         },
         {"scheme": list(schemes), "dt": dts, "quantity": names},

@@ -61,25 +61,25 @@ class Oscillation(eqx.Module):
 class OscillationErrors(Reduction):
     """Errors of period, phase and amplitude in runs with different step sizes."""
 
-    of: Oscillation
+    oscillation: Oscillation
 
     needs_equal_steps = True
     variables = PeriodError.variables | AmplitudeDecay.variables
 
     def start(self, problem, state):
         dt = jnp.full((), jnp.nan)
-        return dt, tuple(one.start(problem, state) for one in self.of.observers(dt))
+        return dt, tuple(observer.start(problem, state) for observer in self.oscillation.observers(dt))
 
     def update(self, carried, problem, state, t, effort):
         dt, inner = carried
         dt = jnp.where(jnp.isnan(dt), t, dt)  # the step size is the time at which the first step ends
-        both = zip(self.of.observers(dt), inner, strict=True)
-        return dt, tuple(one.update(c, problem, state, t, effort) for one, c in both)
+        pairs = zip(self.oscillation.observers(dt), inner, strict=True)
+        return dt, tuple(observer.update(c, problem, state, t, effort) for observer, c in pairs)
 
     def result(self, carried, problem, state):
         dt, inner = carried
-        both = zip(self.of.observers(dt), inner, strict=True)
-        return {name: x for one, c in both for name, x in one.result(c, problem, state).items()}
+        pairs = zip(self.oscillation.observers(dt), inner, strict=True)
+        return {name: x for observer, c in pairs for name, x in observer.result(c, problem, state).items()}
 
 
 def _upward_crossings(solution: DenseSolution, level: float) -> np.ndarray:
@@ -87,11 +87,11 @@ def _upward_crossings(solution: DenseSolution, level: float) -> np.ndarray:
     from scipy.optimize import brentq  # imported here, because the import is slow
 
     u = solution.u
-    before = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))
+    places = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))
     return np.array(
         [
             brentq(lambda t: float(solution.at(np.array([t]))[0][0]) - level, *solution.t[[i, i + 1]], xtol=1e-15)
-            for i in before
+            for i in places
         ]
     )
 
@@ -122,12 +122,12 @@ def oscillation(problem: Problem, solution: DenseSolution) -> Oscillation | None
     return Oscillation(*map(jnp.asarray, (period, level, rest, times[0] / period, len(times))))
 
 
-def uncertainties(one: Oscillation, other: Oscillation, displacement: float) -> dict[str, float]:
+def uncertainties(first: Oscillation, second: Oscillation, displacement: float) -> dict[str, float]:
     """Uncertainty of each quantity, from the oscillations of two solutions.
 
     ``displacement`` is an upper bound of the uncertainty of u, relative to its size.
     """
-    period, crossings = float(abs(one.period - other.period) / one.period), int(one.crossings)
+    period, crossings = float(abs(first.period - second.period) / first.period), int(first.crossings)
     return {"period": period, "phase": period * crossings, "amplitude": displacement / crossings}
 
 

@@ -36,10 +36,10 @@ MOST_OF_DAMPING = 300
 def periods_of(problem: Problem) -> np.ndarray | None:
     """Periods of small motions: about the start or about u = 0, where the slowest is shorter; None without any."""
     oscillating = []
-    for at in (problem.u0, np.zeros(np.shape(problem.u0))):
-        found = frequencies(problem, at)
-        if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
-            oscillating.append(2 * np.pi / found[of_motion])
+    for state in (problem.u0, np.zeros(np.shape(problem.u0))):
+        values = frequencies(problem, state)
+        if values is not None and np.any(moving := (values > 0) & np.isfinite(values)):
+            oscillating.append(2 * np.pi / values[moving])
     return min(oscillating, key=np.max, default=None)
 
 
@@ -48,12 +48,12 @@ def slowest_period(problem: Problem) -> float | None:
 
     If small motions oscillate about neither state, it is 2π √(max |u₀| / max |ü₀|), or None if u₀ or ü₀ is zero.
     """
-    found = periods_of(problem)
-    if found is None:  # for example, if the start and u = 0 are maxima of the potential
+    periods = periods_of(problem)
+    if periods is None:  # for example, if the start and u = 0 are maxima of the potential
         pull = np.abs(np.asarray(acceleration(problem, 0.0, problem.u0, problem.v0))).max()
         far = np.abs(problem.u0).max()
         return 2 * np.pi * float(np.sqrt(far / pull)) if far > 0 and pull > 0 else None
-    return float(found.max())
+    return float(periods.max())
 
 
 def _period(problem: Problem) -> float | None:
@@ -100,10 +100,10 @@ def _damping_ratios(problem: Problem) -> str:
     n = np.size(problem.u0)
     if problem.massless or n > MOST_OF_DAMPING:
         return ""
-    of_u, of_v = (np.asarray(one, float).reshape(n, n) for one in _rates(problem.untitled()))
-    if not np.isfinite(of_u).all() or not np.isfinite(of_v).all():
+    u_rates, v_rates = (np.asarray(rate, float).reshape(n, n) for rate in _rates(problem.untitled()))
+    if not np.isfinite(u_rates).all() or not np.isfinite(v_rates).all():
         return ""
-    roots = np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [of_u, of_v]]))
+    roots = np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [u_rates, v_rates]]))
     roots = roots[np.abs(roots.imag) > 1e-9 * np.abs(roots)]
     if not roots.size:
         return "no small motion oscillates"
@@ -118,14 +118,14 @@ def model_of(problem: Problem, duration: float, spacing: float | None) -> list[s
     if periods is None:
         first = f"{unknowns}, {duration:.4g} s"
     else:
-        many = float(f"{duration / periods.max():.3g}")
+        count = float(f"{duration / periods.max():.3g}")
         periods_in_words = f"period{'s' * (n > 1)} of small motion {span(periods, '.3g')} s"
-        of_duration = f"{duration:.4g} s are {many:,g} periods{' of the slowest' * (n > 1)}"
-        first = f"{unknowns}, {periods_in_words}, {of_duration}"
+        duration_in_words = f"{duration:.4g} s are {count:,g} periods{' of the slowest' * (n > 1)}"
+        first = f"{unknowns}, {periods_in_words}, {duration_in_words}"
     record = record_of(problem.load).get("record", "record")
     excitation = "no load" if problem.load is None else "a load"
-    of_record = excitation if spacing is None else f"{record} with a spacing of {spacing:.6g} s"
-    return [first, "; ".join(one for one in (_damping_ratios(problem), of_record) if one)]
+    record_in_words = excitation if spacing is None else f"{record} with a spacing of {spacing:.6g} s"
+    return [first, "; ".join(part for part in (_damping_ratios(problem), record_in_words) if part)]
 
 
 def remark_on_record(problem: Problem, spacing: float | None) -> list[str]:

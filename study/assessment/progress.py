@@ -17,7 +17,7 @@ class Progress:
         self.bar = tqdm(total=schemes, disable=None, leave=False, unit="scheme")
         self.stopped, self.done, self._reported, self._start = False, 0, -PAUSE, time.monotonic()
 
-    def report(self, what: str, ahead: float = 0.0) -> None:
+    def report(self, work: str, ahead: float = 0.0) -> None:
         """Show the present work: at once on a terminal, otherwise as a line if ``PAUSE`` seconds have passed.
 
         A line is also printed if ``ahead``, the expected time of this work in s, exceeds ``PAUSE``. After Ctrl-C this
@@ -26,10 +26,10 @@ class Progress:
         if self.stopped:
             raise KeyboardInterrupt
         if not self.bar.disable:
-            self.bar.set_postfix_str(what)
+            self.bar.set_postfix_str(work)
         elif ahead > PAUSE or time.monotonic() >= self._reported + PAUSE:
             self._reported = time.monotonic()
-            print(f"{what}{self._of_all()}", file=sys.stderr, flush=True)
+            print(f"{work}{self._estimate()}", file=sys.stderr, flush=True)
 
     def say(self, line: str) -> None:
         """Print a line that stays."""
@@ -40,9 +40,9 @@ class Progress:
         self.done += 1
         self.bar.update()
 
-    def _of_all(self) -> str:
+    def _estimate(self) -> str:
         """Number of finished schemes, and the estimated time of the others; empty before the first scheme ends."""
         if not self.done:
             return ""
-        left = (time.monotonic() - self._start) * (self.bar.total / self.done - 1)
-        return f" ({self.done} of {self.bar.total} schemes, about {left:.2g} s to go)"
+        remaining = (time.monotonic() - self._start) * (self.bar.total / self.done - 1)
+        return f" ({self.done} of {self.bar.total} schemes, about {remaining:.2g} s to go)"

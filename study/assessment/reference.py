@@ -44,13 +44,13 @@ class NoReference(ValueError):
 class Kinks(NamedTuple):
     """Times within the duration at which the acceleration has kinks or jumps.
 
-    ``of_load`` are the kinks that a load declares, such as the samples of a record. ``of_force`` are the kinks of a
+    ``load`` are the kinks that a load declares, such as the samples of a record. ``force`` are the kinks of a
     force, and the times that a scan of the load found (:func:`study.mechanics.scan.events`). There the load may jump,
     so a solver restarts.
     """
 
-    of_load: Times
-    of_force: Times
+    load: Times
+    force: Times
 
 
 class Route(NamedTuple):
@@ -71,11 +71,11 @@ def _sundials():
 
 @partial(jit, compiler=eqx.filter_jit)
 def _accelerations(problem: Problem, t, u, v):
-    def at(history, state):
+    def advance(history, state):
         committed = problem.remembering(history).at_time(state[0]).committed(*state[1:])
         return committed.history, acceleration(committed, *state)
 
-    return jax.lax.scan(at, problem.history, (t, u, v))[1]
+    return jax.lax.scan(advance, problem.history, (t, u, v))[1]
 
 
 class Reference:
@@ -114,9 +114,9 @@ class Reference:
         if problem.massless:
             raise NoReference(f"the mass of '{problem.title}' is singular, and no reference solves such a problem.")
         self.problem, self.duration = problem, duration
-        found = frequencies(problem)
-        self._highest = None if found is None else found[-1]
-        stiff = found is not None and found[-1] * duration > STIFF
+        values = frequencies(problem)
+        self._highest = None if values is None else values[-1]
+        stiff = values is not None and values[-1] * duration > STIFF
         self._methods = ("Kvaerno5", "BDF") if stiff else ("Dopri8", "Adams")
         self.kinks = self._kinks()
         self.routes = self._routes()
@@ -124,20 +124,20 @@ class Reference:
     def _kinks(self) -> Kinks:
         load, end = self.problem.load, self.duration
         declared = np.asarray(getattr(load, "kinks", []), float)
-        of_load = declared[(declared > 0) & (declared < end)]
-        of_force = np.setdiff1d(times_of_problem(self.problem, end, FINE), of_load)
+        load_kinks = declared[(declared > 0) & (declared < end)]
+        force_kinks = np.setdiff1d(times_of_problem(self.problem, end, FINE), load_kinks)
         if self.problem.kinked or self.problem.history is not None:
-            stops = np.union1d(of_load, of_force)
+            stops = np.union1d(load_kinks, force_kinks)
             sundials = _sundials()
             try:
-                along = sundials.kinks(self.problem, end, stops, self._methods[1])
+                motion_kinks = sundials.kinks(self.problem, end, stops, self._methods[1])
             except sundials.Sticking as error:
                 raise NoReference(
                     f"no reference of '{self.problem.title}' was found, because {error}: where dry friction sticks, "
                     "its force must be a function of the displacement, as study.materials.friction is."
                 ) from None
-            of_force = np.union1d(of_force, along)
-        return Kinks(of_load, of_force)
+            force_kinks = np.union1d(force_kinks, motion_kinks)
+        return Kinks(load_kinks, force_kinks)
 
     def _routes(self) -> tuple[Route, Route]:
         sundials = _sundials()
@@ -151,11 +151,11 @@ class Reference:
         def by_cvode(t, rtol):
             return sundials.trajectory(problem, t, rtol, several_steps, MAX_STEPS, *self.kinks)[:2]
 
-        of_diffrax = Route(f"diffrax {one_step}", by_diffrax)
-        of_cvode = Route(f"CVODE {several_steps}", by_cvode)
+        diffrax_route = Route(f"diffrax {one_step}", by_diffrax)
+        cvode_route = Route(f"CVODE {several_steps}", by_cvode)
         # the steps of the Taylor method end at no given times, so they could pass over a pulse
         if np.ndim(problem.u0) or len(np.union1d(*self.kinks)):
-            return of_diffrax, of_cvode
+            return diffrax_route, cvode_route
         from reference import symbolic, taylor  # imported here, because the import takes a second
 
         def by_taylor(t, rtol):
@@ -164,8 +164,8 @@ class Reference:
         try:
             symbolic.first_order(problem)
         except symbolic.Untranslatable:
-            return of_diffrax, of_cvode
-        return Route("heyoka", by_taylor), of_cvode
+            return diffrax_route, cvode_route
+        return Route("heyoka", by_taylor), cvode_route
 
     def grid(self, coarsest: float) -> Times:
         """The first grid: times between which the solution is interpolated, including all kinks of load and force."""
@@ -180,16 +180,16 @@ class Reference:
 
         Points of the grid close to a kink are left out, because they would only cause short steps.
         """
-        of_force, all_kinks = self.kinks.of_force, np.union1d(*self.kinks)
+        force_kinks, all_kinks = self.kinks.force, np.union1d(*self.kinks)
         ends = np.concatenate([[-np.inf], all_kinks, [np.inf]])
         after = np.searchsorted(ends, grid)
         distance = np.minimum(grid - ends[after - 1], ends[after] - grid)
         kept = distance > 0.1 * np.minimum(np.diff(grid, prepend=-np.inf), np.diff(grid, append=np.inf))
         kept[[0, -1]] = True
         merged = np.union1d(grid[kept], all_kinks)
-        few = np.diff(np.searchsorted(merged, of_force)) < POINTS_BETWEEN_KINKS
-        stretches = np.linspace(of_force[:-1], of_force[1:], POINTS_BETWEEN_KINKS + 1)
-        return np.union1d(merged, stretches[:, few])
+        sparse = np.diff(np.searchsorted(merged, force_kinks)) < POINTS_BETWEEN_KINKS
+        stretches = np.linspace(force_kinks[:-1], force_kinks[1:], POINTS_BETWEEN_KINKS + 1)
+        return np.union1d(merged, stretches[:, sparse])
 
     def solution(self, route: Route, t: Times, rtol: float) -> DenseSolution:
         """The solution of a route on a grid that begins at t = 0."""
@@ -213,10 +213,10 @@ class Reference:
             Target error of the interpolant, relative to the largest value.
         """
         for _ in range(GRIDS):
-            one = self.solution(self.routes[0], grid, rtol)
-            other = self.solution(self.routes[1], with_points_between(grid), rtol)
-            finer = one.refined(other, goal)
+            first = self.solution(self.routes[0], grid, rtol)
+            second = self.solution(self.routes[1], with_points_between(grid), rtol)
+            finer = first.refined(second, goal)
             if len(finer) == len(grid):
                 break
             grid = finer
-        return one, other, grid
+        return first, second, grid

@@ -30,18 +30,18 @@ EMPHASISED = 6
 def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     """Sentences on the fastest scheme of each kind that keeps an error of a quantity; if none does, on the reasons."""
     table = of_assessment(assessed, error, quantity)
-    found = table[table["step_size"].notna()]
-    if found.empty:
+    kept = table[table["step_size"].notna()]
+    if kept.empty:
         reasons = ", ".join(sorted(set(table.verdict)))
         return f"No scheme was found to keep {percent(error)} of {quantity}: {reasons}."
     titles = dict(zip(assessed.scheme.values, assessed.scheme_title.values, strict=True))
     best = [
-        f"{titles[one.Index]} ({one.kind}) with Δt = {step_size(one.step_size, assessed.attrs.get('spacing'))} s "
-        f"({one.number_of_steps:.0f} steps{f', {time_in_words(one.time)}' if one.time > 0 else ''})"
-        f"{caveats(assessed, one)}"
-        for one in firsts(table).itertuples()
+        f"{titles[row.Index]} ({row.kind}) with Δt = {step_size(row.step_size, assessed.attrs.get('spacing'))} s "
+        f"({row.number_of_steps:.0f} steps{f', {time_in_words(row.time)}' if row.time > 0 else ''})"
+        f"{caveats(assessed, row)}"
+        for row in firsts(table).itertuples()
     ]
-    ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
+    ties = [titles[name] for name in kept.index[1:] if kept.ties_with_fastest[name]]
     return f"For {percent(error)} of {quantity}: {'; '.join(best)}." + (
         f" Measured times do not distinguish it from {listed(ties)}; the number of evaluations decides." if ties else ""
     )
@@ -83,7 +83,7 @@ def _answer(assessed: xr.Dataset, quantity: str, titles: dict[str, str]) -> str:
     return answers(assessed, tables, quantity, titles) + (f"<p>{text_of(' '.join(notes))}</p>" if notes else "")
 
 
-def _of_quantity(assessed: xr.Dataset, quantity: str, titles: dict[str, str]) -> list[str]:
+def _quantity_section(assessed: xr.Dataset, quantity: str, titles: dict[str, str]) -> list[str]:
     """Errors of a quantity, and the steps that keep it, as parts of a page."""
     limits, values = assessed.allowed_error.values, assessed.error.sel(quantity=quantity)
     tables = tables_of(assessed, quantity)
@@ -96,11 +96,11 @@ def _of_quantity(assessed: xr.Dataset, quantity: str, titles: dict[str, str]) ->
     against_step = curves(assessed, assessed.dt, "step size, s", values, "error", limits, strong, stable)
     times = times_of_runs(assessed)
     against_time = curves(assessed, times, "time of a run, s", values, "error", limits, strong)
-    of_times = "." if "run_time" in assessed else ", which is its number of steps times the time of a step."
+    time_note = "." if "run_time" in assessed else ", which is its number of steps times the time of a step."
     parts = [
         f"<h2>Error of {text_of(quantity)}</h2>",
         f'<div class="pair">{figure_of(against_step, caption)}',
-        figure_of(against_time, f"The same errors against the time of a run{of_times}"),
+        figure_of(against_time, f"The same errors against the time of a run{time_note}"),
         f"</div>{summary(tables, limits, titles)}",
     ]
     for limit, table in zip(limits, tables, strict=True):
@@ -113,7 +113,7 @@ def _failures(assessed: xr.Dataset, titles: dict[str, str]) -> list[str]:
     """Maps of failures, and the largest steps without failure, as parts of a page."""
     names = assessed.outcome.flag_meanings.split()
     used = np.unique(assessed.outcome)
-    legend = "; ".join(f"{LETTERS[one] or 'white'}: {names[one].replace('_', ' ')}" for one in used)
+    legend = "; ".join(f"{LETTERS[outcome] or 'white'}: {names[outcome].replace('_', ' ')}" for outcome in used)
     limited = ""
     if (np.isfinite(assessed.stable_dt) & (assessed.stable_dt > 0)).any():
         limited = " Dashed: stability limit for small motions about the start."
@@ -140,7 +140,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     """An assessment as parts of a page: answer, model and reference, errors, energy, failures."""
     titles = dict(zip(assessed.scheme.values, map(str, assessed.scheme_title.values), strict=True))
     quantities = assessed.quantity.values.tolist()
-    first, *others = (_answer(assessed, one, titles) for one in quantities)
+    first, *others = (_answer(assessed, quantity, titles) for quantity in quantities)
     limited = f"<p>{text_of(remarks)}</p>" if (remarks := limits_of_reference(assessed)) else ""
     parts = [f'<div class="answer">{limited}{first}</div>']
     if others:
@@ -148,11 +148,11 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         parts.append(f"<details><summary>The same for {words}</summary>{''.join(others)}</details>")
     model = "<br>".join(map(text_of, assessed.attrs.get("model", "").splitlines()))
     values = table_of(("reference", "value", "at t, s"), values_of_reference(assessed))
-    drawn = next((one for name in quantities if (one := motion(assessed.sel(quantity=name)))), "")
+    drawn = next((svg for name in quantities if (svg := motion(assessed.sel(quantity=name)))), "")
     parts.append(f'<h2>Model and reference motion</h2><p>{model}</p><div class="pair">{values}')
     parts.append(f"{figure_of(drawn, 'The reference, and its largest value as a point.') if drawn else ''}</div>")
     for quantity in quantities:
-        parts += _of_quantity(assessed, quantity, titles)
+        parts += _quantity_section(assessed, quantity, titles)
     if np.isfinite(assessed.energy_imbalance).any():
         drawn = curves(assessed, assessed.dt, "step size, s", assessed.energy_imbalance, "imbalance of energies")
         caption = "Largest error of the balance of energy, dissipation and work, relative to the energy put in."
@@ -162,7 +162,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     if rows := failed_runs(assessed):
         parts += ["<h2>Runs that failed</h2>", table_of(("scheme", "Δt, s", "reason"), rows, text=(2,))]
     sure = (confirmation(assessed), other_durations(assessed), reference_of(assessed))
-    parts += ["<h2>How sure the steps are</h2>", *(f"<p>{text_of(one)}</p>" for one in sure if one)]
+    parts += ["<h2>How sure the steps are</h2>", *(f"<p>{text_of(sentence)}</p>" for sentence in sure if sentence)]
     best = {name for table in tables_of(assessed, quantities[0]) for name in firsts(table).index}
     return [*parts, *input_lines(titles[name] for name in best)]
 

@@ -52,13 +52,13 @@ class Measured(NamedTuple):
     along: tuple[np.ndarray, np.ndarray] = (np.empty(0), np.empty((0, 1)))
 
 
-def _band(one: Measured, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _band(quantity: Measured, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest value between each two edges, of the component with the largest ``value``; NaN without any."""
-    t, values = one.along
+    t, values = quantity.along
     if not len(t):
         return (np.full(len(edges) - 1, np.nan),) * 2
     grid = np.union1d(t, edges)
-    x = np.interp(grid, t, values[:, np.abs(one.value).argmax()], left=np.nan, right=np.nan)
+    x = np.interp(grid, t, values[:, np.abs(quantity.value).argmax()], left=np.nan, right=np.nan)
     places = np.searchsorted(grid, edges)
     # both edges belong to a part, so that neighbouring parts touch
     ends = [x[places[:-1]], x[places[1:]]]
@@ -66,53 +66,59 @@ def _band(one: Measured, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.fmin.reduce([low, *ends]), np.fmax.reduce([high, *ends])
 
 
-def with_reference(ds: xr.Dataset, found: dict[str, Measured]) -> xr.Dataset:
+def with_reference(ds: xr.Dataset, quantities: dict[str, Measured]) -> xr.Dataset:
     """The dataset of an assessment with the values of its quantities in the reference, over quantity and component."""
-    most = max(len(one.value) for one in found.values())
+    most = max(len(quantity.value) for quantity in quantities.values())
 
     def padded(key: str) -> np.ndarray:
-        parts = [np.asarray(getattr(found[name], key), float) for name in ds.quantity.values]
+        parts = [np.asarray(getattr(quantities[name], key), float) for name in ds.quantity.values]
         return np.array([np.append(part, np.full(most - len(part), np.nan)) for part in parts])
 
-    dims, off = ("quantity", "component"), ds.reference_uncertainty.values[:, None] * padded("scale")
-    of_each = [found[name] for name in ds.quantity.values]
-    edges = np.linspace(0.0, max((one.along[0][-1] for one in of_each if len(one.along[0])), default=1.0), PARTS + 1)
-    low, high = np.array([_band(one, edges) for one in of_each]).swapaxes(0, 1)
-    of_band = ("quantity", "reference_t"), "value of the reference within a part of the duration, largest component"
+    dims, uncertainty = ("quantity", "component"), ds.reference_uncertainty.values[:, None] * padded("scale")
+    ordered = [quantities[name] for name in ds.quantity.values]
+    edges = np.linspace(
+        0.0, max((quantity.along[0][-1] for quantity in ordered if len(quantity.along[0])), default=1.0), PARTS + 1
+    )
+    low, high = np.array([_band(quantity, edges) for quantity in ordered]).swapaxes(0, 1)
+    band = ("quantity", "reference_t"), "value of the reference within a part of the duration, largest component"
     value = "value of the quantity in the reference, its largest along time if it is not reduced"
     return ds.assign(
         reference_value=(dims, padded("value"), {"long_name": f"{value}; quantity_units has its unit"}),
-        reference_value_uncertainty=(dims, off, {"long_name": "uncertainty of this value, in the same unit"}),
+        reference_value_uncertainty=(dims, uncertainty, {"long_name": "uncertainty of this value, in the same unit"}),
         reference_time=(dims, padded("time"), {"long_name": "time at which this value is reached", "units": "s"}),
-        reference_low=(of_band[0], low, {"long_name": f"lowest {of_band[1]}; quantity_units has its unit"}),
-        reference_high=(of_band[0], high, {"long_name": f"highest {of_band[1]}; quantity_units has its unit"}),
+        reference_low=(band[0], low, {"long_name": f"lowest {band[1]}; quantity_units has its unit"}),
+        reference_high=(band[0], high, {"long_name": f"highest {band[1]}; quantity_units has its unit"}),
     ).assign_coords(
         reference_t=("reference_t", (edges[:-1] + edges[1:]) / 2, {"long_name": "middle of the part", "units": "s"}),
         component=("component", np.arange(most), {"long_name": "component of a quantity", "units": "1"}),
-        relative_to=("quantity", [one.relative_to for one in of_each], {"long_name": "value that scales the error"}),
-        quantity_units=("quantity", [one.units for one in of_each], {"long_name": "unit of the quantity"}),
+        relative_to=(
+            "quantity",
+            [quantity.relative_to for quantity in ordered],
+            {"long_name": "value that scales the error"},
+        ),
+        quantity_units=("quantity", [quantity.units for quantity in ordered], {"long_name": "unit of the quantity"}),
     )
 
 
-def measured(reference: Certified, of_energy: bool) -> dict[str, Measured]:
+def measured(reference: Certified, with_energy: bool) -> dict[str, Measured]:
     """How each quantity is measured, and its value in the reference."""
-    found = {
+    quantities = {
         name: Measured(
-            one.quantity.relative_to(len(one.scale)),
-            one.quantity.units,
-            one.own,
-            one.reached,
-            one.scale,
-            (one.times, one.values),
+            target.quantity.relative_to(len(target.scale)),
+            target.quantity.units,
+            target.own,
+            target.reached,
+            target.scale,
+            (target.times, target.values),
         )
-        for name, one in reference.targets.items()
+        for name, target in reference.targets.items()
     }
-    found |= {ENERGY: Measured("relative to the energy that was put in")} if of_energy else {}
+    quantities |= {ENERGY: Measured("relative to the energy that was put in")} if with_energy else {}
     if reference.oscillation:
-        found |= {name: Measured(relative_to) for name, relative_to in oscillation.RELATIVE_TO.items()}
+        quantities |= {name: Measured(relative_to) for name, relative_to in oscillation.RELATIVE_TO.items()}
         period = np.atleast_1d(float(reference.oscillation.period))
-        found["period"] = found["period"]._replace(units="s", value=period, scale=period)
-    return found
+        quantities["period"] = quantities["period"]._replace(units="s", value=period, scale=period)
+    return quantities
 
 
 def remark_on_components(name: str, sizes: np.ndarray, remedy: str) -> list[str]:
@@ -121,9 +127,9 @@ def remark_on_components(name: str, sizes: np.ndarray, remedy: str) -> list[str]
     if not moving.size or sizes.max() <= SPREAD * sizes[moving].min():
         return []
     small, large = moving[sizes[moving].argmin()], sizes.argmax()
-    few = int(np.sum(sizes[moving] < sizes.max() / SPREAD))
+    count = int(np.sum(sizes[moving] < sizes.max() / SPREAD))
     return [
-        f"{few} of {len(sizes)} components of '{name}' stay below a hundredth of the largest, down to "
+        f"{count} of {len(sizes)} components of '{name}' stay below a hundredth of the largest, down to "
         f"{sizes[small]:.2g} (component {small}) against {sizes[large]:.2g} (component {large}), and all errors are "
         f"relative to the largest: if units differ, {remedy}"
     ]
@@ -132,15 +138,17 @@ def remark_on_components(name: str, sizes: np.ndarray, remedy: str) -> list[str]
 def remarks_on_scales(targets: Mapping[str, Target]) -> list[str]:
     """Remarks, with warnings, on quantities whose scale hides errors, or is close to zero."""
     remarks = []
-    for name, one in targets.items():
-        if one.quantity.scale in ("own", "peak"):
-            each = f"study.Quantity(..., scale='each') as quantities['{name}'] gives each component its own scale"
-            remarks += remark_on_components(name, np.abs(one.own) if one.quantity.scale == "own" else one.sizes, each)
-        if one.quantity.reduce == "final" and one.quantity.scale in ("own", "each"):
-            peaks = one.sizes if one.quantity.scale == "each" else np.full(len(one.scale), one.sizes.max())
-            small = np.flatnonzero(one.scale < peaks / SPREAD)
+    for name, target in targets.items():
+        if target.quantity.scale in ("own", "peak"):
+            remedy = f"study.Quantity(..., scale='each') as quantities['{name}'] gives each component its own scale"
+            remarks += remark_on_components(
+                name, np.abs(target.own) if target.quantity.scale == "own" else target.sizes, remedy
+            )
+        if target.quantity.reduce == "final" and target.quantity.scale in ("own", "each"):
+            peaks = target.sizes if target.quantity.scale == "each" else np.full(len(target.scale), target.sizes.max())
+            small = np.flatnonzero(target.scale < peaks / SPREAD)
             if small.size:
-                last, largest = one.scale[small[0]], peaks[small[0]]
+                last, largest = target.scale[small[0]], peaks[small[0]]
                 remarks.append(
                     f"the final value of '{name}', {last:.2g}, is close to zero compared with its largest value along "
                     f"time, {largest:.2g}, and errors are relative to the final value: scale='peak' of study.Quantity "
@@ -158,12 +166,12 @@ def lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
     """
     if problem.load is not None:
         return ""
-    at_start = abs(float(problem.energy(problem.u0, problem.v0)))
+    start_energy = abs(float(problem.energy(problem.u0, problem.v0)))
     momenta = np.asarray(jax.lax.map(problem.momentum, jnp.asarray(motion.v)))
     kinetic = np.sum((motion.v * momenta).reshape(len(momenta), -1), axis=1).max() / 2
-    if at_start >= LEAST_ENERGY * kinetic:
+    if start_energy >= LEAST_ENERGY * kinetic:
         return ""
     return (
         f"the balance of energies of '{problem.title}' is left out: errors would be relative to the energy at the "
-        f"start, {at_start:g}, and the kinetic energy reaches {kinetic:g}; add a constant to the potential."
+        f"start, {start_energy:g}, and the kinetic energy reaches {kinetic:g}; add a constant to the potential."
     )

@@ -40,12 +40,12 @@ class SchemeAssessment(NamedTuple):
 
 def _linear(chosen: dict[str, Scheme]) -> xr.Dataset:
     linear = xr.concat([LinearTheory(scheme, PARTS).dataset() for scheme in chosen.values()], "scheme")
-    of_schemes = {
+    coordinates = {
         "scheme": (list(chosen), {"long_name": "time integration scheme"}),
-        "scheme_title": ([one.title for one in chosen.values()], {"long_name": "name of the scheme"}),
-        "claimed_order": ([one.order for one in chosen.values()], {"long_name": "claimed order of accuracy"}),
+        "scheme_title": ([scheme.title for scheme in chosen.values()], {"long_name": "name of the scheme"}),
+        "claimed_order": ([scheme.order for scheme in chosen.values()], {"long_name": "claimed order of accuracy"}),
     }
-    return linear.assign_coords({name: ("scheme", *values) for name, values in of_schemes.items()})
+    return linear.assign_coords({name: ("scheme", *values) for name, values in coordinates.items()})
 
 
 def assess_scheme(
@@ -80,20 +80,20 @@ def assess_scheme(
     KeyError, TypeError, ValueError
         As :func:`study.assess`; also if an attribute of the scheme is invalid.
     """
-    own = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
-    check_attributes(own)
-    name = schemes.resolve(scheme) if isinstance(scheme, str) else own.title
+    candidate = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
+    check_attributes(candidate)
+    name = schemes.resolve(scheme) if isinstance(scheme, str) else candidate.title
     others = [compare_with] if isinstance(compare_with, str) else compare_with
-    chosen = {name: own} | {other: schemes[other] for other in others if schemes[other] is not own}
+    chosen = {name: candidate} | {other: schemes[other] for other in others if schemes[other] is not candidate}
     durations = problems if isinstance(problems, Mapping) else dict.fromkeys(problems)
     linear = _linear(chosen)
-    linear.attrs = io.provenance(f"{own.title} compared with other schemes", "study.assess_scheme", io.now())
+    linear.attrs = io.provenance(f"{candidate.title} compared with other schemes", "study.assess_scheme", io.now())
     linear.attrs["processor"] = processor()
-    found = {
+    datasets = {
         problem: assess(problem, chosen, duration=duration, errors=errors).assign_attrs(asked_for=name)
         for problem, duration in durations.items()
     }
-    return SchemeAssessment(linear, found)
+    return SchemeAssessment(linear, datasets)
 
 
 def _curve(linear: xr.Dataset, variable: str, label: str, limits: tuple[float, float]) -> str:
@@ -102,17 +102,17 @@ def _curve(linear: xr.Dataset, variable: str, label: str, limits: tuple[float, f
     figure = Figure(figsize=(9, 4), layout="constrained")
     axes = figure.subplots()
     for s, name in enumerate(linear.scheme.values):
-        one = linear.sel(scheme=name)
+        selected = linear.sel(scheme=name)
         axes.plot(
-            one.dt_over_period,
-            one[variable],
+            selected.dt_over_period,
+            selected[variable],
             color=COLOURS[s % len(COLOURS)],
             marker=MARKERS[s % len(MARKERS)],
             markevery=12,
             ms=5,
             mfc="none",
             lw=2 if s == 0 else 1,
-            label=str(one.scheme_title.values),
+            label=str(selected.scheme_title.values),
         )
     axes.set(xscale="log", xlim=(1e-2, 1e1), ylim=limits, xlabel="step size over period", ylabel=label)
     axes.grid(color="0.9")
@@ -125,13 +125,13 @@ def scheme_page(assessed: SchemeAssessment) -> str:
     linear = assessed.linear
     rows = [
         (
-            str(one.scheme_title.values),
-            f"{one.claimed_order.item():g}",
-            f"{one.linear_order.item():.2f}",
-            number(one.stability_limit.item()),
-            number(one.infinite_frequency_radius.where(np.isinf(one.stability_limit)).item()),
+            str(row.scheme_title.values),
+            f"{row.claimed_order.item():g}",
+            f"{row.linear_order.item():.2f}",
+            number(row.stability_limit.item()),
+            number(row.infinite_frequency_radius.where(np.isinf(row.stability_limit)).item()),
         )
-        for one in (linear.sel(scheme=name) for name in linear.scheme.values)
+        for row in (linear.sel(scheme=name) for name in linear.scheme.values)
     ]
     head = ("scheme", "order claimed", "order found", "largest stable ωΔt", "ρ∞")
     parts = ["<h2>Linear theory</h2>", table_of(head, rows)]
@@ -139,6 +139,6 @@ def scheme_page(assessed: SchemeAssessment) -> str:
     parts.append(figure_of(_curve(linear, "spectral_radius", "spectral radius", (0.0, 1.5)), caption))
     curve = _curve(linear, "period_elongation", "relative elongation of the period", (-0.5, 1.0))
     parts.append(figure_of(curve, "Elongation of the period."))
-    for one in assessed.problems.values():
-        parts += [f"<h2>{one.attrs['problem']}</h2>", *judgement(one)]
+    for dataset in assessed.problems.values():
+        parts += [f"<h2>{dataset.attrs['problem']}</h2>", *judgement(dataset)]
     return document(linear.attrs["title"], [*parts, *made_by(linear.attrs)], STYLE)

@@ -94,22 +94,25 @@ class Case:
     @cached_property
     def observe(self) -> list[str | Observer]:
         """The observers of a run."""
-        of_energy = ["energy_balance"] if self.problem.potential is not None else []
-        of_oscillation = [OscillationErrors(self.oscillation)] if self.oscillation else []
+        energy_observers = ["energy_balance"] if self.problem.potential is not None else []
+        oscillation_observers = [OscillationErrors(self.oscillation)] if self.oscillation else []
         return [
             *errors.observers(list(self.targets.values())),
             "newton_iterations",
             "effort",
-            *of_energy,
-            *of_oscillation,
+            *energy_observers,
+            *oscillation_observers,
         ]
 
 
 def sentence_on_starts(cases: dict[float, Case]) -> str:
     """A sentence on the runs with start and load one percent away, or on their absence if start and load are zero."""
-    own = cases[1.0].problem
-    others = [case.problem for factor, case in cases.items() if factor != 1.0]
-    if own.load is None and all(np.array_equal(one.u0, own.u0) and np.array_equal(one.v0, own.v0) for one in others):
+    problem = cases[1.0].problem
+    neighbours = [case.problem for factor, case in cases.items() if factor != 1.0]
+    if problem.load is None and all(
+        np.array_equal(neighbour.u0, problem.u0) and np.array_equal(neighbour.v0, problem.v0)
+        for neighbour in neighbours
+    ):
         return "No other start was tried: initial displacement, initial velocity and load are zero."
     return "Runs from two starts, one percent below and above, keep the error too."
 
@@ -123,8 +126,8 @@ def spacing(problem: Problem, duration: float) -> float | None:
 
 def finest_step(duration: float, slowest: float, highest: float, unknowns: int) -> float:
     """Finest step of a search, from the slowest period and the highest frequency of small motions."""
-    of_highest = min(highest * duration / FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST / unknowns)
-    steps = max(duration * FINEST / slowest, FINEST_OF_RUN / unknowns, of_highest)
+    highest_steps = min(highest * duration / FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST / unknowns)
+    steps = max(duration * FINEST / slowest, FINEST_OF_RUN / unknowns, highest_steps)
     return duration / min(MOST_STEPS, steps)
 
 
@@ -149,7 +152,7 @@ class Search:
         Duration in s; a run ends with the last step that fits into it.
     coarsest, finest
         Largest and smallest step in s.
-    of_energy
+    with_energy
         Whether the balance of energies is one of the quantities.
     end
         Value of ``time.monotonic()`` after which no runs begin, except the first ones.
@@ -172,11 +175,11 @@ class Search:
         duration: float,
         coarsest: float,
         finest: float,
-        of_energy: bool,
+        with_energy: bool,
         end: float = math.inf,
     ):
         self.scheme, self.duration, self.coarsest, self.finest = scheme, duration, coarsest, finest
-        self._cases, self._of_energy, self._end, self.late, self.compiling = cases, of_energy, end, False, 0.0
+        self._cases, self._with_energy, self._end, self.late, self.compiling = cases, with_energy, end, False, 0.0
         self._long = LONG if duration / finest > 1.01 * FINEST_OF_RUN else LONG_OF_SHORT
         self._size, self._spacing = np.size(cases[1.0].problem.u0), spacing(cases[1.0].problem, duration)
         self.runs, self._random = pd.DataFrame(), np.random.default_rng(0)
@@ -188,16 +191,16 @@ class Search:
         ds = sweep(case.problem, self.scheme, dt=dt, steps=steps, observe=case.observe)
         imbalance = ds.max_energy_imbalance.values if "max_energy_imbalance" in ds else np.nan
         ends = np.atleast_1d(np.minimum(steps * dt, self.duration))
-        found: dict[str, Any] = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
-        found |= {ENERGY: imbalance} if self._of_energy else {}
-        found |= oscillation.errors(ds) if case.oscillation else {}
-        how: dict[str, Any] = {
+        columns: dict[str, Any] = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
+        columns |= {ENERGY: imbalance} if self._with_energy else {}
+        columns |= oscillation.errors(ds) if case.oscillation else {}
+        outcome: dict[str, Any] = {
             "status": ds.status.values,
             "imbalance": imbalance,
             "iterations": ds.newton_iterations.values / steps,
             "forces": ds.force_evaluations.values,
         }
-        rows: dict[str, Any] = {"start": start, "dt": dt, "steps": steps} | how | found
+        rows: dict[str, Any] = {"start": start, "dt": dt, "steps": steps} | outcome | columns
         return pd.DataFrame({name: np.broadcast_to(values, len(ends)) for name, values in rows.items()})
 
     def run(self, dt: np.ndarray, start: float = 1.0) -> None:
@@ -243,15 +246,15 @@ class Search:
             work = 2 * self.duration / step * self._size
             single = self._size == 1
             least = LEAST_CONFIRMED[single] if step > self.finest / 2 else 0
-            wanted = int(np.clip(WORK_OF_CONFIRMED[single] / work, least, CONFIRMED))
-            lacking = wanted - int(((drawn >= step / 2) & (drawn <= step)).sum())
-            drawn = np.append(drawn, self._drawn(step / 2, step, max(lacking, 0)))
+            required = int(np.clip(WORK_OF_CONFIRMED[single] / work, least, CONFIRMED))
+            missing = required - int(((drawn >= step / 2) & (drawn <= step)).sum())
+            drawn = np.append(drawn, self._drawn(step / 2, step, max(missing, 0)))
         return drawn[len(tried) :]
 
     def _arrays(self, name: str = "dt") -> tuple[np.ndarray, np.ndarray]:
         """Steps of the runs whose start and load are not scaled, and the values of one column of these runs."""
-        own = self.runs.start.to_numpy() == 1.0
-        return self.runs.dt.to_numpy()[own], self.runs[name].to_numpy()[own]
+        unscaled = self.runs.start.to_numpy() == 1.0
+        return self.runs.dt.to_numpy()[unscaled], self.runs[name].to_numpy()[unscaled]
 
     def largest(self, name: str, allowed: float) -> float:
         """Largest step that keeps an error with a margin for scatter, as all finer steps do; zero if there is none."""
@@ -277,7 +280,7 @@ class Search:
                 self._stretch(bottom, top)
                 top = bottom
                 continue
-            steps = {round_step(one, self._spacing) for one in largest if one}
+            steps = {round_step(step, self._spacing) for step in largest if step}
             new, missing = np.array(sorted(steps - {*self._arrays()[0]})), self._unconfirmed(steps)
             if not len(new) + len(missing):
                 return
@@ -304,8 +307,8 @@ class Search:
             return Recommendation(OUT_OF_TIME, self.largest(name, allowed) or np.nan)
         if not step:
             return Recommendation(FINEST_FAILS)
-        own = self.runs[self.runs.start == 1.0]
-        around = own[(own.dt >= TWENTIETH * step) & (own.dt <= step)]
+        unscaled = self.runs[self.runs.start == 1.0]
+        nearby = unscaled[(unscaled.dt >= TWENTIETH * step) & (unscaled.dt <= step)]
         largest = self.largest(name, allowed)
-        how = COARSEST_KEEPS if largest == own.dt.max() else FOUND
-        return Recommendation(how, largest, step, len(around), around[name].max() / allowed)
+        outcome = COARSEST_KEEPS if largest == unscaled.dt.max() else FOUND
+        return Recommendation(outcome, largest, step, len(nearby), nearby[name].max() / allowed)

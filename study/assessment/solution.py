@@ -66,17 +66,17 @@ class DenseSolution(NamedTuple):
         other
             The solution of another route, at the points of this grid and at points in between.
         """
-        off = np.zeros(len(self.t) - 1)
+        errors = np.zeros(len(self.t) - 1)
         for mine, theirs in zip(self.at(other.t), (other.u, other.v), strict=True):
-            apart = np.abs(mine - theirs).reshape(len(other.t), -1).max(axis=1) / (np.abs(theirs).max() or 1.0)
-            at, between = np.split(apart[:-1].reshape(len(off), -1), [1], axis=1)
+            differences = np.abs(mine - theirs).reshape(len(other.t), -1).max(axis=1) / (np.abs(theirs).max() or 1.0)
+            points, between = np.split(differences[:-1].reshape(len(errors), -1), [1], axis=1)
             # the difference of the two solutions at the points of this grid is not an error of the interpolant
-            at_ends = np.maximum(at[:, 0], np.append(at[1:, 0], apart[-1]))
-            np.maximum(off, between.max(axis=1) - at_ends, out=off)
-        if not np.isfinite(off).all():  # an unbounded motion, which the caller reports
+            end_differences = np.maximum(points[:, 0], np.append(points[1:, 0], differences[-1]))
+            np.maximum(errors, between.max(axis=1) - end_differences, out=errors)
+        if not np.isfinite(errors).all():  # an unbounded motion, which the caller reports
             return self.t
         # the interpolant of u̇ is of fifth order
-        parts = np.ceil(np.clip(off / goal, 1.0, None) ** 0.2).astype(int)
+        parts = np.ceil(np.clip(errors / goal, 1.0, None) ** 0.2).astype(int)
         parts = np.minimum(parts, MOST_PARTS)
         if parts.sum() > MOST_POINTS:
             return self.t

@@ -28,8 +28,8 @@ def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[
     def row_of(tag: str, row: list[object]) -> str:
         kinds = (' class="text"' if i in text else "" for i in itertools.count())
         # an empty cell in the head of the table is not marked as a heading
-        tags = (tag if one else "td" for one in row)
-        return "".join(f"<{t}{kind}>{text_of(one)}</{t}>" for t, kind, one in zip(tags, kinds, row, strict=False))
+        tags = (tag if cell else "td" for cell in row)
+        return "".join(f"<{t}{kind}>{text_of(cell)}</{t}>" for t, kind, cell in zip(tags, kinds, row, strict=False))
 
     cells, body = row_of("th", list(head)), "".join(f"<tr>{row_of('td', list(row))}</tr>" for row in rows)
     return f'<div class="scroll" tabindex="0"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
@@ -37,9 +37,9 @@ def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[
 
 def input_lines(titles: Iterable[str]) -> list[str]:
     """Heading and table of the input of schemes in other codes; empty if no code has a scheme with these titles."""
-    wanted = set(titles)
-    named = ((schemes[one.scheme].title, one.code, one.name, one.note) for one in names_in_codes())
-    rows = [row for row in named if row[0] in wanted]
+    title_set = set(titles)
+    named = ((schemes[entry.scheme].title, entry.code, entry.name, entry.note) for entry in names_in_codes())
+    rows = [row for row in named if row[0] in title_set]
     return ["<h2>In other codes</h2>", table_of(("", "code", "input", ""), rows, text=(1, 2, 3))] if rows else []
 
 
@@ -48,7 +48,7 @@ def needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
     spacing = table.attrs.get("spacing")
     head = ("", "Δt (unrounded), s", "Δt·ω", "steps", "error", "time", "forces/s", "tried", "search")
     parts = []
-    for kind, of_kind in table.groupby("kind", sort=False):
+    for kind, group in table.groupby("kind", sort=False):
         rows = [
             (
                 titles[row.Index],
@@ -63,7 +63,7 @@ def needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
             )
             if row.step_size > 0
             else (titles[row.Index], *"–––––––", row.verdict)
-            for row in of_kind.itertuples()
+            for row in group.itertuples()
         ]
         parts.append(table_of((kind, *head[1:]), rows))
     return "".join(parts)
@@ -71,7 +71,7 @@ def needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
 
 def controlled(table: pd.DataFrame, titles: dict[str, str], error: str) -> str:
     """A table of the tolerances that keep an error; empty if there is no such tolerance."""
-    found = table[table["tolerance"] > 0] if "tolerance" in table else table[:0]
+    kept = table[table["tolerance"] > 0] if "tolerance" in table else table[:0]
     rows = [
         (
             titles[row.Index],
@@ -79,7 +79,7 @@ def controlled(table: pd.DataFrame, titles: dict[str, str], error: str) -> str:
             f"{row.controlled_force_evaluations:,.0f}",
             number(row.control_over_equal, 2),
         )
-        for row in found.itertuples()
+        for row in kept.itertuples()
     ]
     head = (f"controlled steps, {error}", "tolerance", "forces", "forces over forces with equal steps")
     return table_of(head, rows) if rows else ""
@@ -93,12 +93,12 @@ def answers(assessed: xr.Dataset, tables: list[pd.DataFrame], quantity: str, tit
     tables
         Table of :func:`study.recommend` for each allowed error.
     """
-    own = asked_for(assessed)
-    head = [f"error of {quantity}", *(titles[name] for name in own)]
+    requested = asked_for(assessed)
+    head = [f"error of {quantity}", *(titles[name] for name in requested)]
     head += [f"controlled steps, {assessed.attrs['controller']}"] if "controller" in assessed.attrs else []
     rows = []
     for limit, table in zip(assessed.allowed_error.values, tables, strict=True):
-        asked = [of_own(assessed, table, name) for name in own]
+        asked = [of_own(assessed, table, name) for name in requested]
         asked += [printed(of_controller(assessed, table))] if "tolerance" in table else []
         best = [f"{best_of(assessed, row)} ({row.kind})" for _, row in firsts(table).iterrows()]
         none = [f"no scheme was found ({listed(sorted(set(table.verdict)))})"]
@@ -119,12 +119,12 @@ def summary(tables: list[pd.DataFrame], limits: Iterable[float], titles: dict[st
     Where forces are not counted, the number of steps stands in their place. A sentence states why steps are missing.
     """
     counted = any(table["force_evaluations"].notna().any() for table in tables)
-    counts, of_counts = ("force_evaluations", "forces") if counted else ("number_of_steps", "steps")
-    head = [one for limit in limits for one in (f"{percent(limit)}: Δt, s", of_counts, "time")]
+    counts, label = ("force_evaluations", "forces") if counted else ("number_of_steps", "steps")
+    head = [heading for limit in limits for heading in (f"{percent(limit)}: Δt, s", label, "time")]
     rows = [
         [titles[name], kind, *(cell for table in tables for cell in _cells(table, name, counts))]
-        for kind, of_kind in tables[len(tables) // 2].groupby("kind", sort=False)
-        for name in of_kind.index
+        for kind, group in tables[len(tables) // 2].groupby("kind", sort=False)
+        for name in group.index
     ]
     table = table_of(["", "", *head], rows).replace("<table>", '<table class="tight">')
     missing = [

@@ -95,7 +95,7 @@ class ToleranceSearch:
         The problem with several multiples of start and load, by the multiple; 1 is the problem itself.
     duration
         Duration of the runs in s.
-    of_energy
+    with_energy
         Whether the balance of energies is one of the quantities.
     end
         Value of ``time.monotonic()`` after which no runs begin.
@@ -111,7 +111,7 @@ class ToleranceSearch:
     controller: Controller
     cases: dict[float, Case]
     duration: float
-    of_energy: bool
+    with_energy: bool
     end: float = math.inf
     late: bool = False
     compiling: float = 0.0
@@ -138,16 +138,18 @@ class ToleranceSearch:
                 estimator=self._estimator,
                 controller=self.controller,
                 steps=MOST_STEPS,
-                observe=[one for one in case.observe if isinstance(one, str) or not one.needs_equal_steps],
+                observe=[
+                    observer for observer in case.observe if isinstance(observer, str) or not observer.needs_equal_steps
+                ],
             )
         except TimeoutError:
             self.late = True
             return
         steps = ds.steps.values
         ends = np.full(len(tolerance), self.duration)
-        found: dict[str, Any] = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
-        found |= {ENERGY: ds.max_energy_imbalance.values} if self.of_energy else {}
-        rows = {"start": start, "tolerance": tolerance, "steps": steps, "forces": ds.force_evaluations.values} | found
+        columns: dict[str, Any] = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
+        columns |= {ENERGY: ds.max_energy_imbalance.values} if self.with_energy else {}
+        rows = {"start": start, "tolerance": tolerance, "steps": steps, "forces": ds.force_evaluations.values} | columns
         self.runs = pd.concat([self.runs, pd.DataFrame(rows)], ignore_index=True)
         self.compiling = self.compiling or time.monotonic() - begin
         self.late = time.monotonic() > self.end
@@ -161,10 +163,10 @@ class ToleranceSearch:
         """Largest tolerance that keeps an error with a margin for scatter, as all smaller ones do; zero if none."""
         fails = ~(self.runs[name].to_numpy() <= allowed)  # NaN, the error of a failed run, counts as too large
         lowest = self.runs.tolerance.to_numpy()[fails].min(initial=np.inf)
-        own = self.runs[(self.runs.start == 1.0) & (self.runs.tolerance < lowest)]
+        unscaled = self.runs[(self.runs.start == 1.0) & (self.runs.tolerance < lowest)]
         # the margin is defined for steps, and the step size is proportional to this root of the tolerance
         return (
-            largest_with_margin(own.tolerance.to_numpy() ** (1 / self._power), own[name].to_numpy(), allowed)
+            largest_with_margin(unscaled.tolerance.to_numpy() ** (1 / self._power), unscaled[name].to_numpy(), allowed)
             ** self._power
         )
 
@@ -182,7 +184,7 @@ class ToleranceSearch:
                 self._run(1.0, self._drawn(bottom, top))
                 top, steps = bottom, self.runs.steps.max()
                 continue
-            new = sorted({round_tolerance(one) for one in largest if one} - {*self.runs.tolerance})
+            new = sorted({round_tolerance(tolerance) for tolerance in largest if tolerance} - {*self.runs.tolerance})
             if not new:
                 return
             for start in self.cases:
@@ -191,29 +193,31 @@ class ToleranceSearch:
     def verdict(self, name: str, allowed: float) -> Tolerance:
         """The verdict of the runs on a quantity and its allowed error."""
         largest = self.largest(name, allowed) if len(self.runs) else 0.0
-        own = self.runs[self.runs.start == 1.0] if len(self.runs) else self.runs
+        unscaled = self.runs[self.runs.start == 1.0] if len(self.runs) else self.runs
         tolerance = round_tolerance(largest) if largest else 0.0
         if self.late and not (tolerance and {*self.runs.start[self.runs.tolerance == tolerance]} == {*self.cases}):
             return Tolerance(OUT_OF_TIME)
         if not tolerance:
             return Tolerance(FINEST_FAILS)
-        around = own[(own.tolerance >= HUNDREDTH * tolerance) & (own.tolerance <= tolerance)]
-        one = own[own.tolerance == tolerance].iloc[0]
-        how = COARSEST_KEEPS if largest == own.tolerance.max() else FOUND
-        worst = around[name].max() / allowed
-        return Tolerance(how, tolerance, one[name], one.steps, one.forces, len(around), worst)
+        nearby = unscaled[(unscaled.tolerance >= HUNDREDTH * tolerance) & (unscaled.tolerance <= tolerance)]
+        run = unscaled[unscaled.tolerance == tolerance].iloc[0]
+        outcome = COARSEST_KEEPS if largest == unscaled.tolerance.max() else FOUND
+        worst = nearby[name].max() / allowed
+        return Tolerance(outcome, tolerance, run[name], run.steps, run.forces, len(nearby), worst)
 
 
-def variables_of(found: dict[str, dict[Limit, Tolerance] | None], names: list[str], allowed: list[float]) -> xr.Dataset:
+def variables_of(
+    results: dict[str, dict[Limit, Tolerance] | None], names: list[str], allowed: list[float]
+) -> xr.Dataset:
     """The results of all schemes as variables over scheme, quantity and allowed error."""
     rows = []
-    for scheme, verdicts in found.items():
+    for scheme, verdicts in results.items():
         for limit in ((name, error) for name in names for error in allowed):
-            otherwise = Tolerance(EQUAL_ONLY if verdicts is None or limit[0] in QUANTITIES else UNCERTAIN)
-            rows.append((scheme, *limit, *(verdicts or {}).get(limit, otherwise)))
+            default = Tolerance(EQUAL_ONLY if verdicts is None or limit[0] in QUANTITIES else UNCERTAIN)
+            rows.append((scheme, *limit, *(verdicts or {}).get(limit, default)))
     index = ["scheme", "quantity", "allowed_error"]
     ds = pd.DataFrame(rows, columns=[*index, *VARIABLES]).set_index(index).to_xarray()
-    ds = ds.sel(scheme=list(found), quantity=names, allowed_error=allowed)
+    ds = ds.sel(scheme=list(results), quantity=names, allowed_error=allowed)
     ds = ds.assign(tolerance_verdict=ds.tolerance_verdict.astype(np.int8))
     for name, attributes in VARIABLES.items():
         ds[name].attrs |= attributes

@@ -61,6 +61,6 @@ def work_precision(
         known = assessed.quantity.values.tolist()
         if quantity is not None and quantity not in known:
             raise UnknownName(f"the assessment has no quantity {quantity!r}; {did_you_mean(quantity, known)}")
-        of = assessed.error.sel(quantity=quantity or known[0])
-        write(curves(assessed, ds.time, "time of a run, s", of, f"error of {of.quantity.item()}"), figure)
+        error = assessed.error.sel(quantity=quantity or known[0])
+        write(curves(assessed, ds.time, "time of a run, s", error, f"error of {error.quantity.item()}"), figure)
     return ds

@@ -58,7 +58,7 @@ class Refinement:
         self.seconds = sum(run.elapsed for run in runs.made.values())
         self._repeat()
 
-    def of(self, scheme: str) -> list[Run]:
+    def runs_of(self, scheme: str) -> list[Run]:
         """Runs of a scheme, the largest step first."""
         runs = [run for run in self._runs.made.values() if run.scheme == scheme]
         return sorted(runs, key=lambda run: -run.dt)
@@ -127,7 +127,7 @@ class Refinement:
 
     def _work(self, known: Estimate, target: float) -> float:
         """Estimated time in s of a run with the error ``target``, as if the scheme were of second order."""
-        return self.of(known.scheme)[-1].seconds * math.sqrt(max(1.0, max(known.error.values()) / target))
+        return self.runs_of(known.scheme)[-1].seconds * math.sqrt(max(1.0, max(known.error.values()) / target))
 
     def _check_sizes(self, truth: Truth) -> None:
         for name, size in truth.sizes.items():
@@ -139,7 +139,7 @@ class Refinement:
 
     def last_completed(self, scheme: str) -> list[Run]:
         """Runs of a scheme at all steps finer than the finest step at which it failed."""
-        runs = self.of(scheme)
+        runs = self.runs_of(scheme)
         failed = [place for place, run in enumerate(runs) if not run.completed]
         return runs[failed[-1] + 1 :] if failed else runs
 
@@ -149,12 +149,12 @@ class Refinement:
         The reason is that it ignores the step, that its finest run timed out, or that its last ``FRUITLESS`` runs
         returned invalid results.
         """
-        last = [run.status for run in self.of(scheme)[-FRUITLESS:]]
+        last = [run.status for run in self.runs_of(scheme)[-FRUITLESS:]]
         fruitless = len(last) == FRUITLESS and all(status in WITHOUT_USE for status in last)
         return self.noise[scheme] > 0 or last[-1:] == ["timed_out"] or fruitless
 
     def _reason(self, scheme: str) -> str:
-        failed = [run for run in self.of(scheme) if not run.completed]
+        failed = [run for run in self.runs_of(scheme) if not run.completed]
         return f"at Δt = {failed[-1].dt:.4g} s: {failed[-1].reason}" if failed else "with too few steps to halve"
 
     def _ignores(self, scheme: str) -> bool:
@@ -214,7 +214,7 @@ class Refinement:
 
         A remark is added if a repetition fails or differs too much.
         """
-        first = {s: next((run for run in self.of(s) if run.completed), None) for s in self._program.all_schemes}
+        first = {s: next((run for run in self.runs_of(s) if run.completed), None) for s in self._program.all_schemes}
         known = {s: run for s, run in first.items() if run is not None and not self.noise[s]}
         repetitions = self._runs.run([(s, run.dt) for s, run in reversed(known.items())], repeat=1)
         for repetition in repetitions:

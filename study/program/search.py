@@ -108,7 +108,7 @@ class Search:
             self.refinement.remarks.append("interrupted: no step is recommended where more runs were needed")
         limits = [(name, error) for name in self.truth.uncertainty for error in self.allowed]
         for scheme in self.program.schemes:
-            runs = self.refinement.of(scheme)
+            runs = self.refinement.runs_of(scheme)
             failed = [run for run in runs if not run.completed]
             unequal = [run for run in failed if run.status == "unequal_times"]
             keeps = any(self.largest(scheme, limit)[0] for limit in limits)
@@ -137,7 +137,7 @@ class Search:
 
     def _measure(self) -> None:
         """Add the errors of the new runs to ``errors``."""
-        runs = (run for scheme in self.program.all_schemes for run in self.refinement.of(scheme))
+        runs = (run for scheme in self.program.all_schemes for run in self.refinement.runs_of(scheme))
         new = [run for run in runs if (run.scheme, run.dt) not in self.errors]
         self.errors |= {(run.scheme, run.dt): self.truth.errors(run) for run in new}
 
@@ -196,7 +196,7 @@ class Search:
             return FEWEST_CONFIRMING
         limits = len(self.program.schemes) * len(self.allowed) * len(self.truth.uncertainty)
         affordable = max(self.refinement.seconds / (4 * limits), CHEAP)
-        (run,) = (run for run in self.refinement.of(scheme) if run.dt == step)
+        (run,) = (run for run in self.refinement.runs_of(scheme) if run.dt == step)
         # mean time of a run at a random step up to an octave below ``step``
         seconds = run.elapsed / math.log(2)
         return int(np.clip(affordable / seconds, FEWEST_CONFIRMING, MOST_CONFIRMING))
@@ -215,7 +215,7 @@ class Search:
 
         In the second case a remark is added.
         """
-        runs = self.refinement.of(scheme)
+        runs = self.refinement.runs_of(scheme)
         if runs[-1].status == "timed_out":
             return True
         finest = list[float]()

@@ -60,7 +60,7 @@ def _by_scipy(t):
 @pytest.mark.parametrize("scheme", ["average_acceleration", "rk4"])
 def test_a_recommended_step_keeps_its_error_against_another_solver(driven, assessed, scheme, allowed):
     """The recommended step keeps the error against SciPy; a step a third larger than the largest one found does not."""
-    one = assessed.sel(scheme=scheme, quantity="path", allowed_error=allowed)
+    row = assessed.sel(scheme=scheme, quantity="path", allowed_error=allowed)
     largest = np.abs(_by_scipy(np.linspace(0, DURATION, 4001))).max()
 
     def error(dt):
@@ -68,38 +68,38 @@ def test_a_recommended_step_keeps_its_error_against_another_solver(driven, asses
         ds = study.run(driven, scheme, dt=dt, steps=steps)
         return np.abs(np.stack([ds.u, ds.v]) - _by_scipy(np.minimum(ds.t.values, DURATION))).max() / largest
 
-    step = one.recommended_dt.item()
-    assert step == float(f"{step:.1e}") <= one.largest_dt and one.steps_tried > 300
-    assert error(step) == pytest.approx(one.recommended_error.item(), rel=1e-3)
-    assert one.worst_error <= 1 and error(4 / 3 * one.largest_dt.item()) > allowed
+    step = row.recommended_dt.item()
+    assert step == float(f"{step:.1e}") <= row.largest_dt and row.steps_tried > 300
+    assert error(step) == pytest.approx(row.recommended_error.item(), rel=1e-3)
+    assert row.worst_error <= 1 and error(4 / 3 * row.largest_dt.item()) > allowed
 
 
 @pytest.mark.parametrize("reduce", ["peak", "final", "rms"])
 def test_a_reduced_quantity_is_compared_up_to_the_end_of_the_run(driven, reduce):
     """A run ends with the last whole step within the duration; the reference is reduced over the same time."""
-    wanted = errors.named({"x": study.Quantity(lambda u, v: jnp.stack([u, v]), reduce=reduce)})
-    found = certified(driven, DURATION, wanted, tightest=1e-4, coarsest=1.0, periodic=False)
-    one = Search(study.schemes["newmark"], {1.0: Case(driven, found.targets, None)}, DURATION, 0.1, 0.01, False)
-    one.run(np.array([0.0123, 0.0237]))
-    for dt, steps, error in one.runs[["dt", "steps", "x"]].itertuples(index=False):
+    quantities = errors.named({"x": study.Quantity(lambda u, v: jnp.stack([u, v]), reduce=reduce)})
+    reference = certified(driven, DURATION, quantities, tightest=1e-4, coarsest=1.0, periodic=False)
+    newmark = Search(study.schemes["newmark"], {1.0: Case(driven, reference.targets, None)}, DURATION, 0.1, 0.01, False)
+    newmark.run(np.array([0.0123, 0.0237]))
+    for dt, steps, error in newmark.runs[["dt", "steps", "x"]].itertuples(index=False):
         assert steps == int(DURATION / dt)
         t = np.linspace(0, steps * dt, 20_001)
         exact, ds = _by_scipy(t), study.run(driven, "newmark", dt=dt, steps=steps)
-        got = np.stack([ds.u, ds.v])
-        of = {
+        values = np.stack([ds.u, ds.v])
+        reduced = {
             "peak": lambda y: np.abs(y).max(axis=1),
             "final": lambda y: y[:, -1],
             "rms": lambda y: np.sqrt(np.trapezoid(y**2, axis=1) / (y.shape[1] - 1)),
         }[reduce]
-        scale = np.abs(of(exact)).max()
-        assert error == pytest.approx(np.abs(of(got) - of(exact)).max() / scale, rel=0.02)
+        scale = np.abs(reduced(exact)).max()
+        assert error == pytest.approx(np.abs(reduced(values) - reduced(exact)).max() / scale, rel=0.02)
 
 
 def test_the_reference_is_as_uncertain_as_it_says(driven, assessed):
     reference = Reference(driven, DURATION)
-    one = reference.solution(reference.routes[0], reference.grid(1.0), 1e-8)
-    exact = _by_scipy(one.t)
-    assert np.abs(np.stack([one.u, one.v]) - exact).max() < 1e-6
+    solution = reference.solution(reference.routes[0], reference.grid(1.0), 1e-8)
+    exact = _by_scipy(solution.t)
+    assert np.abs(np.stack([solution.u, solution.v]) - exact).max() < 1e-6
     assert (assessed.reference_uncertainty < 1e-4).all()
     assert assessed.attrs["reference"] == "heyoka" and assessed.attrs["witness"] == "CVODE Adams"
 
@@ -115,13 +115,13 @@ def test_the_reference_is_as_uncertain_as_it_says(driven, assessed):
 )
 def test_errors_between_the_points_of_a_reference_are_part_of_its_uncertainty(problem, duration):
     quantities = errors.named({name: errors.DEFAULT[name] for name in ("displacement", "velocity")})
-    found = certified(problem, duration, quantities, tightest=0.001, coarsest=1.0, periodic=False)
+    reference = certified(problem, duration, quantities, tightest=0.001, coarsest=1.0, periodic=False)
     steps = 200_000
     ds = study.run(problem, "rk4", dt=duration / steps, steps=steps, every=100)
     exact = np.array([ds.u, ds.v])
-    got = np.array(found.solution.at(ds.t.values))
-    off = np.abs(got - exact).max(axis=1) / np.abs(exact).max(axis=1)
-    assert (off <= 1.5 * np.array([found.uncertainty[name] for name in quantities]) + 1e-9).all()
+    values = np.array(reference.solution.at(ds.t.values))
+    off = np.abs(values - exact).max(axis=1) / np.abs(exact).max(axis=1)
+    assert (off <= 1.5 * np.array([reference.uncertainty[name] for name in quantities]) + 1e-9).all()
     assert (off < 2e-5).all()
 
 
@@ -160,15 +160,17 @@ def test_a_reference_that_takes_too_long_is_given_up(driven):
 def test_schemes_for_which_there_is_no_time_are_named():
     progress, schemes = Progress(2), dict[str, Any](one=1, late=2)
     with pytest.warns(RuntimeWarning, match="out of time: late were not assessed"):
-        found = assessing._each(schemes, lambda one: Assessed(None, {}, None) if one == 1 else None, progress, "")
-    assert list(found) == ["one"]
+        results = assessing._assess_each(
+            schemes, lambda scheme: Assessed(None, {}, None) if scheme == 1 else None, progress, ""
+        )
+    assert list(results) == ["one"]
     with pytest.raises(OutOfTime, match="no scheme was run"):
-        assessing._each(schemes, lambda one: None, Progress(2), "no scheme was run")
+        assessing._assess_each(schemes, lambda scheme: None, Progress(2), "no scheme was run")
 
 
 def test_an_assessment_is_dated_by_its_time(assessed, monkeypatch):
-    made = datetime.fromisoformat(assessed.attrs["date_created"])
-    assert timedelta(0) <= datetime.now(UTC) - made < timedelta(hours=1)
+    created = datetime.fromisoformat(assessed.attrs["date_created"])
+    assert timedelta(0) <= datetime.now(UTC) - created < timedelta(hours=1)
     assert assessed.attrs["history"].startswith(assessed.attrs["date_created"])
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
     assert study.io.now() == study.io.provenance("", "")["date_created"] == "1970-01-01T00:00:00+00:00"
@@ -179,8 +181,8 @@ def test_the_reference_itself_is_part_of_the_answer(driven, assessed):
     t = np.linspace(0, DURATION, 20_001)
     u, v = _by_scipy(t)
     peak, path = (assessed.sel(quantity=name) for name in ("peak", "path"))
-    off = 1e-7 + peak.reference_value_uncertainty[0]
-    assert abs(peak.reference_value[0] - np.abs(u).max()) < off and peak.reference_value.isnull()[1]
+    tolerance = 1e-7 + peak.reference_value_uncertainty[0]
+    assert abs(peak.reference_value[0] - np.abs(u).max()) < tolerance and peak.reference_value.isnull()[1]
     assert peak.reference_time[0] == pytest.approx(t[np.abs(u).argmax()], abs=0.05)
     assert path.reference_value.values == pytest.approx([np.abs(u).max(), np.abs(v).max()], abs=1e-6)
     force = (np.cos(1.2 * t) * 0.5 - 0.1 * v - u - u**3) ** 2
@@ -220,27 +222,29 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     reference = Reference(problem, duration)
     exactly = reference.solution(reference.routes[0], reference.grid(exact / 4), 1e-12)
     targets = {name: errors.target(q, problem, exactly) for name, q in quantities.items()}
-    searched = Search(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, 1.0, duration / steps, True)
-    searched.run(np.array([duration / steps]))
-    one = searched.runs.iloc[0]
+    rk4 = Search(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, 1.0, duration / steps, True)
+    rk4.run(np.array([duration / steps]))
+    row = rk4.runs.iloc[0]
     ds = study.run(problem, "rk4", dt=duration / steps, steps=steps, observe=["trajectory", MaxEnergyError()])
-    once = taylor.trajectory(problem, np.arange(1, 33) * exact / 32).u
-    wanted = np.concatenate([[1.5], np.tile(once, 20)])
-    assert one.displacement == pytest.approx(np.abs(ds.u - wanted).max().item() / 1.5, rel=1e-8)
-    wanted_force, got = (np.asarray(problem.force(u)) for u in (wanted, ds.u.values))  # the mass cancels
-    assert one.acceleration == pytest.approx(np.abs(got - wanted_force).max() / np.abs(wanted_force).max(), rel=1e-8)
-    assert one.energy == pytest.approx(ds.max_energy_error.item() / 100, rel=1e-12)
+    period = taylor.trajectory(problem, np.arange(1, 33) * exact / 32).u
+    expected = np.concatenate([[1.5], np.tile(period, 20)])
+    assert row.displacement == pytest.approx(np.abs(ds.u - expected).max().item() / 1.5, rel=1e-8)
+    expected_forces, forces = (np.asarray(problem.force(u)) for u in (expected, ds.u.values))  # the mass cancels
+    assert row.acceleration == pytest.approx(
+        np.abs(forces - expected_forces).max() / np.abs(expected_forces).max(), rel=1e-8
+    )
+    assert row.energy == pytest.approx(ds.max_energy_error.item() / 100, rel=1e-12)
 
 
 def test_a_free_oscillator_is_judged_by_period_phase_and_amplitude():
     """It alone assesses the quantities of free motion that an assessment adds by itself."""
     pendulum = study.Problem(jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=2.0, title="pendulum")
     ds = study.assess(pendulum, "bathe", errors=(0.01,), maps=False)
-    along, of_oscillation = ["displacement", "velocity", "acceleration", "energy"], ["period", "phase", "amplitude"]
-    assert ds.quantity.values.tolist() == along + of_oscillation
+    along, oscillating = ["displacement", "velocity", "acceleration", "energy"], ["period", "phase", "amplitude"]
+    assert ds.quantity.values.tolist() == along + oscillating
     assert ds.quantity_title.values[-1].startswith("relative loss of amplitude, geometric mean per oscillation")
-    needed = dict(zip(ds.quantity.values, ds.recommended_dt.values.ravel(), strict=True))
-    assert needed["displacement"] < needed["phase"] < needed["period"]
+    steps = dict(zip(ds.quantity.values, ds.recommended_dt.values.ravel(), strict=True))
+    assert steps["displacement"] < steps["phase"] < steps["period"]
     assert ds.attrs["reference"] == "heyoka" and ds.attrs["duration"] == pytest.approx(10 * 8.3498, rel=0.01)
 
 
@@ -249,9 +253,9 @@ def test_chaos_ends_what_a_reference_can_say():
 
     The scheme of order 12 needs few runs.
     """
-    with_chaos = study.problems["duffing_chaotic"]
+    problem = study.problems["duffing_chaotic"]
     with pytest.warns(RuntimeWarning, match=r"the references of 'Duffing, chaotic' agree up to t = .* of 200 s"):
-        ds = study.assess(with_chaos, "extrapolation12", duration=200.0, errors=(0.5,), maps=False)
+        ds = study.assess(problem, "extrapolation12", duration=200.0, errors=(0.5,), maps=False)
     assert 20 < ds.attrs["duration"] < 150 and ds.attrs["duration_requested"] == 200.0
     assert "Beyond t = " in page(ds)
 

@@ -15,7 +15,7 @@ def test_every_scheme_of_a_dataset_is_cited():
     text = study.cite(xr.Dataset(coords={"scheme": [*study.schemes, "of another program"]}, attrs={"version": "1.2"}))
     keys = re.findall(r"^@\w+\{(\w+),", text, re.MULTILINE)
     works = bibliography.works()
-    sources = {(one.source, one.doi) for one in study.schemes.values()}
+    sources = {(scheme.source, scheme.doi) for scheme in study.schemes.values()}
     cited = {(bibliography.label(works[key]), works[key].get("doi", "")) for key in keys[1:]}
     assert cited == sources | {("Xie (1996)", "10.1006/jsvi.1996.0190")}
     assert keys[0] == "time_integration_study" and "version = {1.2}" in text and "shortjournal" not in text

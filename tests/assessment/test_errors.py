@@ -9,10 +9,10 @@ from study.assessment.reference import Reference
 from study.assessment.solution import DenseSolution
 
 
-def _peak(problem, duration, of):
+def _peak(problem, duration, function):
     reference = Reference(problem, duration)
     exactly = reference.solution(reference.routes[0], reference.grid(duration / 20), 1e-12)
-    return errors.target(study.Quantity(of, reduce="peak"), problem, exactly).until(np.array([duration]))[0]
+    return errors.target(study.Quantity(function, reduce="peak"), problem, exactly).until(np.array([duration]))[0]
 
 
 def test_a_peak_at_a_kink_of_the_ground_motion_is_not_rounded_off():
@@ -36,13 +36,13 @@ def test_errors_along_time_are_those_at_every_step(dt):
     exactly = DenseSolution(t, np.cos(t), -np.sin(t), -np.cos(t))
     problem = study.Problem(lambda u: u, 1.0)
     quantities = errors.named({"u": study.Quantity(lambda u: u), "v": study.Quantity(lambda v: v)})
-    targets = [errors.target(one, problem, exactly) for one in quantities.values()]
+    targets = [errors.target(quantity, problem, exactly) for quantity in quantities.values()]
     lanes = {"dt": np.array([dt, dt]), "steps": np.array([int(11 / dt), int(6 / dt)])}
     ds = study.run(problem, "rk4", **lanes, observe=errors.observers(targets))
     motion = study.run(problem, "rk4", dt=dt, steps=int(11 / dt))
-    for target, off in zip(targets, (motion.u - np.cos(motion.t), motion.v + np.sin(motion.t)), strict=True):
+    for target, differences in zip(targets, (motion.u - np.cos(motion.t), motion.v + np.sin(motion.t)), strict=True):
         ends = lanes["steps"] + 1
-        largest = [np.abs(off[:end]).max().item() for end in ends]
+        largest = [np.abs(differences[:end]).max().item() for end in ends]
         assert errors.error(target, ds, ends * dt) == pytest.approx(largest, rel=1e-5, abs=2e-9)  # of the quintics
 
 

@@ -12,7 +12,7 @@ from tests.pipeline.pipeline import SMALL, call_snakemake, copied, make
 
 
 @pytest.mark.parametrize(
-    "wanted, sentence",
+    "options, sentence",
     [
         ({"problem": "examples/driven.py:drive", "duration": 20.0}, "has no 'drive'; did you mean 'driven'?"),
         ({"problem": "examples/driven.py:driven"}, "has no period that gives the length of the runs: give duration="),
@@ -20,8 +20,8 @@ from tests.pipeline.pipeline import SMALL, call_snakemake, copied, make
         ({"problem": "hardening", "quantities": "examples/driven.py:driven"}, "must be a dict, not Problem."),
     ],
 )
-def test_what_cannot_be_assessed_is_refused_before_any_work(wanted, sentence):
-    assert sentence in str(_check(wanted, {}))
+def test_what_cannot_be_assessed_is_refused_before_any_work(options, sentence):
+    assert sentence in str(_check(options, {}))
 
 
 def _edited(path: Path, old: str, new: str) -> None:
@@ -33,10 +33,10 @@ def _edited(path: Path, old: str, new: str) -> None:
 @pytest.mark.pipeline
 def test_the_pipeline_assesses_a_problem_and_a_scheme_in_files(tmp_path):
     folder = copied(tmp_path)
-    wanted = {"problem": "examples/driven.py:driven", "duration": 20.0, "schemes": ["rk4", "heun"], "errors": [0.05]}
+    options = {"problem": "examples/driven.py:driven", "duration": 20.0, "schemes": ["rk4", "heun"], "errors": [0.05]}
     overlay = {
         "own_schemes": ["examples/scheme.py:heun"],
-        "assess": {"mine": wanted, "spring": {"problem": "hardening", "periods": 10, "schemes": ["rk4"]}},
+        "assess": {"mine": options, "spring": {"problem": "hardening", "periods": 10, "schemes": ["rk4"]}},
         "sensitivity": {"schemes": [*OF_1996, "heun"]},
     }
     (folder / "mine.yaml").write_text(yaml.safe_dump(overlay))

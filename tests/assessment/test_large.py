@@ -18,47 +18,47 @@ SCHEMES = ["average_acceleration", "central_difference"]
 
 
 @pytest.fixture
-def of_programs(monkeypatch, tmp_path):
+def like_programs(monkeypatch, tmp_path):
     """Treat several unknowns as many, keep runs in a temporary folder, and confirm steps by the fewest runs."""
     monkeypatch.setattr(large, "MOST", 1)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
 
 
-def test_steps_and_error_bar_are_those_of_the_certified_reference(damped_chain, of_programs, monkeypatch):
+def test_steps_and_error_bar_are_those_of_the_certified_reference(damped_chain, like_programs, monkeypatch):
     """It alone compares the search of a program, and its uncertainty, with a certified reference."""
-    found = study.assess(damped_chain(), SCHEMES[0], **OPTIONS)
+    ds = study.assess(damped_chain(), SCHEMES[0], **OPTIONS)
     monkeypatch.undo()
-    quantities = {name: errors.DEFAULT[name] for name in found.quantity.values}
+    quantities = {name: errors.DEFAULT[name] for name in ds.quantity.values}
     certified = study.assess(damped_chain(), SCHEMES[0], quantities=quantities, **OPTIONS)
-    assert set(found.quantity.values) == {"displacement", "velocity"}
-    assert found.reference_uncertainty.max() < 1e-3
+    assert set(ds.quantity.values) == {"displacement", "velocity"}
+    assert ds.reference_uncertainty.max() < 1e-3
     # compared at an error of 1 % only, because at 10 % the search of a large problem is limited by its coarsest step
-    ratio = (found.largest_dt / certified.largest_dt).sel(quantity=found.quantity, allowed_error=0.01)
+    ratio = (ds.largest_dt / certified.largest_dt).sel(quantity=ds.quantity, allowed_error=0.01)
     assert ((ratio > 0.9) & (ratio < 1.1)).all()
-    assert found.attrs["reference"].startswith(("rk4", "nystrom4"))
+    assert ds.attrs["reference"].startswith(("rk4", "nystrom4"))
 
 
-def test_quantities_that_are_reduced_are_single_numbers(damped_chain, of_programs):
+def test_quantities_that_are_reduced_are_single_numbers(damped_chain, like_programs):
     peak = {
         "peak": study.Quantity(lambda u: u[-1], reduce="peak"),
         "both": study.Quantity(lambda u: u[:2], reduce="rms"),
     }
-    found = study.assess(damped_chain(), SCHEMES, quantities=peak, **OPTIONS)
-    assert list(found.quantity.values) == ["peak", "both"] and (found.recommended_dt > 0).all()
+    ds = study.assess(damped_chain(), SCHEMES, quantities=peak, **OPTIONS)
+    assert list(ds.quantity.values) == ["peak", "both"] and (ds.recommended_dt > 0).all()
 
 
-def test_what_there_is_no_time_for_is_said(damped_chain, of_programs):
+def test_what_there_is_no_time_for_is_said(damped_chain, like_programs):
     with pytest.raises(NoTruth, match="in the given time"):
         study.assess(damped_chain(), SCHEMES, seconds=0.0, **OPTIONS)
 
 
-def test_another_problem_of_the_same_title_has_other_runs(damped_chain, of_programs):
+def test_another_problem_of_the_same_title_has_other_runs(damped_chain, like_programs):
     heavier = replace(damped_chain(), mass=np.array([1.0, 2.0, 1.0, 1.0, 1.6]))
-    of = [damped_chain(), damped_chain(), damped_chain(linear=True), heavier]
+    problems = [damped_chain(), damped_chain(), damped_chain(linear=True), heavier]
     rk4 = {"rk4": study.schemes["rk4"]}
-    one, same, *others = (large.program_of(problem, rk4, 1.0, None, None).identity() for problem in of)
-    assert one == same and len({one, *others}) == 3
+    first, same, *others = (large.program_of(problem, rk4, 1.0, None, None).identity() for problem in problems)
+    assert first == same and len({first, *others}) == 3
 
 
 def test_unknowns_whose_force_is_not_linear_are_compared():
@@ -76,7 +76,7 @@ def test_unknowns_whose_force_is_not_linear_are_compared():
     assert len(large.compared(cubic)) == 256
 
 
-def test_unknowns_that_are_not_compared_are_said(damped_chain, of_programs, monkeypatch):
+def test_unknowns_that_are_not_compared_are_said(damped_chain, like_programs, monkeypatch):
     monkeypatch.setattr(large, "SHOWN", 2)
-    found = study.assess(damped_chain(), SCHEMES, **OPTIONS | {"errors": (0.1,)})
-    assert " Errors were compared at 2 of " in found.attrs["starts"]
+    ds = study.assess(damped_chain(), SCHEMES, **OPTIONS | {"errors": (0.1,)})
+    assert " Errors were compared at 2 of " in ds.attrs["starts"]

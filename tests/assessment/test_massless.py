@@ -21,7 +21,7 @@ def _maxwell():
     )
     # the first-order system of displacement, velocity and joint
     system = np.array([[0.0, 1.0, 0.0], [-400.0, 0.0, 300.0], [75.0, 0.0, -75.0]])
-    return problem, lambda t: np.array([(expm(one * system) @ [1.0, 0.0, 1.0])[0] for one in t])
+    return problem, lambda t: np.array([(expm(time * system) @ [1.0, 0.0, 1.0])[0] for time in t])
 
 
 def _bouc_wen():
@@ -39,10 +39,10 @@ def _bouc_wen():
     )
 
     def exact(t):
-        def of(t, y):
+        def rates(t, y):
             return [y[1], -20 * y[0] - 80 * y[2], rate(y[1], y[2], np)]
 
-        return solve_ivp(of, (0, DURATION), [0.0, 8.0, 0.01], t_eval=t, rtol=1e-12, atol=1e-13, max_step=0.01).y[0]
+        return solve_ivp(rates, (0, DURATION), [0.0, 8.0, 0.01], t_eval=t, rtol=1e-12, atol=1e-13, max_step=0.01).y[0]
 
     return problem, exact
 
@@ -58,12 +58,12 @@ def _few_runs(monkeypatch, tmp_path):
 def test_errors_are_those_against_an_independent_solution(make):
     """It alone assesses a model with an unknown without mass, whose reference has no certified route."""
     problem, exact = make()
-    given = {"duration": DURATION, "errors": [0.01], "quantities": DISPLACEMENT}
-    ds = study.assess(problem, "average_acceleration", **given)
-    found = ds.sel(scheme="average_acceleration", quantity="drift", allowed_error=0.01)
-    dt, uncertainty = float(found.recommended_dt), float(found.reference_uncertainty)
+    options = {"duration": DURATION, "errors": [0.01], "quantities": DISPLACEMENT}
+    ds = study.assess(problem, "average_acceleration", **options)
+    row = ds.sel(scheme="average_acceleration", quantity="drift", allowed_error=0.01)
+    dt, uncertainty = float(row.recommended_dt), float(row.reference_uncertainty)
     run = study.run(problem, "average_acceleration", dt=dt, steps=int(DURATION / dt * (1 + 1e-9)))
     size = np.abs(exact(np.linspace(0, DURATION, 2001))).max()
     error = np.abs(run.u.values[:, 0] - exact(run.t.values)).max() / size
     assert 0 < error <= 0.01 and uncertainty < 1e-3
-    assert float(found.recommended_error) == pytest.approx(error, abs=uncertainty)
+    assert float(row.recommended_error) == pytest.approx(error, abs=uncertainty)

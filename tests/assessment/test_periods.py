@@ -11,8 +11,8 @@ def test_a_chain_is_described_by_its_periods_and_damping_ratios():
     """Two equal masses between three equal springs have ω² = 1 and 3, and C = 0.1 K gives ζ = 0.05 ω."""
     stiffness = np.array([[2.0, -1.0], [-1.0, 2.0]])
     chain = study.Problem(stiffness=stiffness, damping=0.1 * stiffness, u0=[1.0, 0.0])
-    of_chain = "2 unknowns, periods of small motion 3.63 to 6.28 s, 62.83 s are 10 periods of the slowest"
-    assert model_of(chain, 20 * np.pi, None) == [of_chain, "damping ratios 0.05 to 0.0866; no load"]
+    sentence = "2 unknowns, periods of small motion 3.63 to 6.28 s, 62.83 s are 10 periods of the slowest"
+    assert model_of(chain, 20 * np.pi, None) == [sentence, "damping ratios 0.05 to 0.0866; no load"]
     free = study.Problem(lambda u: 4 * u, 1.0)
     assert model_of(free, np.pi, None) == [
         "1 unknown, period of small motion 3.14 s, 3.142 s are 1 periods",

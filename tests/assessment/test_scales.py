@@ -16,13 +16,13 @@ MASS, STIFFNESS = np.array([1.0, 4e3]), np.array([[100.0, -2e3], [-2e3, 4e7]])
 def _targets(problem, duration, quantities):
     reference = Reference(problem, duration)
     exactly = reference.solution(reference.routes[0], reference.grid(duration / 20), 1e-12)
-    return {name: errors.target(one, problem, exactly) for name, one in errors.named(quantities).items()}
+    return {name: errors.target(quantity, problem, exactly) for name, quantity in errors.named(quantities).items()}
 
 
 def _errors(problem, duration, targets, dt):
-    found = Search(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, dt, dt, False)
-    found.run(np.array([dt]))
-    return found.runs.iloc[0]
+    search = Search(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, dt, dt, False)
+    search.run(np.array([dt]))
+    return search.runs.iloc[0]
 
 
 @pytest.fixture(scope="module")
@@ -38,18 +38,18 @@ def _exact(t):
 
 def test_the_error_of_a_final_value_is_relative_to_it(decaying):
     duration, dt = 30.0, 0.5
-    wanted = {scale: study.Quantity(lambda u: u, reduce="final", scale=scale) for scale in ("own", "peak", "each")}
-    wanted |= {"number": study.Quantity(lambda u: u, reduce="final", scale=0.2)}
-    found = _errors(decaying, duration, _targets(decaying, duration, wanted), dt)
+    quantities = {scale: study.Quantity(lambda u: u, reduce="final", scale=scale) for scale in ("own", "peak", "each")}
+    quantities |= {"number": study.Quantity(lambda u: u, reduce="final", scale=0.2)}
+    row = _errors(decaying, duration, _targets(decaying, duration, quantities), dt)
     got = study.run(decaying, "rk4", dt=dt, steps=60, every=60).u[-1].item()
-    off = abs(got - _exact(duration))
+    difference = abs(got - _exact(duration))
     for scale, value in (
         ("own", abs(_exact(duration))),
         ("each", abs(_exact(duration))),
         ("peak", 1.0),
         ("number", 0.2),
     ):
-        assert found[scale] == pytest.approx(off / value, rel=1e-6)
+        assert row[scale] == pytest.approx(difference / value, rel=1e-6)
 
 
 def test_a_residual_drift_has_an_error_of_its_own_size():
@@ -59,53 +59,53 @@ def test_a_residual_drift_has_an_error_of_its_own_size():
     exact = 0.05 + 0.95 * np.exp(-0.2 * 20) * (np.cos(omega * 20) + ratio / omega * np.sin(omega * 20))
     targets = _targets(settled, 20.0, {"drift": study.Quantity(lambda u: u, reduce="final")})
     assert targets["drift"].own == pytest.approx([exact], rel=1e-9)
-    got = study.run(settled, "rk4", dt=1.0, steps=20).u[-1].item()
-    assert _errors(settled, 20.0, targets, 1.0).drift == pytest.approx(abs(got - exact) / abs(exact), rel=1e-6)
+    value = study.run(settled, "rk4", dt=1.0, steps=20).u[-1].item()
+    assert _errors(settled, 20.0, targets, 1.0).drift == pytest.approx(abs(value - exact) / abs(exact), rel=1e-6)
 
 
 def test_a_final_value_near_zero_gets_a_remark(decaying):
-    wanted = {"end": study.Quantity(lambda u: u, reduce="final")}
+    quantities = {"end": study.Quantity(lambda u: u, reduce="final")}
     # u(t) = 0 where tan ωt = −ω/ζ
     omega = np.sqrt(1 - 0.05**2)
     zero = (np.pi - np.arctan(omega / 0.05)) / omega
     with pytest.warns(RuntimeWarning, match="the final value of 'end', .* is close to zero"):
-        (remark,) = remarks_on_scales(_targets(decaying, zero + 1e-5, wanted))
+        (remark,) = remarks_on_scales(_targets(decaying, zero + 1e-5, quantities))
     assert "scale='peak'" in remark
-    wanted["end"] = study.Quantity(lambda u: u, reduce="final", scale="peak")
-    assert remarks_on_scales(_targets(decaying, zero + 1e-5, wanted)) == []
+    quantities["end"] = study.Quantity(lambda u: u, reduce="final", scale="peak")
+    assert remarks_on_scales(_targets(decaying, zero + 1e-5, quantities)) == []
 
 
 def test_components_of_different_units_have_errors_of_their_own_size():
     problem = study.Problem(stiffness=STIFFNESS, mass=np.diag(MASS), u0=[50.0, 0.0], v0=[0.0, 0.5], title="mixed")
-    wanted = {scale: study.Quantity(lambda u: u, scale=scale) for scale in ("own", "each")}
-    wanted |= {"given": study.Quantity(lambda u: u, scale=[50.0, 0.0081])}
+    quantities = {scale: study.Quantity(lambda u: u, scale=scale) for scale in ("own", "each")}
+    quantities |= {"given": study.Quantity(lambda u: u, scale=[50.0, 0.0081])}
     duration, dt = 2.0, 0.028
-    targets = _targets(problem, duration, wanted)
+    targets = _targets(problem, duration, quantities)
     # modal solution: M^(−1/2) K M^(−1/2) has the eigenvalues ω²
     root = np.sqrt(MASS)
     squares, modes = np.linalg.eigh(STIFFNESS / np.outer(root, root))
     omega = np.sqrt(squares)
-    at_start, rate = modes.T @ (root * [50.0, 0.0]), modes.T @ (root * [0.0, 0.5])
+    amplitudes, rate = modes.T @ (root * [50.0, 0.0]), modes.T @ (root * [0.0, 0.5])
 
     def exact(t):
-        swings = at_start * np.cos(np.outer(t, omega)) + rate / omega * np.sin(np.outer(t, omega))
+        swings = amplitudes * np.cos(np.outer(t, omega)) + rate / omega * np.sin(np.outer(t, omega))
         return swings @ modes.T / root
 
     ds = study.run(problem, "rk4", dt=dt, steps=int(duration / dt))
-    off = np.abs(ds.u - exact(ds.t.values)).max("t").values
+    differences = np.abs(ds.u - exact(ds.t.values)).max("t").values
     peaks = np.abs(exact(np.linspace(0, duration, 100_001))).max(axis=0)
-    found = _errors(problem, duration, targets, dt)
-    assert found.own == pytest.approx(off.max() / peaks.max(), rel=1e-3) and found.own < 0.01
-    assert found.each == pytest.approx((off / peaks).max(), rel=1e-3) and found.each > 0.5
-    assert found.given == pytest.approx((off / [50.0, 0.0081]).max(), rel=1e-3)
+    row = _errors(problem, duration, targets, dt)
+    assert row.own == pytest.approx(differences.max() / peaks.max(), rel=1e-3) and row.own < 0.01
+    assert row.each == pytest.approx((differences / peaks).max(), rel=1e-3) and row.each > 0.5
+    assert row.given == pytest.approx((differences / [50.0, 0.0081]).max(), rel=1e-3)
     with pytest.warns(RuntimeWarning, match="1 of 2 components of 'own' stay below a hundredth of the largest"):
         (remark,) = remarks_on_scales(targets)
     assert "scale='each'" in remark
 
 
 def test_a_component_of_round_off_neither_dominates_nor_gets_a_remark():
-    each = study.Quantity(lambda u: u, scale="each")
-    assert each.scales(np.array([1.0, 1e-14]), np.ones(2)).tolist() == [1.0, 1e-6]
+    quantity = study.Quantity(lambda u: u, scale="each")
+    assert quantity.scales(np.array([1.0, 1e-14]), np.ones(2)).tolist() == [1.0, 1e-6]
     assert remark_on_components("u", np.array([1.0, 0.02, 1e-14, 0.0]), "") == []
     assert "1 of 3 components" in remark_on_components("u", np.array([1.0, 0.005, 0.0]), "")[0]
 
@@ -121,9 +121,9 @@ def test_unfit_scales_are_refused():
 def test_a_final_value_is_compared_with_the_largest_value_of_its_own_component():
     """Two oscillators without coupling, of amplitudes 50 and 0.0081: final values are amplitude × cos ωt."""
     problem = study.Problem(stiffness=np.diag([1.0, 4.0]), u0=[50.0, 0.0081], title="apart")
-    each = {"end": study.Quantity(lambda u: u, reduce="final", scale="each")}
-    targets = _targets(problem, np.pi / 2 - 0.2, each)
+    quantities = {"end": study.Quantity(lambda u: u, reduce="final", scale="each")}
+    targets = _targets(problem, np.pi / 2 - 0.2, quantities)
     assert targets["end"].own == pytest.approx([50 * np.sin(0.2), -0.0081 * np.cos(0.4)], rel=1e-6)
     assert remarks_on_scales(targets) == []
     with pytest.warns(RuntimeWarning, match=r"the final value of 'end', 3.5e-05, .* along time, 0\.0081,"):
-        remarks_on_scales(_targets(problem, np.pi / 4 - 2.16e-3, each))
+        remarks_on_scales(_targets(problem, np.pi / 4 - 2.16e-3, quantities))

@@ -163,13 +163,13 @@ class _RaisingOrder(_Plain):
     ],
 )
 def test_the_attributes_of_a_scheme_are_checked(scheme, sentence):
-    for called in (
+    for call in (
         study.assess_scheme,
-        lambda one: study.assess("hardening", one),
-        lambda one: study.register_scheme("a", one),
+        lambda scheme: study.assess("hardening", scheme),
+        lambda scheme: study.register_scheme("a", scheme),
     ):
         with pytest.raises(TypeError, match=sentence):
-            called(scheme)
+            call(scheme)
 
 
 def test_the_page_of_a_scheme_has_its_order_and_its_errors(tmp_path, capsys):

@@ -35,7 +35,7 @@ class MadeUp(Search):
 
     def _run(self, start, dt):
         dt = np.atleast_1d(dt)
-        return pd.DataFrame({"start": start, "dt": dt, "u": [self._error(one, start) for one in dt]})
+        return pd.DataFrame({"start": start, "dt": dt, "u": [self._error(step, start) for step in dt]})
 
 
 def searched(error, allowed=0.01, **options):
@@ -45,8 +45,8 @@ def searched(error, allowed=0.01, **options):
 
 
 def _tried_up_to(made_up, step):
-    own = made_up.runs[made_up.runs.start == 1.0]
-    return own[(own.dt <= step) & (own.dt >= TWENTIETH * step)]
+    unscaled = made_up.runs[made_up.runs.start == 1.0]
+    return unscaled[(unscaled.dt <= step) & (unscaled.dt >= TWENTIETH * step)]
 
 
 @pytest.mark.parametrize("order", [1, 2, 4, 8])
@@ -96,8 +96,8 @@ def test_the_ends_of_a_search_are_said_as_such():
     for constant in (0.5, np.nan):
         assert searched(lambda dt, start, c=constant: c, finest=1e-3)[1].how == FINEST_FAILS
     for unknowns in (1, 1000):
-        of_others = searched(lambda dt, start: 1e-5 if start == 1.0 else 1.0, finest=1e-3, unknowns=unknowns)
-        assert of_others[1].how == FINEST_FAILS
+        neighbours = searched(lambda dt, start: 1e-5 if start == 1.0 else 1.0, finest=1e-3, unknowns=unknowns)
+        assert neighbours[1].how == FINEST_FAILS
 
 
 @settings(max_examples=50, deadline=None)

@@ -33,22 +33,22 @@ def test_the_interpolant_is_exact_for_polynomials_of_fifth_degree():
     t = np.array([0.0, 0.4, 1.0, 1.7])
     polynomial = np.polynomial.Polynomial([0.3, -1.0, 2.0, 0.5, -0.7, 0.2])
     values = [np.stack([p(t), -p(t)], axis=1) for p in (polynomial, polynomial.deriv(), polynomial.deriv(2))]
-    at = np.linspace(0, 1.7, 50)
-    u, v = DenseSolution(t, *values).at(at)
-    np.testing.assert_allclose(u[:, 0], polynomial(at), atol=1e-13)
-    np.testing.assert_allclose(v[:, 1], -polynomial.deriv()(at), atol=1e-12)
+    times = np.linspace(0, 1.7, 50)
+    u, v = DenseSolution(t, *values).at(times)
+    np.testing.assert_allclose(u[:, 0], polynomial(times), atol=1e-13)
+    np.testing.assert_allclose(v[:, 1], -polynomial.deriv()(times), atol=1e-12)
 
 
 def test_a_load_that_acts_for_a_moment_is_not_stepped_over():
     # an impulse of one newton second within a millisecond on an oscillator in free motion
-    begins, lasts = 10.003, 1e-3
+    start, length = 10.003, 1e-3
     blow = study.Problem(
-        lambda u: u, 0.1, load=lambda t: jnp.where((t > begins) & (t < begins + lasts), 1 / lasts, 0.0), title="blow"
+        lambda u: u, 0.1, load=lambda t: jnp.where((t > start) & (t < start + length), 1 / length, 0.0), title="blow"
     )
     reference = Reference(blow, 20.0)
-    np.testing.assert_allclose(reference.kinks.of_force, [begins, begins + lasts], rtol=1e-12)
+    np.testing.assert_allclose(reference.kinks.force, [start, start + length], rtol=1e-12)
     grid = reference.grid(1.0)
-    exact = 0.1 * np.cos(20.0) + (np.cos(20.0 - begins - lasts) - np.cos(20.0 - begins)) / lasts
+    exact = 0.1 * np.cos(20.0) + (np.cos(20.0 - start - length) - np.cos(20.0 - start)) / length
     for route in reference.routes:
         assert reference.solution(route, grid, 1e-10).u[-1] == pytest.approx(exact, abs=1e-7)
 
@@ -73,11 +73,11 @@ def test_the_certified_reference_contains_a_short_pulse(shape, lasts):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # the shortest pulses are announced
         # as in an assessment, the load is scaled
-        found = certified(
+        reference = certified(
             excited(struck, 1.0, displaced=True), 5.0, named({"u": study.Quantity(lambda u: u)}), 1e-2, 0.25, False
         )
-    assert found.horizon == 5.0
-    u, _ = found.solution.at(t)
+    assert reference.horizon == 5.0
+    u, _ = reference.solution.at(t)
     np.testing.assert_allclose(u, free + blow, atol=0.15 * (1.5 * lasts * omega + 1e-4))
 
 
@@ -94,9 +94,9 @@ def test_solvers_that_part_at_a_pulse_give_no_reference(monkeypatch):
     """The scan is switched off, so that only one of the solvers meets a pulse."""
     monkeypatch.setattr(reference_module, "times_of_problem", lambda *_: np.zeros(0))
     monkeypatch.setattr(certified_module, "times_of", lambda *_: np.zeros(0))
-    at = np.array([5.0, 5.001, 5.002])
+    times = np.array([5.0, 5.001, 5.002])
     struck = study.Problem(
-        lambda u: 39.5 * u, 0.01, load=lambda t: jnp.interp(t, at, at * 0 + [0, 1e3, 0]), title="hit"
+        lambda u: 39.5 * u, 0.01, load=lambda t: jnp.interp(t, times, times * 0 + [0, 1e3, 0]), title="hit"
     )
     with pytest.raises(reference_module.NoReference, match="give the load an attribute kinks with the times"):
         certified(struck, 8.0, named({"u": study.Quantity(lambda u: u)}), 1e-2, 0.25, False)
@@ -121,8 +121,8 @@ def test_both_routes_solve_a_kinked_load(shaken):
         state = solve_ivp(rate, (start, end), state, method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
         pieces.append(state)
     for route in reference.routes:
-        one = reference.solution(route, reference.grid(0.5), 1e-10)
-        u, v = one.at(np.array([0, 0.3, 0.6, 0.9, 1.2, 2.0]))
+        solution = reference.solution(route, reference.grid(0.5), 1e-10)
+        u, v = solution.at(np.array([0, 0.3, 0.6, 0.9, 1.2, 2.0]))
         np.testing.assert_allclose(np.stack([u, v], axis=1), pieces, atol=1e-8)
 
 
@@ -144,14 +144,14 @@ def test_contacts_are_stepped_on_and_interpolated_between(stiffness):
     times = touch + period * np.arange(5)
     exact = np.sort(np.concatenate([times, times + lasts]))
     exact = exact[exact < duration]
-    np.testing.assert_allclose(reference.kinks.of_force, exact, atol=1e-9)
+    np.testing.assert_allclose(reference.kinks.force, exact, atol=1e-9)
 
     deepest = times[times + lasts < duration] + lasts / 2
     inside = times[times + lasts < duration] + 0.3 * lasts
     for route in reference.routes:
-        one = reference.solution(route, reference.grid(1.0), 1e-12)
-        np.testing.assert_allclose(one.at(deepest)[0], centre + reach, atol=1e-8)
-        np.testing.assert_allclose(one.at(inside)[0], centre + reach * np.cos(0.2 * lasts * contact), atol=1e-8)
+        solution = reference.solution(route, reference.grid(1.0), 1e-12)
+        np.testing.assert_allclose(solution.at(deepest)[0], centre + reach, atol=1e-8)
+        np.testing.assert_allclose(solution.at(inside)[0], centre + reach * np.cos(0.2 * lasts * contact), atol=1e-8)
 
 
 def test_heyoka_takes_a_free_oscillator_and_a_table_sends_it_away():
@@ -169,8 +169,8 @@ def test_a_force_with_a_velocity_is_solved_by_diffrax():
     drag = study.Problem(lambda u, v: 40 * u + 2 * v**3, 0.5, title="drag")
     assert _names(drag, 2.0) == ["diffrax Dopri8", "CVODE Adams"]
     reference, t = Reference(drag, 2.0), np.linspace(0, 2, 21)
-    one, other = (reference.solution(route, t, 1e-10) for route in reference.routes)
-    np.testing.assert_allclose(one.u, other.u, atol=1e-7)
+    first, second = (reference.solution(route, t, 1e-10) for route in reference.routes)
+    np.testing.assert_allclose(first.u, second.u, atol=1e-7)
 
 
 def _under_record(spring):
@@ -183,12 +183,12 @@ def test_both_routes_reach_the_exact_motion_of_a_spring_that_yields():
     reference = Reference(problem, 4.0)
     t = reference.grid(1.0)
     exact = piecewise.trajectory(problem, t[1:])
-    assert _names(problem, 4.0) == ["diffrax Dopri8", "CVODE Adams"] and len(reference.kinks.of_force) > 5
+    assert _names(problem, 4.0) == ["diffrax Dopri8", "CVODE Adams"] and len(reference.kinks.force) > 5
     for route in reference.routes:
-        one = reference.solution(route, t, 1e-12)
-        np.testing.assert_allclose(one.u[1:], exact.u, atol=1e-10)
-        np.testing.assert_allclose(one.v[1:], exact.v, atol=1e-9)
-        np.testing.assert_allclose(np.gradient(one.v, t)[50], one.a[50], rtol=0.02)
+        solution = reference.solution(route, t, 1e-12)
+        np.testing.assert_allclose(solution.u[1:], exact.u, atol=1e-10)
+        np.testing.assert_allclose(solution.v[1:], exact.v, atol=1e-9)
+        np.testing.assert_allclose(np.gradient(solution.v, t)[50], solution.a[50], rtol=0.02)
 
 
 def test_both_routes_follow_elements_that_turn_back_apart_from_each_other():

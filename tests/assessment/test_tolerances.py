@@ -25,10 +25,10 @@ def assessed(duffing):
 @pytest.mark.parametrize("scheme", ["average_acceleration", "dormand_prince6"])
 def test_fresh_tolerances_below_the_recommended_one_keep_the_error(duffing, assessed, scheme):
     """Errors refer to heyoka's trajectory at the times of each run, not to the assessment's interpolated reference."""
-    one = assessed.sel(scheme=scheme, quantity="displacement", allowed_error=ALLOWED)
-    assert one.tolerance_verdict == FOUND and one.tolerances_tried > 32 and one.tolerance_worst_error <= 1
+    row = assessed.sel(scheme=scheme, quantity="displacement", allowed_error=ALLOWED)
+    assert row.tolerance_verdict == FOUND and row.tolerances_tried > 32 and row.tolerance_worst_error <= 1
     rng = np.random.default_rng(7)
-    for tolerance in one.tolerance.item() * 10 ** -np.append(0.0, 2 * rng.random(9)):
+    for tolerance in row.tolerance.item() * 10 ** -np.append(0.0, 2 * rng.random(9)):
         ds = study.run(duffing, scheme, tolerance=tolerance, duration=DURATION)
         exact = taylor.trajectory(duffing, ds.t.values[1:], 1e-14).u
         assert np.abs(ds.u.values[1:] - exact).max() <= 1.001 * ALLOWED
@@ -42,25 +42,25 @@ def test_ten_times_the_tolerance_does_not_keep_the_error(duffing, assessed):
 
 
 def test_the_cost_is_that_of_the_run_with_this_tolerance(duffing, assessed):
-    one = assessed.sel(scheme="dormand_prince6", quantity="displacement", allowed_error=ALLOWED)
-    ds = study.run(duffing, "dormand_prince6", tolerance=one.tolerance.item(), duration=DURATION)
-    assert one.controlled_steps == ds.steps
+    row = assessed.sel(scheme="dormand_prince6", quantity="displacement", allowed_error=ALLOWED)
+    ds = study.run(duffing, "dormand_prince6", tolerance=row.tolerance.item(), duration=DURATION)
+    assert row.controlled_steps == ds.steps
     trials = ds.steps + ds.steps_rejected_by_estimate
-    counted = study.run(duffing, "dormand_prince6", tolerance=ds.tolerance, duration=DURATION, observe="effort")
-    assert one.controlled_force_evaluations == counted.force_evaluations > 5 * trials
+    effort = study.run(duffing, "dormand_prince6", tolerance=ds.tolerance, duration=DURATION, observe="effort")
+    assert row.controlled_force_evaluations == effort.force_evaluations > 5 * trials
 
 
 def test_what_needs_equal_steps_has_no_tolerance(assessed):
-    of_houbolt = assessed.sel(scheme="houbolt")
-    of_period = assessed.sel(quantity=["period", "phase", "amplitude"])
-    for one in (of_houbolt, of_period):
-        assert (one.tolerance_verdict == EQUAL_ONLY).all() and one.tolerance.isnull().all()
+    houbolt = assessed.sel(scheme="houbolt")
+    periods = assessed.sel(quantity=["period", "phase", "amplitude"])
+    for part in (houbolt, periods):
+        assert (part.tolerance_verdict == EQUAL_ONLY).all() and part.tolerance.isnull().all()
 
 
 def test_recommend_states_whether_equal_steps_are_cheaper(assessed):
     table = study.recommend(assessed, error=ALLOWED, quantity="displacement")
-    both = table.controlled_force_evaluations / table.force_evaluations
-    np.testing.assert_array_equal(table.control_over_equal, both)
+    ratio = table.controlled_force_evaluations / table.force_evaluations
+    np.testing.assert_array_equal(table.control_over_equal, ratio)
     assert np.isnan(table.tolerance["houbolt"]) and table.tolerance["average_acceleration"] > 0
 
 
@@ -70,9 +70,9 @@ def test_the_report_lists_the_tolerances(assessed):
 
 
 def test_your_own_quantity_may_have_the_name_of_a_default_one(duffing):
-    own = {"amplitude": study.Quantity(lambda u: u, reduce="peak")}
+    quantities = {"amplitude": study.Quantity(lambda u: u, reduce="peak")}
     options = {"duration": 10.0, "errors": [0.1], "maps": False, "controller": "pi"}
-    ds = study.assess(duffing, "average_acceleration", quantities=own, **options)
+    ds = study.assess(duffing, "average_acceleration", quantities=quantities, **options)
     assert (ds.tolerance_verdict <= COARSEST_KEEPS).all() and (ds.tolerance > 0).all()
 
 
