@@ -89,26 +89,26 @@ def motions(
         motion at the end of the part. Two turning points within one part are missed, so the difference of the peaks
         with two values of ``places`` estimates the uncertainty of the peaks.
     """
-    dt, places = (np.broadcast_to(one, stiffness.shape) for one in (dt, places))
+    dt, places = (np.broadcast_to(values, stiffness.shape) for values in (dt, places))
     bound, slope, part = yield_force / stiffness, np.diff(acceleration) / dt[:, None], dt / places
     parts = places * np.isfinite(slope).sum(axis=1)
     # ``side``: direction of yield, zero while elastic; ``passed``: time since the start of the current part
     u, v, plastic, side, passed, peak = np.zeros((6, len(acceleration)))
     place, at_samples = np.zeros(len(acceleration), int), np.zeros(acceleration.shape)
     while (lanes := np.flatnonzero(place < parts)).size:
-        sample, within = np.divmod(place[lanes], places[lanes])
+        sample, number = np.divmod(place[lanes], places[lanes])
         yields = side[lanes] != 0
         k = np.where(yields, hardening, 1.0) * stiffness[lanes]
         rest = np.where(yields, side[lanes] * bound[lanes], -plastic[lanes])
         q1 = -slope[lanes, sample]
-        since = within * part[lanes] + passed[lanes]
-        q0 = -acceleration[lanes, sample] + q1 * since - (1 - hardening) * stiffness[lanes] * rest
+        elapsed = number * part[lanes] + passed[lanes]
+        q0 = -acceleration[lanes, sample] + q1 * elapsed - (1 - hardening) * stiffness[lanes] * rest
         start = np.array([u[lanes], v[lanes], damping[lanes], k, q0, q1])
-        left = part[lanes] - passed[lanes]
-        tau = left.copy()
-        u_end, v_end, _ = motion_after(left, *start)
+        remaining = part[lanes] - passed[lanes]
+        tau = remaining.copy()
+        u_end, v_end, _ = motion_after(remaining, *start)
         turns = v[lanes] * v_end < 0
-        tau[turns] = time_of(0.0, 1, left[turns], start[:, turns])
+        tau[turns] = time_of(0.0, 1, remaining[turns], start[:, turns])
         u_end[turns], v_end[turns] = motion_after(tau[turns], *start[:, turns])[0], 0.0
         # up to ``tau`` the motion has one direction, so it leaves the elastic range at most once
         direction = np.sign(u_end - u[lanes])
@@ -120,9 +120,9 @@ def motions(
         unloads = lanes[turns & yields]
         plastic[unloads] = u[unloads] - side[unloads] * bound[unloads]
         side[unloads], side[lanes[leaves]] = 0.0, direction[leaves]
-        ends = tau == left
+        ends = tau == remaining
         place[lanes] += ends
         passed[lanes] = np.where(ends, 0.0, passed[lanes] + tau)
-        reached = ends & (within == places[lanes] - 1)
+        reached = ends & (number == places[lanes] - 1)
         at_samples[lanes[reached], sample[reached] + 1] = u[lanes[reached]]
     return peak, at_samples

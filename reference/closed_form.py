@@ -22,8 +22,8 @@ DIGITS = 50
 
 def is_known(problem: Problem) -> bool:
     """Whether the period has a closed form: a free, undamped cubic or tanh spring of unit mass, released from rest."""
-    others = problem.damping, problem.load, problem.mass, problem.stiffness
-    free = all(other is None for other in others)
+    terms = problem.damping, problem.load, problem.mass, problem.stiffness
+    free = all(term is None for term in terms)
     spring = getattr(problem.force, "__self__", None)
     return free and isinstance(spring, CubicSpring | TanhSpring) and float(problem.v0) == 0.0
 
@@ -89,10 +89,10 @@ def period(problem: Problem, u0: float | None = None, digits: int = DIGITS) -> m
     """
     spring = _spring(problem)
     with mpmath.workdps(digits):
-        at = mpmath.mpf(float(problem.u0 if u0 is None else u0))
+        start = mpmath.mpf(float(problem.u0 if u0 is None else u0))
         if isinstance(spring, TanhSpring):
-            return _tanh_period(spring, abs(at))
-        _, kappa, m, _, function = _cubic(spring, at)
+            return _tanh_period(spring, abs(start))
+        _, kappa, m, _, function = _cubic(spring, start)
         return (4 if function == "cn" else 2) * mpmath.ellipk(m) / kappa
 
 
@@ -182,12 +182,12 @@ def _modes(problem: Problem, t: Iterable) -> tuple[list, list]:
     for time in map(mpmath.mpf, t):
         q, rate = [], []
         for square, force in zip(squares, forces, strict=True):
-            omega, of_load = mpmath.sqrt(square), frequency * time - phase
+            omega, angle = mpmath.sqrt(square), frequency * time - phase
             c, s = mpmath.cos(omega * time), mpmath.sin(omega * time)
             start, speed = mpmath.cos(phase), frequency * mpmath.sin(phase)
             response = force / (square - frequency**2)
-            q.append(response * (mpmath.cos(of_load) - start * c - speed / omega * s))
-            rate.append(response * (-frequency * mpmath.sin(of_load) + omega * start * s - speed * c))
+            q.append(response * (mpmath.cos(angle) - start * c - speed / omega * s))
+            rate.append(response * (-frequency * mpmath.sin(angle) + omega * start * s - speed * c))
         u.append(list(shapes * mpmath.matrix(q)))
         v.append(list(shapes * mpmath.matrix(rate)))
     return u, v

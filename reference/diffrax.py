@@ -95,13 +95,13 @@ def _solve_with_history(problem: Problem, begin, t, rtol, method: str, max_steps
     """As :func:`_solve`, with the history, which is committed at each time, as part of ``begin``."""
 
     def stretch(carry, ends):
-        y, history, before = carry
+        y, history, previous = carry
         committed = problem.remembering(history)
         solution = diffrax.diffeqsolve(
             diffrax.ODETerm(right_side),
             _solver(method),
             t0=ends[0],
-            t1=jnp.where(diffrax.is_okay(before), ends[1], ends[0]),  # no step after a failure
+            t1=jnp.where(diffrax.is_okay(previous), ends[1], ends[0]),  # no step after a failure
             dt0=None,
             y0=y,
             args=committed,
@@ -110,7 +110,7 @@ def _solve_with_history(problem: Problem, begin, t, rtol, method: str, max_steps
             throw=False,
         )
         y = solution.ys[-1]
-        result = diffrax.RESULTS.where(diffrax.is_okay(before), solution.result, before)
+        result = diffrax.RESULTS.where(diffrax.is_okay(previous), solution.result, previous)
         return (y, committed.at_time(ends[1]).committed(*y).history, result), (y, solution.stats["num_steps"])
 
     t0, *state = begin
@@ -122,9 +122,9 @@ def _solve_with_history(problem: Problem, begin, t, rtol, method: str, max_steps
 def _check(problem: Problem, method: str, result) -> None:
     if not diffrax.is_okay(result):
         limited = bool(result == diffrax.RESULTS.max_steps_reached)
-        why = "the limit of its steps was reached" if limited else "it found no step that keeps its tolerance"
+        cause = "the limit of its steps was reached" if limited else "it found no step that keeps its tolerance"
         failure = StepLimit if limited else RouteFailed
-        raise failure(f"diffrax {method} did not finish '{problem.title}': {why}")
+        raise failure(f"diffrax {method} did not finish '{problem.title}': {cause}")
 
 
 def trajectory(
@@ -257,11 +257,11 @@ def period(problem: Problem, estimate: float, rtol: float = 1e-14, method: str =
     untitled = problem.untitled()
     # all numbers are arrays of one type, because otherwise each call would be compiled again
     tolerance = np.float64(rtol)
-    found = _until(untitled, np.float64(0.75 * estimate), np.float64(-sign), tolerance, method)
-    _check(problem, method, found.result)
-    if found.result != diffrax.RESULTS.event_occurred:
+    solution = _until(untitled, np.float64(0.75 * estimate), np.float64(-sign), tolerance, method)
+    _check(problem, method, solution.result)
+    if solution.result != diffrax.RESULTS.event_occurred:
         raise RouteFailed(f"diffrax {method} met no turning point of '{problem.title}' up to t = {0.75 * estimate:g}.")
-    t = float(found.ts[-1])
+    t = float(solution.ts[-1])
     for _ in range(2):
         y = _until(untitled, np.float64(t), np.float64(0.0), tolerance, method).ys[-1]
         t -= float(y[1] / right_side(t, y, problem)[1])

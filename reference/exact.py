@@ -84,13 +84,13 @@ def period(problem: Problem, estimate: float) -> tuple[hy.real, float]:
     RouteFailed
         If no turning point comes within three quarters of the estimate.
     """
-    found = [
+    periods = [
         taylor.period(problem, estimate, bits=bits, formulation=formulation)
         for bits in BITS
         for formulation in FORMULATIONS
     ]
-    best = found[0]
-    differences = [float(abs(other / best - 1)) for other in found[1:]]
+    best = periods[0]
+    differences = [float(abs(other / best - 1)) for other in periods[1:]]
     if closed_form.is_known(problem):
         with mpmath.workdps(closed_form.DIGITS):
             differences.append(float(abs(closed_form.period(problem) / mpf(best) - 1)))
@@ -155,11 +155,11 @@ def folded(problem: Problem, t: ArrayLike, exact_period: hy.real, period_certifi
     """
     if not np.all(np.isfinite(t)):
         raise ValueError(f"the exact solution of '{problem.title}' needs finite times.")
-    times, where = np.unique(np.asarray(t, float), return_inverse=True)
+    times, inverse = np.unique(np.asarray(t, float), return_inverse=True)
     rests = [_less_whole_periods(hy.real(float(time), max(BITS)), exact_period) for time in times]
     order = sorted(range(len(rests)), key=rests.__getitem__)
     solution = trajectory(problem, [rests[i] for i in order])
-    back = np.argsort(order)[where]
+    back = np.argsort(order)[inverse]
     time_error = period_certified * float(np.max(np.abs(times)))
     fastest, strongest = np.max(np.abs(solution.v)), np.max(np.abs(jax.vmap(problem.static_force)(solution.u)))
     return ExactSolution(

@@ -26,10 +26,10 @@ def motions(acceleration: Rows, dt: float, stiffness: Lanes, damping: Lanes) -> 
     generators[:, 0, 1] = generators[:, 1, 2] = generators[:, 2, 3] = 1.0
     generators[:, 1, 0], generators[:, 1, 1] = -stiffness, -damping
     step = expm(dt * generators)
-    of_load = np.einsum("lij,ljt->tli", step[:, :2, 2:], np.stack([load, slope], axis=1))
+    increments = np.einsum("lij,ljt->tli", step[:, :2, 2:], np.stack([load, slope], axis=1))
     state = np.zeros((acceleration.shape[1], len(stiffness), 2))
-    for i, more in enumerate(of_load):
-        state[i + 1] = np.einsum("lij,lj->li", step[:, :2, :2], state[i]) + more
+    for i, increment in enumerate(increments):
+        state[i + 1] = np.einsum("lij,lj->li", step[:, :2, :2], state[i]) + increment
     u, v = np.moveaxis(state, 2, 0).transpose(0, 2, 1)
     lane, sample = np.nonzero(v[:, :-1] * v[:, 1:] < 0)
     k, c = stiffness[lane], damping[lane]

@@ -140,15 +140,15 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     mass = 1.0 if problem.mass is None else float(problem.mass)
     damping = 0.0 if problem.damping is None else float(problem.damping)
     kinks: np.ndarray = np.array([]) if problem.load is None else np.asarray(problem.load.kinks, float)  # type: ignore[attr-defined]
-    stops = np.union1d(np.asarray(t, float), [at for at in kinks if 0 < at < t[-1]])
+    stops = np.union1d(np.asarray(t, float), [kink for kink in kinks if 0 < kink < t[-1]])
     piece, now, y = _first_piece(problem), 0.0, np.array([float(problem.u0), float(problem.v0)])
     begins = np.append(0.0, stops)
     loads, middles = np.zeros(len(begins)), np.zeros(len(stops))
     if problem.load is not None:
-        at = jax.jit(jax.vmap(problem.load))
-        loads, middles = np.asarray(at(begins)), np.asarray(at((begins[1:] + begins[:-1]) / 2))
+        load = jax.jit(jax.vmap(problem.load))
+        loads, middles = np.asarray(load(begins)), np.asarray(load((begins[1:] + begins[:-1]) / 2))
     spacing = 2 * np.pi * np.sqrt(mass / float(problem.force.stiffness)) / places  # type: ignore[attr-defined]
-    found, pieces = {}, 1
+    states, pieces = {}, 1
     for stop, f0, middle in zip(stops, loads[:-1].tolist(), middles.tolist(), strict=True):
         # the slope of the load follows from its value in the middle of the interval, because the load may jump at the
         # end of a record that does not end in zero
@@ -159,8 +159,8 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
             pieces += passed is not None
             if pieces > MOST_EVENTS:
                 raise RouteFailed(f"the motion of '{problem.title}' has more than {MOST_EVENTS} events.")
-        found[stop] = y
-    u, v = np.array([found[at] for at in np.asarray(t, float)]).T
+        states[stop] = y
+    u, v = np.array([states[instant] for instant in np.asarray(t, float)]).T
     return Solution(u, v, pieces, time.perf_counter() - begin)
 
 
@@ -169,7 +169,7 @@ def _to_event(terms: tuple[float, float], piece: _Piece, y: np.ndarray, load: tu
     begin = np.array([*y, load[0] - piece.offset, load[1]])
     generator = _generator(*terms, piece.stiffness)
 
-    def at(tau):
+    def motion(tau):
         return (scipy.linalg.expm(tau * generator) @ begin)[:2]
 
     count = max(int(np.ceil(duration / spacing)), 1)
@@ -183,9 +183,9 @@ def _to_event(terms: tuple[float, float], piece: _Piece, y: np.ndarray, load: tu
             places = i * duration / count, (i + 1) * duration / count
 
             def value(tau, event=event):
-                return event(*at(tau))
+                return event(*motion(tau))
 
             # right after an event its function may be above zero by round-off
             tau = scipy.optimize.brentq(value, *places, xtol=1e-300, rtol=1e-15) if value(places[0]) < 0 else places[0]
-            return tau, at(tau), following(at(tau)[0])
+            return tau, motion(tau), following(motion(tau)[0])
     return None, state[:2], piece

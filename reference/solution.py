@@ -119,16 +119,16 @@ def release(route: str, problem: Problem, estimate: float) -> float:
         raise ValueError(
             f"{route} needs a rough period of '{problem.title}' that is greater than zero, not {estimate}."
         )
-    at_start = problem.at_time(0.0)
+    initial = problem.at_time(0.0)
     reasons = {
         "it is damped": problem.damping is not None,
         "it is loaded": problem.load is not None,
         "its force takes the time": problem.takes_time,
         "it has more than one unknown": np.ndim(problem.u0) > 0,
         "it does not start from rest": np.ndim(problem.u0) == 0 and float(problem.v0) != 0.0,
-        "it starts in equilibrium": np.ndim(problem.u0) == 0 and float(at_start.static_force(problem.u0)) == 0.0,
+        "it starts in equilibrium": np.ndim(problem.u0) == 0 and float(initial.static_force(problem.u0)) == 0.0,
     }
     for reason, holds in reasons.items():
         if holds:
             raise ValueError(f"{route} finds no period of '{problem.title}': {reason}.")
-    return -np.sign(float(at_start.static_force(problem.u0)))
+    return -np.sign(float(initial.static_force(problem.u0)))

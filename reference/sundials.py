@@ -121,9 +121,9 @@ def _quiet(call: Callable, *arguments, **options):
 def _check(problem: Problem, method: str, solution) -> None:
     if not solution.success:
         limited = solution.status == CV_TOO_MUCH_WORK
-        why = "the limit of its steps was reached" if limited else "it found no step that keeps its tolerance"
+        cause = "the limit of its steps was reached" if limited else "it found no step that keeps its tolerance"
         failure = StepLimit if limited else RouteFailed
-        raise failure(f"CVODE {method} did not finish '{problem.title}': {why}")
+        raise failure(f"CVODE {method} did not finish '{problem.title}': {cause}")
 
 
 def trajectory(
@@ -182,16 +182,16 @@ def trajectory(
         y = solution.y[-len(t) :].reshape(y.shape)
         return Solution(y[:, 0], y[:, 1], int(solution.nfev), time.perf_counter() - start)
     solution = solver.init_step(0.0, motion.start)
-    for i, until in enumerate(map(float, t)):
-        if until > 0:
-            stop = stops[np.searchsorted(stops, until)]
-            solution = _quiet(solver.step, until, tstop=float(stop) if np.isfinite(stop) else None)
+    for i, end in enumerate(map(float, t)):
+        if end > 0:
+            stop = stops[np.searchsorted(stops, end)]
+            solution = _quiet(solver.step, end, tstop=float(stop) if np.isfinite(stop) else None)
             _check(problem, method, solution)
         y[i] = solution.y.reshape(y[i].shape)
-        motion.commit(until, solution.y)
+        motion.commit(end, solution.y)
         if restarted[i]:
             evaluations += solution.nfev
-            solution = solver.init_step(until, solution.y)
+            solution = solver.init_step(end, solution.y)
     return Solution(y[:, 0], y[:, 1], int(evaluations + solution.nfev), time.perf_counter() - start)
 
 
@@ -212,7 +212,7 @@ def _events_of_history(problem: Problem, ahead: float, t, u, v):
     return jnp.where(events == 0, 1.0, events)
 
 
-def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adams") -> Times:
+def kinks(problem: Problem, duration: float, load_kinks: Times, method: str = "Adams") -> Times:
     """Times at which the internal force may have a kink, by CVODE's root finding.
 
     The force may have a kink where one of its switches (:func:`study.mechanics.internal_force.switches`) changes its
@@ -222,7 +222,7 @@ def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adam
 
     Parameters
     ----------
-    of_load
+    load_kinks
         Times at which the load has a kink, in ascending order; no step crosses one.
 
     Raises
@@ -250,23 +250,23 @@ def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adam
         return np.zeros(0)
     fill.terminal = [False] * number  # type: ignore[attr-defined]
     limits = {"max_num_steps": ENDLESS_STEPS, "num_events": number}
-    solver, found = _solver(motion, KINK_RTOL, method, eventsfn=fill, **limits), [-np.inf]
+    solver, times = _solver(motion, KINK_RTOL, method, eventsfn=fill, **limits), [-np.inf]
     solution, shortest = solver.init_step(0.0, motion.start), AHEAD * duration
-    for end in map(float, [*of_load, duration]):
+    for end in map(float, [*load_kinks, duration]):
         while (solution.success or solution.status == CV_TOO_MUCH_WORK) and solution.t < end:
-            before = float(solution.t)
+            last = float(solution.t)
             solution = _quiet(solver.step, end, tstop=end)
-            if solution.status == CV_TOO_MUCH_WORK and solution.t - before < ENDLESS_STEPS * shortest:
-                raise Sticking(f"the force of '{problem.title}' switches without end from t = {before:.4g}")
-            if solution.status == CV_ROOT_RETURN and solution.t > found[-1] + ahead:
-                found.append(float(solution.t))
-                first = found[max(len(found) - ENDLESS_KINKS, 0)]
-                if found[-1] - first < ENDLESS_KINKS * shortest:
+            if solution.status == CV_TOO_MUCH_WORK and solution.t - last < ENDLESS_STEPS * shortest:
+                raise Sticking(f"the force of '{problem.title}' switches without end from t = {last:.4g}")
+            if solution.status == CV_ROOT_RETURN and solution.t > times[-1] + ahead:
+                times.append(float(solution.t))
+                first = times[max(len(times) - ENDLESS_KINKS, 0)]
+                if times[-1] - first < ENDLESS_KINKS * shortest:
                     raise Sticking(f"the force of '{problem.title}' switches without end from t = {first:.4g}")
                 if motion.history is not None:
                     motion.commit(solution.t, solution.y)
                     solution = solver.init_step(solution.t, solution.y)
-    return np.array(found[1:])
+    return np.array(times[1:])
 
 
 def period(problem: Problem, estimate: float, rtol: float = 1e-15, method: str = "Adams") -> float:

@@ -100,14 +100,14 @@ def period(
         If no turning point comes within three quarters of ``estimate``, or the integration ends early.
     """
     sign = release("heyoka", problem, estimate)
-    met: list = []
+    crossings: list = []
     event = hy.nt_event_dbl if bits == DOUBLE else hy.nt_event_real
-    turning = event(-float(sign) * hy.make_vars("v"), lambda _, t, direction: met.append((t, direction)))
+    turning = event(-float(sign) * hy.make_vars("v"), lambda _, t, direction: crossings.append((t, direction)))
     options = {"tol": float(rtol)} if bits == DOUBLE else {}
     integrator = _integrator(problem, bits, formulation, nt_events=[turning], **options)
     outcome, *_ = integrator.propagate_until(_number(0.75 * estimate, bits))
     _check(problem, outcome, integrator.time)
-    ends = [t for t, direction in met if direction > 0]
+    ends = [t for t, direction in crossings if direction > 0]
     if not ends:
         raise RouteFailed(f"heyoka met no turning point of '{problem.title}' up to t = {0.75 * estimate:g}.")
     return 2 * ends[0]

@@ -100,11 +100,11 @@ def agreement(problems: Springs, tolerances: Sequence[float]) -> xr.Dataset:
     """
     if list(tolerances) != sorted(tolerances, reverse=True):
         raise ValueError(f"the tolerances must be in descending order, not {tolerances}.")
-    parts = [_of_problem(problem, tolerances) for problem in problems]
+    parts = [_problem_dataset(problem, tolerances) for problem in problems]
     return xr.concat(parts, "problem", data_vars="minimal", coords="minimal")
 
 
-def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
+def _problem_dataset(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
     definition, estimate = problems_by_name[problem], approximate_periods[problem]
     shape = (len(ROUTES), len(tolerances))
     windowed = {
@@ -112,28 +112,28 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         for name in ("u_error", "v_error", "energy_error", "u_error_at_periods")
     }
     single = {name: np.full(shape, np.nan) for name in ("period_error", "evaluations", "run_time")}
-    ended = {name: np.full(shape, NOT_TRIED, np.int32) for name in ("status", "period_status")}
+    statuses = {name: np.full(shape, NOT_TRIED, np.int32) for name in ("status", "period_status")}
     exact_period, certified = exact.period(definition, estimate)
     t = instants(float(exact_period))
     exact_solution = exact.folded(definition, t, exact_period, certified)
     for r, (route, (trajectory, period)) in enumerate(ROUTES.items()):
         progress(f"{route} on {problem}")
         for k, tolerance in enumerate(tolerances):
-            at = r, k
-            found, ended["period_status"][at] = _attempt(period, definition, estimate, tolerance)
-            if found is not None:
-                single["period_error"][at] = abs(found / float(exact_period) - 1)
-            if STEP_LIMIT in ended["status"][r, :k]:
+            index = r, k
+            value, statuses["period_status"][index] = _attempt(period, definition, estimate, tolerance)
+            if value is not None:
+                single["period_error"][index] = abs(value / float(exact_period) - 1)
+            if STEP_LIMIT in statuses["status"][r, :k]:
                 continue
-            solution, ended["status"][at] = _attempt(trajectory, definition, t, tolerance)
+            solution, statuses["status"][index] = _attempt(trajectory, definition, t, tolerance)
             if solution is not None:
-                single["evaluations"][at], single["run_time"][at] = solution.evaluations, solution.seconds
+                single["evaluations"][index], single["run_time"][index] = solution.evaluations, solution.seconds
                 for quantity, values in errors(definition, exact_solution, solution).items():
-                    windowed[quantity][at] = values
-                if windowed["u_error"][at].max() > LOST_ABOVE:
-                    ended["status"][at] = LOST
+                    windowed[quantity][index] = values
+                if windowed["u_error"][index].max() > LOST_ABOVE:
+                    statuses["status"][index] = LOST
     dims = ("route", "tolerance")
-    described = {
+    descriptions = {
         "u_error": "largest error of the displacement, relative to its largest size",
         "v_error": "largest error of the velocity, relative to its largest size",
         "energy_error": "largest relative error of the energy",
@@ -146,15 +146,18 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         "period_status": "how the search for the period ended",
     }
     variables = {
-        name: ((*dims, "periods"), values, {"long_name": described[name], "units": "1"})
+        name: ((*dims, "periods"), values, {"long_name": descriptions[name], "units": "1"})
         for name, values in windowed.items()
     } | {
-        name: (dims, values, {"long_name": described[name], "units": "s" if name == "run_time" else "1"})
+        name: (dims, values, {"long_name": descriptions[name], "units": "s" if name == "run_time" else "1"})
         for name, values in single.items()
     }
     return xr.Dataset(
         variables
-        | {name: (dims, values, flags(described[name], STATUS_MEANINGS, np.int32)) for name, values in ended.items()},
+        | {
+            name: (dims, values, flags(descriptions[name], STATUS_MEANINGS, np.int32))
+            for name, values in statuses.items()
+        },
         coords={
             "problem": ((), problem, {"long_name": "problem"}),
             "route": ("route", list(ROUTES), {"long_name": "solver of the trajectory"}),

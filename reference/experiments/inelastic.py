@@ -24,21 +24,21 @@ PLACES = (200, 331)
 
 
 def _in_pieces(problem, t: Times) -> tuple[str, Solution, Solution]:
-    one, other = (piecewise.trajectory(problem, t, places) for places in PLACES)
-    return "exact pieces", one, other
+    solution, check = (piecewise.trajectory(problem, t, places) for places in PLACES)
+    return "exact pieces", solution, check
 
 
 def from_kink_to_kink(problem: Problem, t: Times) -> tuple[str, Solution, Solution]:
     """Name of the route, and the solutions by diffrax and by CVODE, whose steps end at every kink of load and force."""
     declared = np.asarray(getattr(problem.load, "kinks", []), float)
-    of_load = declared[(declared > 0) & (declared < t[-1])]
-    of_force = sundials.kinks(problem, t[-1], of_load)
-    stops = np.union1d(np.union1d(t, of_load), of_force)
-    one = diffrax.trajectory(problem, stops, RTOL)
-    other = sundials.trajectory(problem, stops, RTOL, kinks=of_load, restarts=of_force)
-    at = np.searchsorted(stops, t)
-    one, other = (solution._replace(u=solution.u[at], v=solution.v[at]) for solution in (one, other))
-    return "diffrax Dopri8 from kink to kink", one, other
+    load_kinks = declared[(declared > 0) & (declared < t[-1])]
+    force_kinks = sundials.kinks(problem, t[-1], load_kinks)
+    stops = np.union1d(np.union1d(t, load_kinks), force_kinks)
+    first = diffrax.trajectory(problem, stops, RTOL)
+    second = sundials.trajectory(problem, stops, RTOL, kinks=load_kinks, restarts=force_kinks)
+    indices = np.searchsorted(stops, t)
+    first, second = (part._replace(u=part.u[indices], v=part.v[indices]) for part in (first, second))
+    return "diffrax Dopri8 from kink to kink", first, second
 
 
 #: Function that solves each problem; problems without an entry are smooth.
@@ -57,7 +57,7 @@ _READERS = ("kinks", "control_cost", "solver_cost")
 
 def _options(configuration: Mapping) -> Options:
     section = configuration["kinks"]
-    problems = [one for reader in _READERS for one in configuration[reader]["problems"] if one in KINKED]
+    problems = [problem for reader in _READERS for problem in configuration[reader]["problems"] if problem in KINKED]
     lengths = {key: section[key] for key in ("periods", "samples_per_period")}
     return {"problems": list(dict.fromkeys(problems))} | lengths
 
@@ -78,9 +78,9 @@ def inelastic(problems: Kinked, periods: int, samples_per_period: int) -> xr.Dat
         problem, period = problems_by_name[name], approximate_periods.get(name, PERIOD)
         t = np.arange(1, periods * samples_per_period + 1) * period / samples_per_period
         if name in _WAYS:
-            way, one, other = _WAYS[name](problem, t)
-            u.append(one.u)
-            uncertainty.append(max(np.abs(one.u - other.u).max(), np.spacing(np.abs(one.u).max())))
+            way, first, check = _WAYS[name](problem, t)
+            u.append(first.u)
+            uncertainty.append(max(np.abs(first.u - check.u).max(), np.spacing(np.abs(first.u).max())))
         else:
             solution = exact.trajectory(problem, t.tolist())
             way = "Taylor polynomials of many digits"

@@ -64,40 +64,40 @@ def record_error(
     """
     grounds = family(spacings, corners, kappas, seeds, duration, folder)
     oscillators = [yielding_under_record(grounds[0], period, 1.0) for period in periods]
-    of_period = np.array([[one.force.stiffness, one.damping] for one in oscillators])  # type: ignore[attr-defined]
+    coefficients = np.array([[oscillator.force.stiffness, oscillator.damping] for oscillator in oscillators])  # type: ignore[attr-defined]
     hardening = float(oscillators[0].force.hardening)  # type: ignore[attr-defined]
-    counts = np.array([len(one.acceleration) for one in grounds])
+    counts = np.array([len(record.acceleration) for record in grounds])
     shape, most = (len(grounds), len(periods)), counts.max()
     ground, u = np.full((len(grounds), most), np.nan), np.full((*shape, most), np.nan)
     peak, uncertainty = np.zeros((2, *shape, 2))
-    of_record = np.array([float(one.dt) for one in grounds])
-    for row, one in zip(ground, grounds, strict=True):
-        row[: len(one.acceleration)] = one.acceleration
-    stiffness, damping = np.tile(of_period, (len(grounds), 1)).T
-    for spacing, count in np.unique([of_record, counts], axis=1).T:
+    record_spacings = np.array([float(record.dt) for record in grounds])
+    for row, record in zip(ground, grounds, strict=True):
+        row[: len(record.acceleration)] = record.acceleration
+    stiffness, damping = np.tile(coefficients, (len(grounds), 1)).T
+    for spacing, count in np.unique([record_spacings, counts], axis=1).T:
         progress(f"linear motions under records of {count:.0f} samples every {1e3 * spacing:g} ms")
-        there = (of_record == spacing) & (counts == count)
-        samples = ground[there, : int(count)]
-        lanes, which = np.repeat(samples, len(periods), axis=0), np.repeat(there, len(periods))
-        peak[there, :, 0], u[there, :, : samples.shape[1]] = (
-            one.reshape(len(samples), len(periods), *one.shape[1:])
-            for one in linear.motions(lanes, spacing, stiffness[which], damping[which])
+        alike = (record_spacings == spacing) & (counts == count)
+        samples = ground[alike, : int(count)]
+        lanes, mask = np.repeat(samples, len(periods), axis=0), np.repeat(alike, len(periods))
+        peak[alike, :, 0], u[alike, :, : samples.shape[1]] = (
+            values.reshape(len(samples), len(periods), *values.shape[1:])
+            for values in linear.motions(lanes, spacing, stiffness[mask], damping[mask])
         )
     progress("motions of yielding oscillators")
     strength = stiffness * peak[..., 0].ravel() / reduction
-    lanes, spacing = np.repeat(ground, len(periods), axis=0), np.repeat(of_record, len(periods))
-    places = np.maximum(np.round(spacing / of_record.min()), 1).astype(int)
-    bent, other = (
+    lanes, spacing = np.repeat(ground, len(periods), axis=0), np.repeat(record_spacings, len(periods))
+    places = np.maximum(np.round(spacing / record_spacings.min()), 1).astype(int)
+    bent, refined = (
         bilinear.motions(lanes, spacing, stiffness, damping, strength, hardening, factor * places)[0]
         for factor in FACTORS
     )
-    peak[..., 1] = other.reshape(shape)
-    uncertainty[..., 1] = np.abs(bent - other).reshape(shape)
+    peak[..., 1] = refined.reshape(shape)
+    uncertainty[..., 1] = np.abs(bent - refined).reshape(shape)
     dims = ("record", "period")
-    of_u = {"long_name": "displacement of the linear oscillator at the samples", "units": "m"}
+    attributes = {"long_name": "displacement of the linear oscillator at the samples", "units": "m"}
     return xr.Dataset(
         {
-            "u": ((*dims, "sample"), u, of_u),
+            "u": ((*dims, "sample"), u, attributes),
             "peak_drift": ((*dims, "spring"), peak, {"long_name": "peak drift", "units": "m"}),
             "peak_drift_uncertainty": (
                 (*dims, "spring"),
@@ -112,13 +112,13 @@ def record_error(
             "ground": (("record", "sample"), ground, {"long_name": "acceleration of the ground", "units": "m s-2"}),
             "spacing": (
                 "record",
-                of_record,
+                record_spacings,
                 {"long_name": "time between two samples of the record", "units": "s"},
             ),
         },
         coords={
-            "record": ("record", [one.title for one in grounds], {"long_name": "record"}),
-            "origin": ("record", [one.source for one in grounds], {"long_name": "origin of the record"}),
+            "record": ("record", [record.title for record in grounds], {"long_name": "record"}),
+            "origin": ("record", [record.source for record in grounds], {"long_name": "origin of the record"}),
             "period": ("period", periods, {"long_name": "period of small motions", "units": "s"}),
             "spring": ("spring", ["linear", "yielding"], {"long_name": "kind of spring"}),
         },

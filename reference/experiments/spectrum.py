@@ -31,7 +31,7 @@ def spectrum(records: Records, periods: RecordPeriods, reductions: Reductions, d
     grounds = ground_motions(records)
     spacing = float(grounds[0].dt)
     t = spacing * np.arange(round(duration / spacing) + 1)
-    ground = np.stack([np.interp(t, one.kinks, one.acceleration, right=0.0) for one in grounds])
+    ground = np.stack([np.interp(t, record.kinks, record.acceleration, right=0.0) for record in grounds])
     problems = [yielding_under_record(grounds[0], period, STRONG) for period in periods]
     springs = [problem.force for problem in problems]
     stiffness = np.tile([float(spring.stiffness) for spring in springs], records)  # type: ignore[attr-defined]
@@ -43,16 +43,16 @@ def spectrum(records: Records, periods: RecordPeriods, reductions: Reductions, d
         return bilinear.motions(samples, spacing, stiffness, damping, strength, hardening, places)[0]
 
     strong = np.full(len(stiffness), STRONG)
-    of_elastic = stiffness * peaks(strong, PLACES[0])
-    strengths = [strong if reduction == 1 else of_elastic / reduction for reduction in reductions]
-    found = []
-    for reduction, of_reduction in zip(reductions, strengths, strict=True):
+    elastic_forces = stiffness * peaks(strong, PLACES[0])
+    strengths = [strong if reduction == 1 else elastic_forces / reduction for reduction in reductions]
+    solutions = []
+    for reduction, yield_forces in zip(reductions, strengths, strict=True):
         progress(f"peak drifts at a reduction of {reduction:g}")
-        found.append([peaks(of_reduction, places) for places in PLACES])
+        solutions.append([peaks(yield_forces, places) for places in PLACES])
     dims, shape = ("record", "period", "reduction"), (records, len(periods), len(reductions))
-    peak, other = (x.reshape(shape) for x in np.transpose(found, (1, 2, 0)))
+    peak, refined = (x.reshape(shape) for x in np.transpose(solutions, (1, 2, 0)))
     strength = np.transpose(strengths).reshape(shape)
-    uncertainty = np.maximum(np.abs(peak - other), np.spacing(peak))
+    uncertainty = np.maximum(np.abs(peak - refined), np.spacing(peak))
     ductility = np.where(strength < STRONG, peak * stiffness.reshape(shape[:2])[..., None] / strength, 1.0)
     return xr.Dataset(
         {
@@ -63,7 +63,7 @@ def spectrum(records: Records, periods: RecordPeriods, reductions: Reductions, d
             "ground": (("record", "t"), ground, {"long_name": "acceleration of the ground", "units": "m s-2"}),
         },
         coords={
-            "record": ("record", [one.title for one in grounds], {"long_name": "record"}),
+            "record": ("record", [record.title for record in grounds], {"long_name": "record"}),
             "period": ("period", periods, {"long_name": "period of small motions", "units": "s"}),
             "reduction": ("reduction", reductions, {"long_name": "elastic force over strength", "units": "1"}),
             "t": ("t", t, {"long_name": "time", "units": "s"}),

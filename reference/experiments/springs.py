@@ -38,8 +38,8 @@ def _witnessed(problem: Problem, times: Sequence[hy.real]) -> float:
     witness = closed_form.trajectory(problem, map(exact.mpf, chosen))
     with mpmath.workdps(closed_form.DIGITS):
         return max(
-            float(max(abs(a - exact.mpf(b)) for a, b in zip(one, other, strict=True)) / max(map(abs, one)))
-            for one, other in zip(witness, (solution.u, solution.v), strict=True)
+            float(max(abs(a - exact.mpf(b)) for a, b in zip(expected, values, strict=True)) / max(map(abs, expected)))
+            for expected, values in zip(witness, (solution.u, solution.v), strict=True)
         )
 
 

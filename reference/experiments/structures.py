@@ -16,9 +16,9 @@ from study.problem.named import time_scales
 MAX_STEPS = 10_000_000
 
 
-def _spread(one: History, other: History) -> np.ndarray:
+def _spread(first: History, second: History) -> np.ndarray:
     """Largest absolute difference between two histories over the unknowns, (t,)."""
-    return np.abs(one - other).reshape(len(one), -1).max(axis=1)
+    return np.abs(first - second).reshape(len(first), -1).max(axis=1)
 
 
 def _options(configuration: Mapping) -> Options:

@@ -69,14 +69,14 @@ def errors(
     loss of amplitude ΔE/p(A) at the turning point A.
     """
     scales = np.max(np.abs(exact_solution.u)), np.max(np.abs(exact_solution.v))
-    off = (solution.u - exact_solution.u) / scales[0], (solution.v - exact_solution.v) / scales[1]
+    differences = (solution.u - exact_solution.u) / scales[0], (solution.v - exact_solution.v) / scales[1]
     rate = exact_solution.v[-1] / scales[0], -float(problem.static_force(exact_solution.u[-1])) / scales[1]
-    delay = -(off[0][-1] * rate[0] + off[1][-1] * rate[1]) / (rate[0] ** 2 + rate[1] ** 2)
+    delay = -(differences[0][-1] * rate[0] + differences[1][-1] * rate[1]) / (rate[0] ** 2 + rate[1] ** 2)
     initial = float(problem.energy(problem.u0, problem.v0))
     lost = initial - np.asarray(jax.vmap(problem.energy)(solution.u, solution.v))
     turn = float(problem.u0)
     return {
-        "max_trajectory_error": np.max(np.abs(off[0])),
+        "max_trajectory_error": np.max(np.abs(differences[0])),
         "phase_error": delay / period,
         "period_elongation": delay / period / periods,
         "amplitude_decay": lost[-1] / (float(problem.static_force(turn)) * turn) / periods,
@@ -102,8 +102,8 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     Tolerances that are too tight, and lengths without the shortest run, are refused too.
     """
     for key in ("problems", "steps_per_period"):
-        of_schemes = configuration["work_precision"]["schemes"][key]
-        refused = unlisted(key, options[key], f"work_precision.schemes.{key}", of_schemes)
+        allowed = configuration["work_precision"]["schemes"][key]
+        refused = unlisted(key, options[key], f"work_precision.schemes.{key}", allowed)
         if refused is not None:
             return refused
     tightest = min(options["tolerances"])
@@ -164,15 +164,15 @@ def work_precision(
                     times = t[: len(shorter) * SAMPLES]
                     runs = _repeated(partial(trajectory, definition, times, tolerance), repeats, longest)
                     for w, window in enumerate(shorter if runs else []):
-                        at, its = (p, s, k, w), slice(w * SAMPLES, (w + 1) * SAMPLES)
-                        seconds[at][: len(runs)] = [run.seconds * window / length for run in runs]
-                        evaluations[at] = runs[0].evaluations * window / length
+                        index, its = (p, s, k, w), slice(w * SAMPLES, (w + 1) * SAMPLES)
+                        seconds[index][: len(runs)] = [run.seconds * window / length for run in runs]
+                        evaluations[index] = runs[0].evaluations * window / length
                         known = exact_solution._replace(u=exact_solution.u[its], v=exact_solution.v[its])
                         sampled = runs[0]._replace(u=runs[0].u[its], v=runs[0].v[its])
-                        off = errors(definition, known, sampled, window, period)
-                        for measure, value in off.items():
-                            measured[measure][at] = value
-                        status[at] = LOST if off["max_trajectory_error"] > LOST_ABOVE else FINISHED
+                        run_errors = errors(definition, known, sampled, window, period)
+                        for measure, value in run_errors.items():
+                            measured[measure][index] = value
+                        status[index] = LOST if run_errors["max_trajectory_error"] > LOST_ABOVE else FINISHED
                     if not runs or runs[0].seconds * max(RUNS) / length > longest:
                         break
                 if not runs or runs[0].seconds * min(RUNS) / length > longest:

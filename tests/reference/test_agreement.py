@@ -42,8 +42,8 @@ def duffing():
 def test_routes_meet_the_exact_period(route):
     _, period = agreement.ROUTES[route]
     for name in printed_periods:
-        found = period(study.problems[name], printed_periods[name], 1e-15)
-        assert found == pytest.approx(float(closed_form.period(study.problems[name])), rel=1e-12)
+        value = period(study.problems[name], printed_periods[name], 1e-15)
+        assert value == pytest.approx(float(closed_form.period(study.problems[name])), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -58,10 +58,10 @@ def test_routes_meet_the_exact_period(route):
 )
 def test_errors_at_the_tightest_tolerance_over_a_hundred_periods(route, whole_periods, anywhere):
     problem = study.problems["hardening"]
-    found = exact.period(problem, 0.15)
-    t = agreement.instants(float(found[0]))
+    certified = exact.period(problem, 0.15)
+    t = agreement.instants(float(certified[0]))
     trajectory, _ = agreement.ROUTES[route]
-    errors = agreement.errors(problem, exact.folded(problem, t, *found), trajectory(problem, t, 1e-15))
+    errors = agreement.errors(problem, exact.folded(problem, t, *certified), trajectory(problem, t, 1e-15))
     assert errors["u_error_at_periods"][-1] < whole_periods
     assert errors["u_error"][-1] < anywhere
     assert np.all(np.diff(errors["u_error"]) >= 0)

@@ -23,9 +23,9 @@ def test_many_oscillators_have_the_motion_of_one():
     t = np.linspace(0.0, 6.0, 12_001)[1:]
     for peak, at_samples, ground, period, strength in zip(*_motions(5), GROUNDS, PERIODS, STRENGTHS, strict=True):
         exact = piecewise.trajectory(yielding_under_record(ground, period, strength), t)
-        between = scipy.interpolate.CubicHermiteSpline(t, exact.u, exact.v)
-        turns = between.derivative().roots(extrapolate=False)
-        largest = np.abs(np.append(exact.u, between(turns))).max()  # the peak may be at the end
+        spline = scipy.interpolate.CubicHermiteSpline(t, exact.u, exact.v)
+        turns = spline.derivative().roots(extrapolate=False)
+        largest = np.abs(np.append(exact.u, spline(turns))).max()  # the peak may be at the end
         assert peak == pytest.approx(largest, rel=1e-9)
         assert at_samples == pytest.approx(np.append(0.0, exact.u[39::40]), abs=1e-9 * largest)
 

@@ -34,8 +34,8 @@ def test_period_is_the_quadrature_of_the_energy(name):
     def drop(u):
         return float(problem.potential(u0)) - float(problem.potential(u))
 
-    other = brentq(drop, 1.1, 1.5, xtol=1e-15) if name == "double_well" else -u0
-    middle, half = (u0 + other) / 2, (u0 - other) / 2
+    turning = brentq(drop, 1.1, 1.5, xtol=1e-15) if name == "double_well" else -u0
+    middle, half = (u0 + turning) / 2, (u0 - turning) / 2
 
     def integrand(x):
         """With u = middle + half (3x − x³)/2 the integrand is regular at both ends."""

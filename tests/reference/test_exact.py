@@ -49,12 +49,12 @@ def test_folding_is_the_long_integration():
 @pytest.mark.parametrize("name", CUBIC)
 def test_the_reference_after_a_hundred_thousand_periods_is_the_closed_form(name):
     """The times are in any order. Some are whole periods, where rounding decides on which side a time lies."""
-    problem, found = study.problems[name], exact.period(study.problems[name], approximate_periods[name])
-    once = float(found[0])
+    problem, certified = study.problems[name], exact.period(study.problems[name], approximate_periods[name])
+    period = float(certified[0])
     t = np.concatenate(
-        [np.random.default_rng(1).uniform(0, 1e5 * once, 20), once * np.array([1e5, 1.0, 0.0, 99_999.0])]
+        [np.random.default_rng(1).uniform(0, 1e5 * period, 20), period * np.array([1e5, 1.0, 0.0, 99_999.0])]
     )
-    truth = exact.folded(problem, t, *found)
+    truth = exact.folded(problem, t, *certified)
     u, v = closed_form.trajectory(problem, t)
     np.testing.assert_array_equal(truth.u, np.array(u, float))
     np.testing.assert_allclose(truth.v, np.array(v, float), rtol=1e-15, atol=1e-30)

@@ -53,9 +53,9 @@ def test_without_friction_it_swings_for_ever():
 
 def contact(stiffness):
     """Problem of the spring parallel to an elastic contact that slips; together they are one elastoplastic spring."""
-    both = STIFFNESS + stiffness
+    total = STIFFNESS + stiffness
     spring = study.materials.elastoplastic(
-        stiffness=both, yield_force=SLIP * both / stiffness, hardening=STIFFNESS / both
+        stiffness=total, yield_force=SLIP * total / stiffness, hardening=STIFFNESS / total
     )
     # the contact starts at its slip force, as if the mass had slipped to its start from farther out
     return study.Problem(spring, u0=1.0, history=1.0 + SLIP / stiffness, mass=MASS, title="contact")
@@ -63,9 +63,9 @@ def contact(stiffness):
 
 def test_a_stiff_contact_comes_near_it_with_the_root_of_its_stiffness():
     u, _ = released(SLIP, 1.0, T[:400])
-    off = [np.abs(piecewise.trajectory(contact(k), T[:400]).u - u).max() for k in (1e4, 1e6, 1e8)]
-    assert off[2] < 2e-5
-    assert [off[0] / off[1], off[1] / off[2]] == pytest.approx([10, 10], rel=0.02)
+    errors = [np.abs(piecewise.trajectory(contact(k), T[:400]).u - u).max() for k in (1e4, 1e6, 1e8)]
+    assert errors[2] < 2e-5
+    assert [errors[0] / errors[1], errors[1] / errors[2]] == pytest.approx([10, 10], rel=0.02)
 
 
 def test_schemes_come_near_it_with_the_contact_of_the_study():
@@ -96,9 +96,9 @@ def test_a_motion_that_only_reverses_has_a_kink_at_each_reversal(capfd):
     problem = study.Problem(
         lambda u, v: 100 * u + 5 * jnp.sign(v), u0=1.0, load=lambda t: 600 * jnp.sin(5 * t), title="rubbing"
     )
-    found = sundials.kinks(problem, 5.0, np.zeros(0))
+    kinks = sundials.kinks(problem, 5.0, np.zeros(0))
     run = study.run(problem, "rk4", dt=1e-4, steps=50_000)
     v = run.v.values
     reversals = run.t.values[1:][v[1:] * v[:-1] < 0]
-    np.testing.assert_allclose(found, reversals, atol=2e-4)
+    np.testing.assert_allclose(kinks, reversals, atol=2e-4)
     assert "CVode" not in "".join(capfd.readouterr())

@@ -21,7 +21,7 @@ def test_it_agrees_with_scipy_on_the_rate_equation(exponent):
     k, b, bound, damping = (2 * np.pi / PERIOD) ** 2, 0.05, 0.1, 0.25
     spring = study.materials.bouc_wen(stiffness=k, yield_force=k * bound, hardening=b, exponent=exponent)
     problem = study.Problem(spring, 0.0, 2.5, damping=damping, title="hysteretic")
-    found = _solved(problem, T)
+    solution = _solved(problem, T)
 
     def rate(t, state):
         u, v, y = state
@@ -29,9 +29,9 @@ def test_it_agrees_with_scipy_on_the_rate_equation(exponent):
         return v, -damping * v - force, v / bound * (1 - abs(y) ** exponent * (1 + np.sign(y * v)) / 2)
 
     options = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-12, "max_step": 0.002}
-    other = solve_ivp(rate, (0.0, T[-1]), [0.0, 2.5, 0.0], t_eval=T, **options)
-    assert found.u == pytest.approx(other.y[0], abs=1e-8)
-    assert found.v == pytest.approx(other.y[1], abs=1e-7)
+    expected = solve_ivp(rate, (0.0, T[-1]), [0.0, 2.5, 0.0], t_eval=T, **options)
+    assert solution.u == pytest.approx(expected.y[0], abs=1e-8)
+    assert solution.v == pytest.approx(expected.y[1], abs=1e-7)
 
 
 @pytest.mark.parametrize("name", ["rk4", "average_acceleration"])
@@ -58,11 +58,13 @@ def damped(exponent):
     return study.Problem(lambda u, v: 40 * u + damper(u, v), u0=1.0, title="damped")
 
 
-@pytest.mark.parametrize("problem", [study.problems["hysteretic"], damped(0.5), damped(1.5)], ids=lambda one: one.title)
+@pytest.mark.parametrize(
+    "problem", [study.problems["hysteretic"], damped(0.5), damped(1.5)], ids=lambda problem: problem.title
+)
 def test_both_solvers_agree(problem):
-    _, one, other = inelastic.from_kink_to_kink(problem, T)
-    assert one.u == pytest.approx(other.u, abs=1e-11)
-    assert one.v == pytest.approx(other.v, abs=1e-10)
+    _, first, second = inelastic.from_kink_to_kink(problem, T)
+    assert first.u == pytest.approx(second.u, abs=1e-11)
+    assert first.v == pytest.approx(second.v, abs=1e-10)
 
 
 def test_schemes_converge_to_the_motion_of_a_damper():
@@ -83,8 +85,8 @@ def test_the_pulse_has_a_closed_form():
         u = (np.sin(np.pi * t / end) - r * np.sin(omega * t)) / (1 - r**2)
         return u, r * omega * (np.cos(np.pi * t / end) - np.cos(omega * t)) / (1 - r**2)
 
-    (u, v), since = forced(end), T - end
-    free = u * np.cos(omega * since) + v / omega * np.sin(omega * since)
+    (u, v), elapsed = forced(end), T - end
+    free = u * np.cos(omega * elapsed) + v / omega * np.sin(omega * elapsed)
     expected = np.where(T < end, forced(T)[0], free)
     ds = inelastic.inelastic(["pulse"], 2, 8)
     assert ds.u.values[0] == pytest.approx(expected, abs=1e-11)

@@ -18,11 +18,11 @@ TRAJECTORIES: list[Callable] = [sundials.trajectory, reference.diffrax.trajector
 def test_two_solvers_agree_on_a_stiff_chain():
     problem = study.problems["fpu_chain"]
     t = np.linspace(0, time_scales["fpu_chain"], 9)
-    one, other = (trajectory(problem, t, RTOL) for trajectory in TRAJECTORIES)
-    np.testing.assert_allclose(one.u, other.u, atol=1e-6)
+    first, second = (trajectory(problem, t, RTOL) for trajectory in TRAJECTORIES)
+    np.testing.assert_allclose(first.u, second.u, atol=1e-6)
     # in the stiff springs, velocities are fifty times as large as displacements
-    np.testing.assert_allclose(one.v, other.v, atol=5e-5)
-    energy = [float(problem.energy(u, v)) for u, v in zip(one.u, one.v, strict=True)]
+    np.testing.assert_allclose(first.v, second.v, atol=5e-5)
+    energy = [float(problem.energy(u, v)) for u, v in zip(first.u, first.v, strict=True)]
     np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
 
 
@@ -33,11 +33,11 @@ def test_closed_forms_solve_the_equation_of_motion(name):
     t = np.array([0.3, 1.1, 2.7])
     u, _ = closed_form.structure_trajectory(name, problem, t)
     (_, before), (_, after) = (closed_form.structure_trajectory(name, problem, t + shift) for shift in (-h, h))
-    forces = np.stack([problem.force(each) for each in u])
+    forces = np.stack([problem.force(displacement) for displacement in u])
     loads = 0.0 if problem.load is None else np.stack([problem.load(time) for time in t])
     np.testing.assert_allclose((after - before) / (2 * h) + forces, loads, atol=1e-6 * np.abs(forces).max())
-    at_rest, speed = closed_form.structure_trajectory(name, problem, [0.0])
-    np.testing.assert_allclose(at_rest[0], problem.u0, atol=1e-15)
+    start, speed = closed_form.structure_trajectory(name, problem, [0.0])
+    np.testing.assert_allclose(start[0], problem.u0, atol=1e-15)
     np.testing.assert_allclose(speed[0], problem.v0, atol=1e-15)
 
 
@@ -70,8 +70,8 @@ def _modes(t):
     squares, vectors = np.linalg.eigh(root @ STIFFNESS @ root.T)
     omega, shapes = np.sqrt(squares), root.T @ vectors
     c, s = np.cos(np.multiply.outer(t, omega)), np.sin(np.multiply.outer(t, omega))
-    at_start, speed = shapes.T @ MASS @ U0, shapes.T @ MASS @ V0
-    return (at_start * c + speed / omega * s) @ shapes.T, (speed * c - at_start * omega * s) @ shapes.T
+    amplitudes, speed = shapes.T @ MASS @ U0, shapes.T @ MASS @ V0
+    return (amplitudes * c + speed / omega * s) @ shapes.T, (speed * c - amplitudes * omega * s) @ shapes.T
 
 
 @pytest.mark.parametrize("trajectory", TRAJECTORIES, ids=["CVODE", "diffrax"])
