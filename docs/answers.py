@@ -49,19 +49,19 @@ def _rows(needed: xr.Dataset) -> list[list[Any]]:
     dims = ("problem", "quantity", "allowed_error", "scheme")
     used = needed[[*_USED]].transpose(*dims).reset_coords(drop=True)
     names = used.quantity.values.tolist()
-    free, order, keeps = (needed[one].values.tolist() for one in ("free_vibration", "order", "keeps_energy"))
+    free, order, keeps = (needed[name].values.tolist() for name in ("free_vibration", "order", "keeps_energy"))
     rows = []
     for places in np.argwhere(used.step_size.notnull().values).tolist():
-        one = used.isel(dict(zip(dims, places, strict=True)))
+        need = used.isel(dict(zip(dims, places, strict=True)))
         problem, quantity, _, scheme = places
-        decides = one.largest_error if one.largest_error.notnull() else one.error
+        decides = need.largest_error if need.largest_error.notnull() else need.error
         rows.append(
             [
                 *places,
-                steps_of(one),
-                _number(one.steps_per_period.item()),
-                number(one.omega_step.item(), 2),
-                _number(one.force_evaluations.item(), 12),
+                steps_of(need),
+                _number(need.steps_per_period.item()),
+                number(need.omega_step.item(), 2),
+                _number(need.force_evaluations.item(), 12),
                 _number(decides.item(), 12),
                 step_exponent(order[scheme], bool(keeps[scheme]), names[quantity]) if free[problem] else None,
             ]
@@ -73,10 +73,10 @@ def data(needed: xr.Dataset) -> dict[str, Any]:
     """The needs of all schemes as lists of numbers and words."""
     needed = needed.sel(condition="practice")
     codes = defaultdict[str, dict[str, str]](dict)
-    for one in names_in_codes():
-        codes[one.scheme][one.code] = one.name
+    for entry in names_in_codes():
+        codes[entry.scheme][entry.code] = entry.name
     models = {problem: model for model, (problem, _) in MODELS.items()}
-    of_problems = [
+    problems = [
         {
             "title": sentence(title) if name not in models else f"{sentence(models[name])}: {title}",
             "model": models.get(name, ""),
@@ -89,8 +89,8 @@ def data(needed: xr.Dataset) -> dict[str, Any]:
         }
         for name, title, scale, decided, omega, unknowns in zip(
             *(
-                needed[one].values.tolist()
-                for one in ("problem", "problem_title", "time_scale", "decided", "highest_frequency", "unknowns")
+                needed[variable].values.tolist()
+                for variable in ("problem", "problem_title", "time_scale", "decided", "highest_frequency", "unknowns")
             ),
             strict=True,
         )
@@ -98,17 +98,17 @@ def data(needed: xr.Dataset) -> dict[str, Any]:
     schemes = [
         {"title": title, "explicit": bool(explicit), "codes": codes[name]}
         for name, title, explicit in zip(
-            *(needed[one].values.tolist() for one in ("scheme", "scheme_title", "explicit")), strict=True
+            *(needed[variable].values.tolist() for variable in ("scheme", "scheme_title", "explicit")), strict=True
         )
     ]
     return {
         "first": FIRST,
         "tied": TIED,
-        "problems": of_problems,
+        "problems": problems,
         "quantities": needed.quantity.values.tolist(),
         "errors": [column(error) for error in needed.allowed_error.values],
         "schemes": schemes,
-        "codes": sorted({code for one in schemes for code in one["codes"]}),
+        "codes": sorted({code for scheme in schemes for code in scheme["codes"]}),
         "rows": _rows(needed),
     }
 

@@ -48,7 +48,7 @@ def library_of(results: Path, own: Iterable[str]) -> Library:
 
 def registry_page(title: str, documented: Mapping[str, Any]) -> str:
     """A page with the docstring of every entry of a registry."""
-    entries = [(name, "-", str(parsed(one))) for name, one in documented.items()]
+    entries = [(name, "-", str(parsed(function))) for name, function in documented.items()]
     first = f"``list(study.{title.lower()})`` gives these names."
     return "\n\n".join(f"{name}\n{line * len(name)}\n\n{text}" for name, line, text in [(title, "=", first), *entries])
 
@@ -64,21 +64,21 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
     gallery.write_scripts(folder / "gallery")
     (folder / "figures").symlink_to(results / "figures")
     library = library_of(results, own)
-    made = {f"schemes/{name}.md": scheme_page(library.subject(name), library) for name in library.schemes}
-    made["schemes/index.md"] = index_page(library)
-    made |= {"claims.md": claims_page(results), "tables.md": tables_page(results)}
-    made["figures.md"] = figures_page()
-    made |= {"how_to/conformance.md": conformance_page(), "how_to/codes.md": codes_page()}
-    made |= {f"included/{name}.md": text for name, text in decisions.tables(results).items()}
-    made["included/answers.md"] = answers.form(results)
-    made["included/gallery.md"] = gallery.grid()
-    made["included/decks.md"] = confirmed.decks()
-    made["interface/problems.rst"] = registry_page("Problems", makers)
-    made["interface/observers.rst"] = registry_page("Observers", study.observers)
-    made["interface/estimators.rst"] = registry_page("Estimators", study.estimators)
-    made["interface/controllers.rst"] = registry_page("Controllers", study.controllers)
+    pages = {f"schemes/{name}.md": scheme_page(library.subject(name), library) for name in library.schemes}
+    pages["schemes/index.md"] = index_page(library)
+    pages |= {"claims.md": claims_page(results), "tables.md": tables_page(results)}
+    pages["figures.md"] = figures_page()
+    pages |= {"how_to/conformance.md": conformance_page(), "how_to/codes.md": codes_page()}
+    pages |= {f"included/{name}.md": text for name, text in decisions.tables(results).items()}
+    pages["included/answers.md"] = answers.form(results)
+    pages["included/gallery.md"] = gallery.grid()
+    pages["included/decks.md"] = confirmed.decks()
+    pages["interface/problems.rst"] = registry_page("Problems", makers)
+    pages["interface/observers.rst"] = registry_page("Observers", study.observers)
+    pages["interface/estimators.rst"] = registry_page("Estimators", study.estimators)
+    pages["interface/controllers.rst"] = registry_page("Controllers", study.controllers)
     (folder / "schemes").mkdir()
-    for name, text in made.items():
+    for name, text in pages.items():
         (folder / name).write_text(text, encoding="utf-8")
 
 

@@ -15,7 +15,7 @@ _CITED = yaml.safe_load((Path(__file__).parent.parent / "CITATION.cff").read_tex
 project = "Time integration schemes"
 html_title = "Time integration schemes on non-linear dynamic equations"
 author = copyright = ", ".join(
-    one.get("name") or f"{one['given-names']} {one['family-names']}" for one in _CITED["authors"]
+    person.get("name") or f"{person['given-names']} {person['family-names']}" for person in _CITED["authors"]
 )
 version = release = study.__version__
 language = "en"
@@ -63,8 +63,8 @@ def _docstring(app, what, name, documented, options, lines):
 def _describe(app, pagename, templatename, context, doctree):
     """Use the first paragraph as description for search engines, if a page declares no description."""
     if doctree is not None and 'name="description"' not in context["metatags"]:
-        said = next((paragraph.astext() for paragraph in doctree.findall(nodes.paragraph)), "")
-        text = html.escape(textwrap.shorten(said, 160, placeholder=" …"))
+        summary = next((paragraph.astext() for paragraph in doctree.findall(nodes.paragraph)), "")
+        text = html.escape(textwrap.shorten(summary, 160, placeholder=" …"))
         context["metatags"] += f'<meta name="description" content="{text}">'
 
 

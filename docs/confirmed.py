@@ -14,13 +14,13 @@ def decks() -> str:
     """A table of the lines that hold the step size in the input files of common codes."""
     rows = [
         [
-            one.code,
-            f"`{one.after}`" if one.after else "–",
-            f"`{one.line}`" if one.line else "–",
-            one.note,
-            f"[documentation]({one.source})" if one.source else "–",
+            row.code,
+            f"`{row.after}`" if row.after else "–",
+            f"`{row.line}`" if row.line else "–",
+            row.note,
+            f"[documentation]({row.source})" if row.source else "–",
         ]
-        for one in steps_in_decks()
+        for row in steps_in_decks()
     ]
     return table(["code", "below", "line with the step", "remark", "source"], rows, numbers_from=5)
 
@@ -32,20 +32,20 @@ def limits() -> list[dict[str, str]]:
 
 def names_in_codes(scheme: str) -> str:
     """A table of the names of one scheme in other codes, or a sentence if none has been confirmed."""
-    found = [
-        [one.code, f"`{one.name}`", one.note, f"[documentation]({one.source})"]
-        for one in all_names()
-        if one.scheme == scheme
+    rows = [
+        [entry.code, f"`{entry.name}`", entry.note, f"[documentation]({entry.source})"]
+        for entry in all_names()
+        if entry.scheme == scheme
     ]
-    if not found:
+    if not rows:
         return "No name of this scheme in another code has been confirmed."
-    return table(["code", "name and parameters", "remark", "source"], found, numbers_from=4)
+    return table(["code", "name and parameters", "remark", "source"], rows, numbers_from=4)
 
 
 def printed_limit(scheme: str) -> str:
     """Stability limits of a scheme that textbooks print, in a phrase; empty if no limit has been confirmed."""
-    found = [(float(row["limit"]), row) for row in limits() if row["scheme"] == scheme]
+    entries = [(float(row["limit"]), row) for row in limits() if row["scheme"] == scheme]
     return "; ".join(
         f"{'at any step size' if math.isinf(limit) else f'ωΔt ≤ {number(limit, 4)}'} in {row['work']}, {row['place']}"
-        for limit, row in found
+        for limit, row in entries
     )

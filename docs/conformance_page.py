@@ -33,10 +33,10 @@ _SHOWN = ("pass", "differs", "fail")
 SHOWN = 4
 
 
-def found() -> list[dict[str, Any]]:
+def all_codes() -> list[dict[str, Any]]:
     """Verdicts of all codes; the code with the most passes is first."""
     results = [json.loads(file.read_text(encoding="utf-8")) | {"file": file.stem} for file in RESULTS.glob("*.json")]
-    return sorted(results, key=lambda one: (-one["counts"]["pass"], one["tool"]))
+    return sorted(results, key=lambda code: (-code["counts"]["pass"], code["tool"]))
 
 
 def _named(code: Mapping[str, Any]) -> str:
@@ -90,7 +90,7 @@ def conformance_page() -> str:
 
 def codes_page() -> str:
     """The page in Markdown of the verdicts on codes."""
-    codes = found()
+    codes = all_codes()
     # the first set of each program that fails a case shows the report
     first = {_name(code): code["file"] for code in reversed(codes) if code["counts"]["fail"]}
     parts = [

@@ -42,8 +42,8 @@ def short_cell(decision: xr.Dataset, limits: Mapping[str, float]) -> str:
 
 def _input_lines(schemes: Iterable[str], codes: tuple[str, ...] = ("",)) -> list[NameInCode]:
     """Names that codes give to schemes. The name of each code begins with an entry of ``codes``."""
-    wanted = set(schemes)
-    return [one for one in names_in_codes() if one.code.startswith(codes) and one.scheme in wanted]
+    names = set(schemes)
+    return [entry for entry in names_in_codes() if entry.code.startswith(codes) and entry.scheme in names]
 
 
 def recommended(results: Path) -> dict[str, str]:
@@ -53,12 +53,13 @@ def recommended(results: Path) -> dict[str, str]:
     rows, chosen = [], set()
     for problem, quantity, kind in rows_of(decisions.expand_dims("filter")):
         if quantity in _QUANTITIES:
-            one = decisions.sel(problem=problem, quantity=quantity, kind=kind)
-            cells = [short_cell(one.sel(allowed_error=error), limits) for error in one.allowed_error.values]
-            rows.append([sentence(one.problem_title.item()), kind, *cells])
-            chosen |= {*one.scheme.values}
+            decision = decisions.sel(problem=problem, quantity=quantity, kind=kind)
+            cells = [short_cell(decision.sel(allowed_error=error), limits) for error in decision.allowed_error.values]
+            rows.append([sentence(decision.problem_title.item()), kind, *cells])
+            chosen |= {*decision.scheme.values}
     lines = [
-        [study.schemes[one.scheme].title, one.code, f"`{one.name}`", one.note] for one in _input_lines(chosen, CODES)
+        [study.schemes[entry.scheme].title, entry.code, f"`{entry.name}`", entry.note]
+        for entry in _input_lines(chosen, CODES)
     ]
     errors = [column(error) for error in decisions.allowed_error.values]
     return {
@@ -67,13 +68,14 @@ def recommended(results: Path) -> dict[str, str]:
     }
 
 
-def measured(one: xr.Dataset) -> str:
+def measured(decision: xr.Dataset) -> str:
     """What was run for a decision: the problem, its quantity and unknowns, and the duration in periods."""
-    title, quantity = sentence(one.problem_title.item()), one.quantity.item()
-    if one.problem.item() == "records":
-        return f"{title}: {quantity} in {one.starts.item()} runs, samples every {number(1e3 * one.spacing.item())} ms"
-    unknowns, many = one.unknowns.item(), one.decided.item()
-    times = f"{number(many)} period{'s' * (many != 1)} T = {number(one.time_scale.item(), 2)} s"
+    title, quantity = sentence(decision.problem_title.item()), decision.quantity.item()
+    if decision.problem.item() == "records":
+        spacing = number(1e3 * decision.spacing.item())
+        return f"{title}: {quantity} in {decision.starts.item()} runs, samples every {spacing} ms"
+    unknowns, periods = decision.unknowns.item(), decision.decided.item()
+    times = f"{number(periods)} period{'s' * (periods != 1)} T = {number(decision.time_scale.item(), 2)} s"
     return f"{title}, {unknowns} unknown{'s' * (unknowns > 1)}: {quantity} over {times}"
 
 
@@ -83,13 +85,13 @@ def by_model(results: Path) -> str:
     decisions, limits = answers(read("decisions")), limits_of(read("spectral"))
     usual = read("needs").sel(scheme="average_acceleration", condition=FILTERS[FILTER][0])
     chosen = {name for decision in decisions.values() for name in decision.scheme.values.ravel()}
-    lines = {name.scheme: f"`{name.name}`" for name in _input_lines(chosen, ("OpenSees",))}
+    lines = {entry.scheme: f"`{entry.name}`" for entry in _input_lines(chosen, ("OpenSees",))}
     rows = []
-    for model, both in decisions.items():
-        kinds = [both.sel(kind=kind) for kind in ("explicit", "implicit")]
+    for model, decision in decisions.items():
+        kinds = [decision.sel(kind=kind) for kind in ("explicit", "implicit")]
         line = next((lines[kind.scheme.item()] for kind in reversed(kinds) if kind.scheme.item() in lines), "–")
-        need = usual.sel({name: both[name] for name in ("problem", "quantity", "allowed_error")})
-        rows.append([model, *(short_cell(kind, limits) for kind in kinds), line, step_cell(need), measured(both)])
+        need = usual.sel({name: decision[name] for name in ("problem", "quantity", "allowed_error")})
+        rows.append([model, *(short_cell(kind, limits) for kind in kinds), line, step_cell(need), measured(decision)])
     head = ["model", "explicit", "implicit", "OpenSees, implicit", "by average acceleration", "measured"]
     return table(head, rows, numbers_from=len(head))
 
@@ -99,8 +101,13 @@ def tables(results: Path) -> dict[str, str]:
     decision = pd.read_csv(results / DECISION, keep_default_na=False)
     chosen = reader(results)("decisions").scheme.values.ravel()
     lines = [
-        [f"[{study.schemes[one.scheme].title}](/schemes/{one.scheme}.md)", one.code, f"`{one.name}`", one.note]
-        for one in _input_lines(chosen)
+        [
+            f"[{study.schemes[entry.scheme].title}](/schemes/{entry.scheme}.md)",
+            entry.code,
+            f"`{entry.name}`",
+            entry.note,
+        ]
+        for entry in _input_lines(chosen)
     ]
     return {
         **recommended(results),

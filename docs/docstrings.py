@@ -15,12 +15,12 @@ _SUBSCRIPT = re.compile(r"([α-ωΩ])_(?:(\w+)|\{([^}]+)\})")
 
 def references_of(lines: Iterable[str]) -> list[str]:
     """The works in a section of references, one text for each work. Empty lines are skipped."""
-    found: list[list[str]] = [[]]
+    works: list[list[str]] = [[]]
     for line in filter(None, (line.strip() for line in lines)):
-        found[-1].append(line)
+        works[-1].append(line)
         if _END_OF_REFERENCE.search(line):
-            found.append([])
-    return [" ".join(work) for work in found if work]
+            works.append([])
+    return [" ".join(work) for work in works if work]
 
 
 def restructured(lines: Iterable[str]) -> list[str]:

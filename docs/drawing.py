@@ -76,7 +76,7 @@ def svg(figure: Figure, label: str) -> str:
 
 def figure_of(panels: list[str], caption: str) -> str:
     """Panels with one caption, as an element of a page."""
-    inside = "\n".join(f'<div class="panel">{one}</div>' for one in panels)
+    inside = "\n".join(f'<div class="panel">{element}</div>' for element in panels)
     return f'<figure class="panels">\n{inside}\n<figcaption>{caption}</figcaption>\n</figure>\n'
 
 

@@ -40,10 +40,10 @@ def run(text: str, results: Path) -> tuple[str, dict[str, Any]]:
         return CODE.sub(with_output, text), names
 
 
-def _warn(what: str, error: Exception, location: Any) -> None:
+def _warn(subject: str, error: Exception, location: Any) -> None:
     logging.getLogger(__name__).warning(
         "%s fails with %r. If a dataset lacks a scheme or a problem, make the study of config/study.yaml.",
-        what,
+        subject,
         error,
         location=location,
     )

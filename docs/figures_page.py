@@ -8,11 +8,11 @@ from paper.manuscript import places
 def figures_page() -> str:
     """The page of all figures, each with its caption and its place in the texts."""
     known, sections = places(), []
-    for one in FIGURES:
-        title, place = one.name.replace("_", " ").capitalize(), known.get((one.kind, one.name))
+    for figure in FIGURES:
+        title, place = figure.name.replace("_", " ").capitalize(), known.get((figure.kind, figure.name))
         sections.append(
-            f"## {title}\n\n```{{figure}} /figures/{one.name}.svg\n:alt: {title}\n:class: paper\n:loading: lazy\n\n"
-            f"{one.caption}{f' {place}.' if place else ''}\n```"
+            f"## {title}\n\n```{{figure}} /figures/{figure.name}.svg\n:alt: {title}\n:class: paper\n:loading: lazy\n\n"
+            f"{figure.caption}{f' {place}.' if place else ''}\n```"
         )
     first = (
         "`results/figures/` has each figure as PDF, as SVG whose text stays text, as PNG with 300 dots per inch, and "

@@ -22,9 +22,9 @@ OF_SCHEMES = (
 #: Files of the article's numbers and of its table of decisions.
 NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
 #: Declarations of all tables of the study, and the name of the table of claims.
-TABLES, LEDGER = tuple(one for one in discover(["tables"]) if one.kind == "table"), "claims"
+TABLES, LEDGER = tuple(product for product in discover(["tables"]) if product.kind == "table"), "claims"
 #: Declarations of all figures of the study.
-FIGURES = tuple(one for one in discover(["figures"]) if one.kind == "figure")
+FIGURES = tuple(product for product in discover(["figures"]) if product.kind == "figure")
 #: Files of the results that are copied into the site.
 PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf", "replication.pdf", "assessment/driven.html")
 
@@ -46,6 +46,6 @@ def reads() -> list[str]:
     questions = "\n".join(page.read_text(encoding="utf-8") for page in sorted(PAGES.glob("gallery/*.md")))
     opened = re.findall(r'study\.open_dataset\("([\w/]+)"\)', questions)
     datasets = dict.fromkeys([*OF_SCHEMES, "decisions", "spectral", *opened])
-    figures = [f"figures/{one.name}.svg" for one in FIGURES]
-    tables = [f"tables/{one.name}.csv" for one in TABLES]
+    figures = [f"figures/{figure.name}.svg" for figure in FIGURES]
+    tables = [f"tables/{table.name}.csv" for table in TABLES]
     return [*(f"{name}.nc" for name in datasets), *figures, NUMBERS, *tables, *PRODUCTS]

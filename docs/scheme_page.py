@@ -39,7 +39,7 @@ class Subject:
     @property
     def parameters(self) -> dict[str, Any]:
         """Names and values of the scheme's parameters."""
-        fields = (one.name for one in dataclasses.fields(self.scheme))
+        fields = (field.name for field in dataclasses.fields(self.scheme))
         return {name: getattr(self.scheme, name) for name in fields if name not in _LABELS}
 
 
@@ -112,7 +112,7 @@ def overshoot(theory: Theory) -> str:
         round(linear[f"growth_{name}"].item()) for name in ("u_from_u", "v_from_u", "u_from_v", "v_from_v")
     )
     powers = f"U{u_from_u}V{v_from_u} from u₀ and U{u_from_v}V{v_from_v} from u̇₀"
-    largest = (linear[f"{of}_overshoot"].max().item() for of in ("displacement", "velocity"))
+    largest = (linear[f"{quantity}_overshoot"].max().item() for quantity in ("displacement", "velocity"))
     displacement, velocity = (number(value, 2) for value in largest)
     return (
         f"{powers}: the powers of ωΔt with which displacement (U) and velocity (V) grow in a long first step. In 64 "

@@ -35,48 +35,48 @@ _LIMIT = " Dashed: linear limit of stability at the stiffest place of the motion
 _FLOOR = 1e-14
 
 
-def _of(subject: "Subject", dataset: xr.Dataset) -> xr.Dataset | None:
+def _part_of(subject: "Subject", dataset: xr.Dataset) -> xr.Dataset | None:
     """The part of a dataset for one scheme; None if the dataset lacks the scheme."""
     return dataset.sel(scheme=subject.name) if subject.name in dataset.scheme.values else None
 
 
-def _titles(one: xr.Dataset) -> dict[str, str]:
-    return dict(zip(one.problem.values.tolist(), map(str, one.problem_title.values), strict=True))
+def _titles(runs: xr.Dataset) -> dict[str, str]:
+    return dict(zip(runs.problem.values.tolist(), map(str, runs.problem_title.values), strict=True))
 
 
 def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
     """Tables of observed orders: on springs, with kinks, and in real circumstances; empty if no order was measured."""
     parts = []
-    one = _of(subject, data["accuracy"])
-    if one is not None:
+    runs = _part_of(subject, data["accuracy"])
+    if runs is not None:
         rows = []
-        for problem, title in _titles(one).items():
-            found = (
-                order_at_finest(one[measure].sel(problem=problem, periods=PERIODS[measure])) for measure in _MEASURES
+        for problem, title in _titles(runs).items():
+            observed = (
+                order_at_finest(runs[measure].sel(problem=problem, periods=PERIODS[measure])) for measure in _MEASURES
             )
-            rows.append([title, *(number(order, 2) for order in found)])
+            rows.append([title, *(number(order, 2) for order in observed)])
         parts.append("Observed order in Δt of the errors, fitted to the finest steps above round-off:")
         parts.append(table(["problem", *_MEASURES.values()], rows))
         parts.append("A dash means that the slope is not steady or the errors are round-off.")
-    kinked = _of(subject, data["kinks"])
+    kinked = _part_of(subject, data["kinks"])
     if kinked is not None:
-        found = kinked.observed_order
+        observed = kinked.observed_order
         rows = [
             [
                 title,
-                number(found.sel(problem=name).item(), 2),
+                number(observed.sel(problem=name).item(), 2),
                 number(kinked.dividing_order.sel(problem=name).item(), 2),
             ]
             for name, title in _titles(kinked).items()
         ]
         parts.append("Order of the displacement with yielding, memory or contact, and under a record:")
         parts.append(table(["problem", "order", "with steps that divide the spacing of a record"], rows))
-    real = _of(subject, data["order_under_reality"])
+    real = _part_of(subject, data["order_under_reality"])
     if real is not None:
-        found = real.observed_order.transpose("circumstance", "quantity")
+        observed = real.observed_order.transpose("circumstance", "quantity")
         rows = [
             [title, *(number(order, 2) for order in row)]
-            for title, row in zip(real.circumstance_title.values, found.values, strict=True)
+            for title, row in zip(real.circumstance_title.values, observed.values, strict=True)
         ]
         parts.append("Order of the motion in the circumstances of real problems ({doc}`/gallery/order`):")
         parts.append(table(["circumstance", *real.quantity.values], rows))
@@ -86,10 +86,10 @@ def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
 
 def energy(subject: "Subject", data: Mapping[str, Any]) -> str:
     """Largest energy errors printed in 1996 and found here, and computing times of 1996; empty without runs."""
-    one = _of(subject, data["energy_error"])
-    if one is None:
+    runs = _part_of(subject, data["energy_error"])
+    if runs is None:
         return ""
-    one = one.max_energy_error.sel(period_used="printed")
+    runs = runs.max_energy_error.sel(period_used="printed")
     printed = printed_energy_errors()
     known = subject.name in printed.scheme.values
     titles = _titles(data["energy_error"])
@@ -97,13 +97,13 @@ def energy(subject: "Subject", data: Mapping[str, Any]) -> str:
     for title in titles.values():
         head += [f"{title}, 1996", "here"] if known else [title]
     rows = []
-    for steps in one.steps_per_period.values.tolist():
+    for steps in runs.steps_per_period.values.tolist():
         row = [str(steps)]
         for problem in titles:
             if known:
                 value = printed.sel(problem=problem, steps_per_period=steps, scheme=subject.name).item()
                 row.append(f"{value:.1f}")  # one decimal, as in the paper
-            row.append(number(one.sel(problem=problem, steps_per_period=steps).item()))
+            row.append(number(runs.sel(problem=problem, steps_per_period=steps).item()))
         rows.append(row)
     errors = "Largest energy error over 100 periods, in percent:\n\n" + table(head, rows, numbers_from=0)
     return f"{errors}\n\n{_times_of_1996(subject.name, titles)}" if known else errors
@@ -116,8 +116,8 @@ def _times_of_1996(scheme: str, titles: dict[str, str]) -> str:
     times = []
     for name, title in titles.items():
         ratio_of = f" ({number(ratio.sel(problem=name, scheme=scheme).item())} times average acceleration)"
-        other = ratio_of if scheme != "average_acceleration" else ""
-        times.append(f"{number(seconds.sel(problem=name, scheme=scheme).item())} s on the {title}{other}")
+        note = ratio_of if scheme != "average_acceleration" else ""
+        times.append(f"{number(seconds.sel(problem=name, scheme=scheme).item())} s on the {title}{note}")
     return f"In 1996, 100,000 steps took {listed(times)} on a Pentium of 90 MHz."
 
 
@@ -127,13 +127,13 @@ def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
     Empty if the dataset of the maps lacks the scheme.
     """
     atlas = data["stability/atlas"]
-    one = _of(subject, atlas)
-    if one is None:
+    runs = _part_of(subject, atlas)
+    if runs is None:
         return ""
     names = atlas.outcome.flag_meanings.split()
     panels, rows = [], []
-    for problem, title in _titles(one).items():
-        map_ = one.sel(problem=problem)
+    for problem, title in _titles(runs).items():
+        map_ = runs.sel(problem=problem)
         figure, axes = panel("xy")
         outcome_map(axes, map_, subject.theory.limit)
         axes.grid(visible=False)
@@ -151,7 +151,7 @@ def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
     head = ["problem", *(OUTCOME_STYLES[name][0] for name in names)]
     parts = [figure_of([*panels, map_legend()], caption), "Share of these runs by outcome:", table(head, rows)]
     parts.append(_failures(subject, data))
-    robust = _of(subject, data["stability/robustness"])
+    robust = _part_of(subject, data["stability/robustness"])
     if robust is not None:
         last = robust.isel(periods=-1)
         rows = [
@@ -176,37 +176,37 @@ def _steps(needed: float, robust: xr.Dataset) -> str:
 
 def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:
     """A sentence on the smallest step size at which runs fail at the amplitudes of 1996; empty without runs."""
-    one = _of(subject, data["large_steps"])
-    if one is None:
+    runs = _part_of(subject, data["large_steps"])
+    if runs is None:
         return ""
-    names = one.status.flag_meanings.split()
-    found = []
-    for problem, title in _titles(one).items():
-        status = one.status.sel(problem=problem).values
+    names = runs.status.flag_meanings.split()
+    failures = []
+    for problem, title in _titles(runs).items():
+        status = runs.status.sel(problem=problem).values
         if status.any():
             first = int(np.argmax(status != 0))
-            part = one.dt_over_period.values[first]
-            found.append(
+            part = runs.dt_over_period.values[first]
+            failures.append(
                 f"on the {title} at {number(1 / part)} steps per period ({_FAILURES[names[int(status[first])]]})"
             )
-    if not found:
+    if not failures:
         return "At the amplitudes of 1996 no run fails, down to one step a period, though the energy may be wrong."
-    return f"As the steps grow, runs at the amplitudes of 1996 first fail {listed(found)}."
+    return f"As the steps grow, runs at the amplitudes of 1996 first fail {listed(failures)}."
 
 
 def work(subject: "Subject", data: Mapping[str, Any]) -> str:
     """Curves of error against number of forces for all schemes, and the cost of a step; empty without runs."""
-    everything = data["work_precision"]
-    one = _of(subject, everything)
-    if one is None:
+    all_runs = data["work_precision"]
+    runs = _part_of(subject, all_runs)
+    if runs is None:
         return ""
-    others = everything.scheme_title.drop_sel(scheme=subject.name).to_series().to_dict()
+    others = all_runs.scheme_title.drop_sel(scheme=subject.name).to_series().to_dict()
     compared = {name: line for name, line in COMPARED.items() if name in others}
     panels, rows = [], []
-    for problem, title in _titles(one).items():
+    for problem, title in _titles(runs).items():
         figure, axes = panel("xy")
         for name in [*others, subject.name]:
-            run = everything.sel(problem=problem, scheme=name, periods=_LONG)
+            run = all_runs.sel(problem=problem, scheme=name, periods=_LONG)
             error = abs(run.max_trajectory_error)
             known = error.where((run.flagged.sel(measure="max_trajectory_error") == 0) & (error > _FLOOR))
             if name == subject.name:
@@ -218,8 +218,8 @@ def work(subject: "Subject", data: Mapping[str, Any]) -> str:
         axes.set_ylim(top=3)
         axes.set_title(title)
         panels.append(svg(figure, f"Error of {subject.scheme.title} on the {title} over the forces evaluated"))
-        time = one.median_time_per_step.sel(problem=problem)
-        forces = one.force_evaluations_per_step.sel(problem=problem)
+        time = runs.median_time_per_step.sel(problem=problem)
+        forces = runs.force_evaluations_per_step.sel(problem=problem)
         rows.append([title, _range(time), _range(forces)])
     caption = f"Largest error of the displacement over {_LONG} periods against the forces evaluated."
     lines = [("-", subject.scheme.title), *((line, others[name]) for name, line in compared.items())]

@@ -57,7 +57,7 @@ def _row(subject: Subject, library: Library) -> str:
     title, *cells = _cells(subject, library)
     scheme = subject.scheme
     damped = "" if scheme.order_with_damping == scheme.order else f" ({scheme.order_with_damping})"
-    called = [f"{one.code} {one.name}" for one in names_in_codes() if one.scheme == subject.name]
+    called = [f"{entry.code} {entry.name}" for entry in names_in_codes() if entry.scheme == subject.name]
     words = html.escape(" ".join([subject.name, *library.aliases.get(subject.name, []), *called]))
     parts = [
         f'<td><input type="checkbox" aria-label="compare {html.escape(str(title))}"></td>',
@@ -91,7 +91,7 @@ def table_of(subjects: Iterable[Subject], library: Library) -> str:
 def index_page(library: Library) -> str:
     """The page of the table, with a link to the page of every scheme."""
     subjects = [library.subject(name) for name in library.schemes]
-    entries = "\n".join(f"{one.scheme.title} <{one.name}>" for one in subjects)
+    entries = "\n".join(f"{subject.scheme.title} <{subject.name}>" for subject in subjects)
     meanings = "\n".join(f"- **{name}**: {meaning}" for name, meaning in COLUMNS.items() if meaning)
     text = f"""# Time integration schemes: order, stability and numerical damping compared
 

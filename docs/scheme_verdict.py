@@ -39,10 +39,15 @@ BETTER = 0.9
 
 def _in_theory(library: "Library", error: float) -> pd.DataFrame:
     rows = {}
-    for one in map(library.subject, library.schemes):
-        if kept := np.logical_and.accumulate(one.theory.error <= error).sum():
+    for subject in map(library.subject, library.schemes):
+        if kept := np.logical_and.accumulate(subject.theory.error <= error).sum():
             steps = int(TRIED[kept - 1])
-            rows[one.name] = [_kind(one.scheme), f"{steps:,}", steps * one.theory.forces, one.theory.error[kept - 1]]
+            rows[subject.name] = [
+                _kind(subject.scheme),
+                f"{steps:,}",
+                steps * subject.theory.forces,
+                subject.theory.error[kept - 1],
+            ]
     return pd.DataFrame.from_dict(rows, orient="index", columns=["kind", "steps", "forces", "error"])
 
 
@@ -51,33 +56,33 @@ def needs(library: "Library") -> dict[str, dict[float, pd.DataFrame]]:
 
     Each row is a scheme that keeps the error, with its ``kind``.
     """
-    found = {LINEAR: {error: _in_theory(library, error) for error in ERRORS}}
+    tables = {LINEAR: {error: _in_theory(library, error) for error in ERRORS}}
     for problem in _problems(library):
-        found[problem.problem_title.item()] = {
-            error: _of_runs(problem.sel(allowed_error=error)) for error in problem.allowed_error.values
+        tables[problem.problem_title.item()] = {
+            error: _table_of_runs(problem.sel(allowed_error=error)) for error in problem.allowed_error.values
         }
-    return found
+    return tables
 
 
 def _problems(library: "Library") -> Iterator[xr.Dataset]:
     """The needs of schemes for an error of the displacement, by problem."""
     data = library.data["needs"]
     if data.scheme.size:
-        one = data.sel(quantity="displacement", condition="practice")
-        for place in np.flatnonzero((one.verdict != NO_VALUE).any(["scheme", "allowed_error"])):
-            yield one.isel(problem=place)
+        displacement = data.sel(quantity="displacement", condition="practice")
+        for place in np.flatnonzero((displacement.verdict != NO_VALUE).any(["scheme", "allowed_error"])):
+            yield displacement.isel(problem=place)
 
 
-def _of_runs(needed: xr.Dataset) -> pd.DataFrame:
+def _table_of_runs(needed: xr.Dataset) -> pd.DataFrame:
     kept = needed.isel(scheme=np.flatnonzero(needed.step_size > 0))
     rows = [
         [
-            "explicit" if one.explicit == 1 else "implicit",
-            steps_of(one),
-            one.force_evaluations * one.time_scale,
-            one.error,
+            "explicit" if row.explicit == 1 else "implicit",
+            steps_of(row),
+            row.force_evaluations * row.time_scale,
+            row.error,
         ]
-        for one in (kept.isel(scheme=k) for k in range(kept.sizes["scheme"]))
+        for row in (kept.isel(scheme=k) for k in range(kept.sizes["scheme"]))
     ]
     columns = ["kind", "steps", "forces", "error"]
     frame = pd.DataFrame(rows, kept.scheme.values, columns)
@@ -86,11 +91,11 @@ def _of_runs(needed: xr.Dataset) -> pd.DataFrame:
 
 def tried(library: "Library") -> dict[str, set[str]]:
     """Names of the schemes that ran on each problem, by title."""
-    found = {LINEAR: {*library.schemes}}
+    schemes = {LINEAR: {*library.schemes}}
     for problem in _problems(library):
         ran = (problem.verdict != NO_VALUE).any("allowed_error").values
-        found[problem.problem_title.item()] = {*problem.scheme.values[ran]}
-    return found
+        schemes[problem.problem_title.item()] = {*problem.scheme.values[ran]}
+    return schemes
 
 
 def _lost(structures: xr.Dataset) -> xr.DataArray:
@@ -121,8 +126,8 @@ def _steps(subject: "Subject", library: "Library") -> str:
         if name not in library.tried[title]:
             continue
         cells = [
-            f"{one.steps[name]} ({one.forces[name]:,.0f})" if name in one.index else "–"
-            for one in (tables[error] for error in ERRORS)
+            f"{frame.steps[name]} ({frame.forces[name]:,.0f})" if name in frame.index else "–"
+            for frame in (tables[error] for error in ERRORS)
         ]
         best = _best(tables[COMPARED], _kind(subject.scheme))
         least = "–" if best.empty else "this one"
@@ -190,9 +195,9 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
     elif theory.at_infinity > 1 - ROUND_OFF:
         yield "modes that are excited and that the step does not resolve, which it does not damp (ρ∞ = 1)"
     if abs(theory.decay_of_rule) > DAMPS and theory.limit > 0:
-        how = "falls" if theory.decay_of_rule > 0 else "grows"
+        change = "falls" if theory.decay_of_rule > 0 else "grows"
         yield (
-            f"long motions with few steps: at {STEPS} per period the amplitude {how} by "
+            f"long motions with few steps: at {STEPS} per period the amplitude {change} by "
             f"{percent(abs(theory.decay_of_rule))} per period"
         )
     if scheme.order == 1:
@@ -223,8 +228,8 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
             yield f"small errors on the {listed(first)}, where its observed order is one"
     if subject.name in structures.scheme.values:
         lost = _lost(structures)
-        of_it = lost.sel(scheme=subject.name) & ~lost.all("scheme")
-        titles = structures.problem_title.values[of_it.values].tolist()
+        faults = lost.sel(scheme=subject.name) & ~lost.all("scheme")
+        titles = structures.problem_title.values[faults.values].tolist()
         if titles:
             yield (
                 f"coarse steps on the {listed(titles)}: with some of them the run fails or the energies are out of "
@@ -237,12 +242,12 @@ def _error(subject: "Subject") -> float:
     return math.hypot(2 * math.pi * subject.theory.elongation_of_rule, subject.theory.decay_of_rule)
 
 
-def _dominates(other: "Subject", one: "Subject") -> bool:
-    """Whether ``other`` is a scheme of the same kind as ``one`` and better.
+def _dominates(other: "Subject", subject: "Subject") -> bool:
+    """Whether ``other`` is a scheme of the same kind as ``subject`` and better.
 
     A better scheme has a smaller error, no worse order, stability and damping, and no higher cost.
     """
-    a, b, s, t = other.theory, one.theory, other.scheme, one.scheme
+    a, b, s, t = other.theory, subject.theory, other.scheme, subject.scheme
     return bool(
         s.explicit == t.explicit
         and a.forces <= b.forces
@@ -252,7 +257,7 @@ def _dominates(other: "Subject", one: "Subject") -> bool:
         and (not math.isinf(b.limit) or a.at_infinity <= b.at_infinity + ROUND_OFF)
         # only a scheme that also keeps the amplitude can dominate a scheme that keeps it
         and (abs(b.decay_of_rule) > ROUND_OFF or abs(a.decay_of_rule) <= ROUND_OFF)
-        and _error(other) < BETTER * _error(one)
+        and _error(other) < BETTER * _error(subject)
     )
 
 
@@ -262,15 +267,15 @@ def _alternative(subject: "Subject", library: "Library") -> str:
     Of several better schemes it names the one with the nearest ρ∞. If the scheme has a stability limit, it names the
     one with the smallest error.
     """
-    theory, structures, found = subject.theory, library.data["structures"], []
-    lost = {one.scheme.item(): {*one.problem.values[one.values]} for one in _lost(structures).transpose("scheme", ...)}
+    theory, structures, better = subject.theory, library.data["structures"], []
+    lost = {row.scheme.item(): {*row.problem.values[row.values]} for row in _lost(structures).transpose("scheme", ...)}
     for name in library.schemes:
         other = library.subject(name)
         loses_more = subject.name in lost and not lost.get(name, set()) <= lost[subject.name]
         if not loses_more and _dominates(other, subject):
-            apart = abs(other.theory.at_infinity - theory.at_infinity) if math.isinf(theory.limit) else 0.0
-            found.append((apart, _error(other), name))
-    if not found:
+            distance = abs(other.theory.at_infinity - theory.at_infinity) if math.isinf(theory.limit) else 0.0
+            better.append((distance, _error(other), name))
+    if not better:
         reasons = [
             f"has as large an error at {STEPS} steps a period",
             "is worse in order, stability or damping of high frequencies",
@@ -279,7 +284,7 @@ def _alternative(subject: "Subject", library: "Library") -> str:
             reasons.append("loses the balance of energies on a structure where this one keeps it")
         others = f"every {_kind(subject.scheme)} scheme here that needs as few forces a step"
         return f"none in linear theory: {others} {', '.join(reasons[:-1])} or {reasons[-1]}"
-    best = library.subject(min(found)[2])
+    best = library.subject(min(better)[2])
     return (
         f"{_link(best.name, library)}: in linear theory, for as few forces, the error of a motion after a period of "
         f"{STEPS} steps is {percent(_error(best))} of its amplitude instead of {percent(_error(subject))}. Order, "

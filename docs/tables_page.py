@@ -22,7 +22,7 @@ def _read(results: Path, name: str) -> pd.DataFrame:
 def _head(columns: Iterable[str], buttons: bool) -> str:
     names = (html.escape(name) for name in columns)
     inside = (f'<button type="button">{name}</button>' if buttons else name for name in names)
-    return "<tr>" + "".join(f'<th scope="col">{one}</th>' for one in inside) + "</tr>"
+    return "<tr>" + "".join(f'<th scope="col">{content}</th>' for content in inside) + "</tr>"
 
 
 def _claim(claim: dict[str, str]) -> str:
@@ -38,7 +38,8 @@ def claims_page(results: Path) -> str:
     ledger = _read(results, LEDGER)
     counts = ledger["Verdict"].str.partition(";")[0].value_counts()
     choices = "".join(
-        f'<option value="{html.escape(one)}">{html.escape(one)} ({count})</option>' for one, count in counts.items()
+        f'<option value="{html.escape(verdict)}">{html.escape(verdict)} ({count})</option>'
+        for verdict, count in counts.items()
     )
     select = (
         f'<label>Verdict <select name="verdict"><option value="">all ({len(ledger)})</option>{choices}</select></label>'
@@ -79,11 +80,11 @@ def _section(title: str, about: str, frame: pd.DataFrame) -> str:
 
 def tables_page(results: Path) -> str:
     """The page of all tables except the ledger, each with a filter by words."""
-    shown, known, sections = [one for one in TABLES if one.name != LEDGER], places(), []
-    for one in shown:
-        place, about = known.get((one.kind, one.name)), (one.function.__doc__ or "").strip().splitlines()[0]
-        sections.append(_section(one.title, about + (f" {place}." if place else ""), _read(results, one.name)))
-    links = ", ".join(f"[{one.title}](#{one.title.lower().replace(' ', '-')})" for one in shown)
+    shown, known, sections = [table for table in TABLES if table.name != LEDGER], places(), []
+    for table in shown:
+        place, about = known.get((table.kind, table.name)), (table.function.__doc__ or "").strip().splitlines()[0]
+        sections.append(_section(table.title, about + (f" {place}." if place else ""), _read(results, table.name)))
+    links = ", ".join(f"[{table.title}](#{table.title.lower().replace(' ', '-')})" for table in shown)
     first = "The tables of the study. `results/tables/` has them as CSV and LaTeX."
     text = "\n\n".join(["# All tables", first, f"{links}.", *sections]) + "\n"
     return described("All tables of the study of time integration schemes, each with a filter.", text, hide_toc=True)

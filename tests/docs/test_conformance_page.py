@@ -3,7 +3,7 @@
 import re
 
 from conformance.command import cases
-from docs.conformance_page import REPORTS, codes_page, found
+from docs.conformance_page import REPORTS, all_codes, codes_page
 
 ALL = list(cases())
 
@@ -14,7 +14,7 @@ def _number(version):
 
 def test_stored_verdicts_are_those_of_these_cases_and_on_the_page():
     page = codes_page()
-    codes = found()
+    codes = all_codes()
     others = {"OpenSees", "xara", "Exudyn", "Kratos", "Kratos, explicit", "SfePy", "MFEM", "PETSc", "MuJoCo", "ROSS"}
     others |= {"Akantu", "fedoo", "diffrax", "SciPy, bilinear transform"}
     assert others | {"This study"} <= {code["tool"] for code in codes}
@@ -34,7 +34,7 @@ def test_stored_verdicts_are_those_of_these_cases_and_on_the_page():
 def test_a_code_that_fails_has_a_text_for_its_authors():
     """Each text has an input, numbers, a formula and its source; sets of integrators of one code share a text."""
     page = codes_page()
-    failing = {code["file"].partition("_")[0] for code in found() if code["counts"]["fail"]}
+    failing = {code["file"].partition("_")[0] for code in all_codes() if code["counts"]["fail"]}
     assert {file.stem for file in REPORTS.glob("*.md")} == failing
     for file in REPORTS.glob("*.md"):
         text = file.read_text(encoding="utf-8")

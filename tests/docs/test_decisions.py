@@ -50,18 +50,18 @@ def test_a_step_in_seconds_is_not_a_number_of_steps():
 
 def _parsed(cell: str) -> tuple[str, float]:
     """Scheme and number of steps, or step in ms, that a cell states."""
-    found = re.match(r"(.+): (?:≤ )?([\d,.]+)", cell.replace("\u00a0", " "))
-    return (found[1], float(found[2].replace(",", ""))) if found else ("", np.nan)
+    match = re.match(r"(.+): (?:≤ )?([\d,.]+)", cell.replace("\u00a0", " "))
+    return (match[1], float(match[2].replace(",", ""))) if match else ("", np.nan)
 
 
-def _same(stated: tuple[str, float], one: xr.Dataset) -> bool:
+def _same(stated: tuple[str, float], decision: xr.Dataset) -> bool:
     """Whether a cell states the scheme of a decision, and its step to the printed digits."""
-    if one.problem == "records":
-        step, digits = 1e3 * one.step_size.item(), 0.05 * stated[1]
+    if decision.problem == "records":
+        step, digits = 1e3 * decision.step_size.item(), 0.05 * stated[1]
     else:
-        step, digits = one.steps_per_period.item(), 0.5
+        step, digits = decision.steps_per_period.item(), 0.5
     near = bool(np.isnan(step) and np.isnan(stated[1])) or abs(stated[1] - step) <= digits
-    return stated[0] == one.scheme_title.item() and near
+    return stated[0] == decision.scheme_title.item() and near
 
 
 def _check_one_answer(
@@ -72,7 +72,10 @@ def _check_one_answer(
     in_short = {(row[0], row[1]): row[2:] for row in rows}
     article = article.replace("", pd.NA).assign(**article[["Problem", "Right in"]].replace("", pd.NA).ffill())
     in_article = article.set_index(["Problem", "Right in", "Scheme"])
-    in_page = {(one["problem"], one["quantity"], one["kind"], round(one["error"] / 100, 9)): one for one in explorer}
+    in_page = {
+        (entry["problem"], entry["quantity"], entry["kind"], round(entry["error"] / 100, 9)): entry
+        for entry in explorer
+    }
     checked = 0
     for problem in decided.problem.values:
         title = sentence(decided.problem_title.sel(problem=problem).item())
@@ -82,11 +85,11 @@ def _check_one_answer(
             for k, error in enumerate(decided.allowed_error.values.tolist()):
                 table = study.recommend(problem, error=error, quantity=quantity, folder=folder)
                 for kind in decided.kind.values:
-                    one = decided.sel(problem=problem, quantity=quantity, allowed_error=error, kind=kind)
-                    best = one.sel(filter="all")
+                    decision = decided.sel(problem=problem, quantity=quantity, allowed_error=error, kind=kind)
+                    best = decision.sel(filter="all")
                     assert _same(_parsed(in_article.loc[(title, quantity, kind), column(error)]), best)
                     if quantity != "energy":
-                        assert _same(_parsed(in_short[title, kind][k]), one.sel(filter="codes"))
+                        assert _same(_parsed(in_short[title, kind][k]), decision.sel(filter="codes"))
                     if (problem, quantity, kind, error) in in_page:
                         shown = in_page[problem, quantity, kind, error]
                         assert _same(_parsed(f"{shown['title']}: {shown['steps']}"), best)
@@ -101,12 +104,12 @@ def test_tables_explorer_and_recommend_give_one_answer(tmp_path):
     errors = [0.1, 0.01, 0.001]
     accurate = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2, 0.02, 0.02, 0.001]]
     records = runs(accurate, problem="records").assign_coords(quantity=["peak drift", "velocity"]).isel(quantity=[0])
-    parts = [needs(one, errors) for one in (runs(accurate, problem="hardening"), records)]
+    parts = [needs(data, errors) for data in (runs(accurate, problem="hardening"), records)]
     needed = with_kinds(of_problems(parts))
     decided = decisions(needed)
-    for name, one in (("needs", needed), ("decisions", decided)):
-        one.verdict.attrs = ATTRIBUTES["verdict"]
-        study.io.write(one.assign_attrs(source=study.io.SOURCE), tmp_path / f"{name}.nc")
+    for name, ds in (("needs", needed), ("decisions", decided)):
+        ds.verdict.attrs = ATTRIBUTES["verdict"]
+        study.io.write(ds.assign_attrs(source=study.io.SOURCE), tmp_path / f"{name}.nc")
     limits = (("scheme", "damping_ratio"), [[2.0], [np.inf], [np.inf]])
     spectral = xr.Dataset({"stability_limit": limits}, {"scheme": ["cheap", "dear", "stiff"], "damping_ratio": [0.0]})
     study.io.write(spectral.assign_attrs(source=study.io.SOURCE), tmp_path / "spectral.nc")

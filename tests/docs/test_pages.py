@@ -40,12 +40,12 @@ LONG = {"how_to/choose.md", "how_to/control.md", "index.md"}
     ],
 )
 def test_the_examples_of_a_page_run_in_order(page, tmp_path, monkeypatch):
-    seen = run_examples(page.read_text(), page.name, tmp_path, monkeypatch)
+    names = run_examples(page.read_text(), page.name, tmp_path, monkeypatch)
     if page.stem == "choose":
-        assert (seen["runs"].status == 0).any() and seen["how"].shape == seen["runs"].status.shape
+        assert (names["runs"].status == 0).any() and names["how"].shape == names["runs"].status.shape
         assert (tmp_path / "duffing.html").stat().st_size > 1e4
     if page.stem == "run":
-        assert seen["theory"].order() == pytest.approx(2, abs=0.1)
+        assert names["theory"].order() == pytest.approx(2, abs=0.1)
 
 
 @pytest.mark.parametrize("page", [*PAGES, PROJECT / "CONTRIBUTING.md"], ids=lambda page: page.stem)
@@ -95,7 +95,10 @@ def test_expressions_of_a_page_use_its_python_the_numbers_and_words(tmp_path):
 
 @pytest.mark.parametrize("page", GALLERY, ids=_relative)
 def test_a_question_has_a_figure_numbers_and_its_python(page):
-    text, figures = page.read_text(), {one.name for one in products.discover(["figures"]) if one.kind == "figure"}
+    text, figures = (
+        page.read_text(),
+        {product.name for product in products.discover(["figures"]) if product.kind == "figure"},
+    )
     assert re.match(r"# .*\?\n", text) and len(blocks(text, "python")) == 1 and "study.open_dataset(" in text
     assert set(re.findall(r"figures/(\w+)\.svg", text)) <= figures and "```{figure}" in text
     assert text.count("{eval}`") >= 2 and f"\n{page.stem}\n" in (page.parent / "index.md").read_text()
@@ -126,12 +129,12 @@ def test_the_interface_has_every_public_name_once():
 def test_the_table_of_datasets_names_what_the_short_study_makes():
     experiments = discover()
     short = configuration.check(experiments, yaml.safe_load((PROJECT / "config" / "study.yaml").read_text()))
-    made = configuration.datasets_of(experiments, short)
+    datasets = configuration.datasets_of(experiments, short)
     rows = re.findall(r"^\| `([\w/]+)` \|", (plan.PAGES / "how_to" / "datasets.md").read_text(), re.MULTILINE)
     patterns = {row: re.compile(re.sub("[A-Z]+", r"\\w+", row)) for row in rows}
     assert len(rows) > 20 and len(set(rows)) == len(rows)
-    assert [row for row, pattern in patterns.items() if not any(map(pattern.fullmatch, made))] == []
-    assert [name for name in made if not any(pattern.fullmatch(name) for pattern in patterns.values())] == []
+    assert [row for row, pattern in patterns.items() if not any(map(pattern.fullmatch, datasets))] == []
+    assert [name for name in datasets if not any(pattern.fullmatch(name) for pattern in patterns.values())] == []
 
 
 def test_the_site_depends_on_what_its_pages_show():

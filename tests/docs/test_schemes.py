@@ -111,32 +111,32 @@ def _kinks(*needed, first_order=0):
 
 
 def test_the_verdict_follows_the_data():
-    names = {one: study.schemes[one] for one in ("central_difference", "rk4")}
+    names = {name: study.schemes[name] for name in ("central_difference", "rk4")}
 
-    def of(name, first_order=0, needed=(32, 16)):
+    def verdict_of(name, first_order=0, needed=(32, 16)):
         kinks = _kinks(*needed, first_order=first_order)
         errors = [np.where(COUNTS < least, 0.02, 0.005) for least in needed]
-        made = runs([*errors, errors[0]], problem="yield").isel(scheme=[0, 1]).assign_coords(scheme=list(names))
-        data = of_problems([needs(made, [0.1, 0.01, 0.001])]).assign_coords(explicit=("scheme", [1, 1]))
+        made_up = runs([*errors, errors[0]], problem="yield").isel(scheme=[0, 1]).assign_coords(scheme=list(names))
+        data = of_problems([needs(made_up, [0.1, 0.01, 0.001])]).assign_coords(explicit=("scheme", [1, 1]))
         library = Library(Empty({"kinks": kinks, "needs": data}), names, {})
         return verdict(library.subject(name), library)
 
-    cheaper = of("central_difference")
+    cheaper = verdict_of("central_difference")
     assert "within 1\u00a0% on the yielding thing" in cheaper and "first order only" not in cheaper
     assert "| yielding thing | ≤\u00a08 (8) | 32 (32) | – | this one |" in cheaper
-    dearer = of("rk4", needed=(32, 64))
+    dearer = verdict_of("rk4", needed=(32, 64))
     assert "[Central difference](central_difference.md): 32 (32) |" in dearer
-    dearer = of("central_difference", first_order=1, needed=(100, 16))
+    dearer = verdict_of("central_difference", first_order=1, needed=(100, 16))
     assert "within 1\u00a0%" not in dearer and "small errors on the yielding oscillator" in dearer
     assert "| – | – | [Runge-Kutta](rk4.md): 16 (32) |" in dearer
 
 
 def test_the_verdict_and_the_orders_have_the_circumstances_of_real_problems():
     names, titles = ["displacement", "velocity", "acceleration"], ["plain", "contact", "load"]
-    found = np.array([[2.0, 2.0, 2.0], [2.0, 1.1, 1.0], [2.0, 2.0, 1.0]])
+    observed = np.array([[2.0, 2.0, 2.0], [2.0, 1.1, 1.0], [2.0, 2.0, 1.0]])
     circumstances = xr.Dataset(
         {
-            "observed_order": (("scheme", "circumstance", "quantity"), found[None]),
+            "observed_order": (("scheme", "circumstance", "quantity"), observed[None]),
             "status": (
                 ("scheme", "circumstance", "quantity"),
                 np.zeros((1, 3, 3)),

@@ -26,14 +26,14 @@ class Page(HTMLParser):
         self.feed(path.read_text(encoding="utf-8"))
 
     def handle_starttag(self, tag, attrs):
-        given = dict(attrs)
-        self.anchors |= {given[name] for name in ("id", "name") if given.get(name)}
+        values = dict(attrs)
+        self.anchors |= {values[name] for name in ("id", "name") if values.get(name)}
         self.headings += tag == "h1"
-        if tag == "a" and given.get("href"):
-            self.links.add(given["href"])
-        if given.get("src") or (tag == "link" and "stylesheet" in given.get("rel", "")):
-            self.resources.add(given.get("src") or given["href"])
-        if tag == "img" and not given.get("alt"):
+        if tag == "a" and values.get("href"):
+            self.links.add(values["href"])
+        if values.get("src") or (tag == "link" and "stylesheet" in values.get("rel", "")):
+            self.resources.add(values.get("src") or values["href"])
+        if tag == "img" and not values.get("alt"):
             self.unnamed.append(str(attrs))
 
 
@@ -44,7 +44,7 @@ def pages():
 
 def broken(pages: dict[Path, Page]) -> list[tuple[str, str]]:
     """Page and address of every link within a site that leads to no file or no anchor."""
-    found = []
+    links = []
     for path, page in pages.items():
         for address in page.links | page.resources:
             parts = urlsplit(address)
@@ -53,8 +53,8 @@ def broken(pages: dict[Path, Page]) -> list[tuple[str, str]]:
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
             anchor = unquote(parts.fragment)
             if not target.is_file() or (anchor and target in pages and anchor not in pages[target].anchors):
-                found.append((path.name, address))
-    return found
+                links.append((path.name, address))
+    return links
 
 
 def test_a_link_to_no_file_or_no_anchor_is_found(tmp_path):
@@ -72,14 +72,17 @@ def test_links_of_the_site_lead_to_files_and_anchors(pages):
 @needs_site
 def test_pages_load_nothing_from_elsewhere(pages):
     assert {
-        one for page in pages.values() for one in page.resources if urlsplit(one).scheme in ("http", "https")
+        address
+        for page in pages.values()
+        for address in page.resources
+        if urlsplit(address).scheme in ("http", "https")
     } == set()
 
 
 @needs_site
 def test_pages_have_one_heading_and_names_for_pictures(pages):
     assert {path.name: page.headings for path, page in pages.items() if page.headings != 1} == {}
-    assert [one for page in pages.values() for one in page.unnamed] == []
+    assert [image for page in pages.values() for image in page.unnamed] == []
 
 
 def test_the_theme_is_completed_for_screen_readers(tmp_path):

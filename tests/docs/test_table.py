@@ -22,14 +22,14 @@ return rows.filter((row) => !row.hidden).map((row) => row.cells[1].innerText)
 def show(browser, tmp_path):
     """Function that opens a table in the browser."""
 
-    def shown(table):
+    def open_table(table):
         script = (PAGES.parent / "static" / "table.js").read_text()
         page = tmp_path / "page.html"
         page.write_text(f'<meta charset="utf-8"><link rel="icon" href="data:,">{table}<script>{script}</script>')
         set_width(browser, 1000)
         browser.get(page.as_uri())
 
-    return shown
+    return open_table
 
 
 @pytest.fixture
@@ -88,10 +88,10 @@ def results(tmp_path):
     ledger = ledger.assign(**{"Decided by": "runs", "Printed": "", "Ours": "1"})
     verdicts = ["reproduced", "not reproduced; by far", "reproduced"]
     (tmp_path / "tables").mkdir()
-    for one in TABLES:
+    for product in TABLES:
         table = pd.DataFrame({"Problem": ["spring", ""], "Scheme": ["explicit", "implicit <b>"]})
-        frame = ledger.assign(Verdict=verdicts) if one.name == LEDGER else table
-        frame.to_csv(tmp_path / "tables" / f"{one.name}.csv", index=False)
+        frame = ledger.assign(Verdict=verdicts) if product.name == LEDGER else table
+        frame.to_csv(tmp_path / "tables" / f"{product.name}.csv", index=False)
     return tmp_path
 
 
