@@ -57,7 +57,7 @@ class Search:
         )
         # a change that does not give the values up to the first wrong one need not run further
         self.few = [
-            pair._replace(at=pair.at[:number], expected=pair.expected[:number], found=pair.found[:number])
+            pair._replace(at=pair.at[:number], expected=pair.expected[:number], values=pair.values[:number])
             for pair in pairs
             for number in [sum(step <= self.first for step in pair.at)]
         ]
@@ -72,37 +72,37 @@ class Search:
         except (ArithmeticError, np.linalg.LinAlgError):
             return False
 
-    def off(self, motion: March) -> np.ndarray:
+    def differences(self, motion: March) -> np.ndarray:
         """Differences from the values of the code up to the first wrong one, relative to the scale; inf if it fails."""
         try:
             values = values_of(self.few, motion(self.first))
         except (ArithmeticError, np.linalg.LinAlgError):
             return np.full(1, math.inf)
-        return np.concatenate([(x - pair.found) / pair.scale for pair, x in zip(self.few, values, strict=True)])
+        return np.concatenate([(x - pair.values) / pair.scale for pair, x in zip(self.few, values, strict=True)])
 
     def fitted(self, change: Change) -> float | None:
         """The number with which a change gives the values of the code; None if there is none."""
-        x, here = change.neutral, self.off(partial(change.motion, change.neutral))
+        x, errors = change.neutral, self.differences(partial(change.motion, change.neutral))
         for _ in range(CORRECTIONS):
-            slope = (self.off(partial(change.motion, x + APART)) - here) / APART
-            if slope.shape != here.shape or not 0 < (size := float(slope @ slope)) < math.inf:
+            slope = (self.differences(partial(change.motion, x + APART)) - errors) / APART
+            if slope.shape != errors.shape or not 0 < (size := float(slope @ slope)) < math.inf:
                 return None
-            there = self.off(partial(change.motion, x - float(here @ slope) / size))
-            if not np.linalg.norm(there) < np.linalg.norm(here):
+            next_errors = self.differences(partial(change.motion, x - float(errors @ slope) / size))
+            if not np.linalg.norm(next_errors) < np.linalg.norm(errors):
                 break
-            x, here = x - float(here @ slope) / size, there
-        likely = round(x, 4) != change.neutral and abs(x) <= LARGEST
-        return x if likely and self.gives(partial(change.motion, x)) else None
+            x, errors = x - float(errors @ slope) / size, next_errors
+        is_likely = round(x, 4) != change.neutral and abs(x) <= LARGEST
+        return x if is_likely and self.gives(partial(change.motion, x)) else None
 
     def numbered(self, known: Known) -> str:
         """Text of a change with a number, such as 0, β/γ or 0.3, that gives the values of the code; or empty."""
         changes = [*numbered(self.case, self.dt)]
         likely = [(change, name, x) for change in changes for name, x in change.likely.items()]
-        for change, name, x in sorted(likely, key=lambda one: (one[0].text, one[1]) not in known):
+        for change, name, x in sorted(likely, key=lambda entry: (entry[0].text, entry[1]) not in known):
             if self.gives(partial(change.motion, x)):
                 known.add((change.text, name))
                 return change.text.format(name)
-        for change in sorted(changes, key=lambda one: (one.text, "") not in known):
+        for change in sorted(changes, key=lambda change: (change.text, "") not in known):
             if (number := self.fitted(change)) is not None:
                 name = f"{round(number, 4):g}"
                 known.update([(change.text, name), (change.text, "")])
@@ -132,7 +132,7 @@ def explained(search: Search, known: Known) -> tuple[str, str]:
     for text, motion in twice(case, search.dt):
         if search.gives(motion):
             return "fail", text
-    if max(float(np.max(np.abs(pair.found - pair.expected))) / pair.scale for pair in pairs) <= EARLY:
+    if max(float(np.max(np.abs(pair.values - pair.expected))) / pair.scale for pair in pairs) <= EARLY:
         early = "" if case["problem"]["form"] == "linear" else ", or an iteration ends early"
         return "fail", f"numbers are in single precision{early}"
     return "fail", "not known"
@@ -140,24 +140,24 @@ def explained(search: Search, known: Known) -> tuple[str, str]:
 
 def _stored(case: Mapping[str, Any], pairs: Sequence[Compared]) -> Iterator[tuple[str, str, list[np.ndarray]]]:
     """Variants whose values are in the case; none for a case that holds no values."""
-    listed = [(one.get("quantity"), one.get("unknown")) for one in case["expect"]]
+    listed = [(expected.get("quantity"), expected.get("unknown")) for expected in case["expect"]]
     for variant in case.get("variants", ()):
         values = [variant["values"][listed.index((pair.quantity, pair.unknown))] for pair in pairs]
-        yield variant["verdict"], variant["text"], [np.array([*map(float, one)]) for one in values]
+        yield variant["verdict"], variant["text"], [np.array([*map(float, texts)]) for texts in values]
 
 
 def _slope(case: Mapping[str, Any], pairs: Sequence[Compared]) -> str:
     """A sentence if a slightly wrong parameter explains almost all of the difference; empty otherwise."""
-    scales = np.concatenate([np.full(len(pair.found), pair.scale) for pair in pairs])
-    off = np.concatenate([pair.found - pair.expected for pair in pairs]) / scales
-    listed = [(one.get("quantity"), one.get("unknown")) for one in case["expect"]]
+    scales = np.concatenate([np.full(len(pair.values), pair.scale) for pair in pairs])
+    differences = np.concatenate([pair.values - pair.expected for pair in pairs]) / scales
+    listed = [(expected.get("quantity"), expected.get("unknown")) for expected in case["expect"]]
     fits = []
     for slope in case.get("slopes", ()):
         parts = [slope["slopes"][listed.index((pair.quantity, pair.unknown))] for pair in pairs]
         direction = np.concatenate([np.array([*map(float, part)]) for part in parts]) / scales
         if (size := direction @ direction) > 0:
-            change = float(off @ direction / size)
-            rest = float(np.linalg.norm(off - change * direction) / np.linalg.norm(off))
+            change = float(differences @ direction / size)
+            rest = float(np.linalg.norm(differences - change * direction) / np.linalg.norm(differences))
             fits.append((rest, slope["number"], change))
     if fits and min(fits)[0] <= UNEXPLAINED and abs(min(fits)[2]) <= SLIGHT:
         return f"{min(fits)[1]} is off by about {min(fits)[2]:.2g}"

@@ -34,11 +34,11 @@ class Chain(NamedTuple):
     @property
     def pull(self) -> list[float]:
         """K u₀, one force for every unknown."""
-        u, found = [0.0, *self.u0], [0.0] * (len(self.u0) + 1)
+        u, forces = [0.0, *self.u0], [0.0] * (len(self.u0) + 1)
         for i, j, k, _ in self.springs:
-            found[i] += k * (u[i] - u[j])
-            found[j] += k * (u[j] - u[i])
-        return found[1:]
+            forces[i] += k * (u[i] - u[j])
+            forces[j] += k * (u[j] - u[i])
+        return forces[1:]
 
 
 def _numbers(texts: Sequence[str]) -> list[float]:
@@ -81,21 +81,21 @@ def _operator(scheme: Mapping[str, str]) -> str | None:
     return f"ALPHA={scheme.get('alpha', '0')}, BETA={float(scheme['beta'])!r}, GAMMA={float(scheme['gamma'])!r}"
 
 
-def _amplitude(one: Chain, i: int) -> str:
+def _amplitude(model: Chain, i: int) -> str:
     """Lines ``*AMPLITUDE`` for the force on an unknown: the load less K u₀, because U in Abaqus is u − u₀."""
-    name, pull = f"*AMPLITUDE, NAME=FORCE{i + 1}", one.pull[i]
-    if one.ground:
-        return "\n".join([name, *(f"{t!r}, {-one.mass[i] * a - pull!r}" for t, a in one.ground)])
-    cosine, sine = (one.forces[i] * part(one.phase) for part in (math.cos, math.sin))
-    return f"{name}, DEFINITION=PERIODIC\n1, {one.frequency!r}, 0.0, {-pull!r}\n{cosine!r}, {sine!r}"
+    name, pull = f"*AMPLITUDE, NAME=FORCE{i + 1}", model.pull[i]
+    if model.ground:
+        return "\n".join([name, *(f"{t!r}, {-model.mass[i] * a - pull!r}" for t, a in model.ground)])
+    cosine, sine = (model.forces[i] * part(model.phase) for part in (math.cos, math.sin))
+    return f"{name}, DEFINITION=PERIODIC\n1, {model.frequency!r}, 0.0, {-pull!r}\n{cosine!r}, {sine!r}"
 
 
 def abaqus(case: Mapping[str, Any]) -> str | None:
     """Input of a case for Abaqus/Standard; None for an unsupported problem or scheme."""
-    one, operator = chain(case["problem"]), _operator(case["scheme"])
-    if one is None or operator is None:
+    model, operator = chain(case["problem"]), _operator(case["scheme"])
+    if model is None or operator is None:
         return None
-    dt, steps, unknowns = float(case["run"]["dt"]), case["run"]["steps"], range(1, len(one.mass) + 1)
+    dt, steps, unknowns = float(case["run"]["dt"]), case["run"]["steps"], range(1, len(model.mass) + 1)
     lines = [
         f"** {case['name']}: {case['title']}",
         "** Run in double precision with full output. U is u - u0, as it starts at zero, and the forces hold -K u0.",
@@ -105,21 +105,21 @@ def abaqus(case: Mapping[str, Any]) -> str | None:
         "*NODE, NSET=ALL",
         *(f"{node + 1}, {float(node)!r}, 0.0, 0.0" for node in (0, *unknowns)),
         "*NSET, NSET=FREE, GENERATE",
-        f"2, {len(one.mass) + 1}, 1",
+        f"2, {len(model.mass) + 1}, 1",
     ]
-    for node, mass in zip(unknowns, one.mass, strict=True):
+    for node, mass in zip(unknowns, model.mass, strict=True):
         lines += [f"*ELEMENT, TYPE=MASS, ELSET=M{node}", f"{node}, {node + 1}", f"*MASS, ELSET=M{node}", repr(mass)]
-    number = len(one.mass)
-    for i, j, *values in one.springs:
+    number = len(model.mass)
+    for i, j, *values in model.springs:
         for kind, value in zip(("SPRING", "DASHPOT"), values, strict=True):
             if not value:
                 continue
             number, place = number + 1, f"{kind[0]}{i}{j}"
             lines += [f"*ELEMENT, TYPE={kind}2, ELSET={place}", f"{number}, {i + 1}, {j + 1}"]
             lines += [f"*{kind}, ELSET={place}", "1, 1", repr(value)]
-    lines += [_amplitude(one, i) for i in range(len(one.mass))]
+    lines += [_amplitude(model, i) for i in range(len(model.mass))]
     lines += ["*BOUNDARY", "1, 1, 3", "FREE, 2, 3", "*INITIAL CONDITIONS, TYPE=VELOCITY"]
-    lines += [f"{node + 1}, 1, {v!r}" for node, v in zip(unknowns, one.v0, strict=True)]
+    lines += [f"{node + 1}, 1, {v!r}" for node, v in zip(unknowns, model.v0, strict=True)]
     lines += [f"*STEP, NLGEOM=NO, INC={steps}", f"*DYNAMIC, TIME INTEGRATOR=HHT-TF, {operator}, DIRECT"]
     lines += [f"{dt!r}, {dt * steps!r}"]
     for node in unknowns:
@@ -148,44 +148,44 @@ def mesh(case: Mapping[str, Any]) -> str | None:
 
     Node N0 is fixed, M1 is the mass on node N1, and S01 is the spring between N0 and N1.
     """
-    one = chain(case["problem"])
-    if one is None or _schema(case["scheme"]) is None:
+    model = chain(case["problem"])
+    if model is None or _schema(case["scheme"]) is None:
         return None
-    n = len(one.mass)
+    n = len(model.mass)
     lines = ["COOR_3D", *(f"N{i} {float(i)!r} 0.0 0.0" for i in range(n + 1)), "FINSF"]
     lines += ["POI1", *(f"M{i} N{i}" for i in range(1, n + 1)), "FINSF"]
-    lines += ["SEG2", *(f"S{i}{j} N{i} N{j}" for i, j, _, _ in one.springs), "FINSF"]
+    lines += ["SEG2", *(f"S{i}{j} N{i} N{j}" for i, j, _, _ in model.springs), "FINSF"]
     for i in range(n + 1):
         lines += [f"GROUP_NO NOM=N{i}", f"N{i}", "FINSF"]
-    for name in [*(f"M{i}" for i in range(1, n + 1)), *(f"S{i}{j}" for i, j, _, _ in one.springs)]:
+    for name in [*(f"M{i}" for i in range(1, n + 1)), *(f"S{i}{j}" for i, j, _, _ in model.springs)]:
         lines += [f"GROUP_MA NOM={name}", name, "FINSF"]
     return "\n".join([*lines, "FIN"]) + "\n"
 
 
 def code_aster(case: Mapping[str, Any]) -> str | None:
     """Commands of a case for code_aster, in Python; None for an unsupported problem or scheme."""
-    one, schema = chain(case["problem"]), _schema(case["scheme"])
-    if one is None or schema is None:
+    model, schema = chain(case["problem"]), _schema(case["scheme"])
+    if model is None or schema is None:
         return None
-    dt, steps, free = float(case["run"]["dt"]), case["run"]["steps"], range(1, len(one.mass) + 1)
-    discrete = [f'_F(GROUP_MA="M{i}", CARA="M_T_D_N", VALE={m!r})' for i, m in zip(free, one.mass, strict=True)]
-    for i, j, k, c in one.springs:
+    dt, steps, free = float(case["run"]["dt"]), case["run"]["steps"], range(1, len(model.mass) + 1)
+    discrete = [f'_F(GROUP_MA="M{i}", CARA="M_T_D_N", VALE={m!r})' for i, m in zip(free, model.mass, strict=True)]
+    for i, j, k, c in model.springs:
         for name, value in (("K_T_D_L", k), ("A_T_D_L", c)):
             discrete.append(f'_F(GROUP_MA="S{i}{j}", CARA="{name}", VALE=({value!r}, 0.0, 0.0))')
-    if one.ground:
-        samples = ", ".join(f"{t!r}, {a!r}" for t, a in one.ground)
-        forces = [-m for m in one.mass]
+    if model.ground:
+        samples = ", ".join(f"{t!r}, {a!r}" for t, a in model.ground)
+        forces = [-m for m in model.mass]
         along = f'DEFI_FONCTION(NOM_PARA="INST", PROL_DROITE="CONSTANT", VALE=({samples}))'
     else:
-        forces = one.forces
-        along = f'FORMULE(NOM_PARA="INST", VALE="cos({one.frequency!r} * INST - {one.phase!r})")'
+        forces = model.forces
+        along = f'FORMULE(NOM_PARA="INST", VALE="cos({model.frequency!r} * INST - {model.phase!r})")'
     fields = {
         name: ", ".join(f'_F(GROUP_NO="N{i}", NOM_CMP="DX", VALE={x!r})' for i, x in zip(free, values, strict=True))
-        for name, values in (("u0", one.u0), ("v0", one.v0))
+        for name, values in (("u0", model.u0), ("v0", model.v0))
     }
     nodal = ", ".join(f'_F(GROUP_NO="N{i}", FX={f!r})' for i, f in zip(free, forces, strict=True))
     # scale of an absolute tolerance; a relative tolerance refers to the external forces, which are zero in free motion
-    largest = max(map(abs, [*one.pull, *one.forces, *(m * a for m in one.mass for _, a in one.ground)]))
+    largest = max(map(abs, [*model.pull, *model.forces, *(m * a for m in model.mass for _, a in model.ground)]))
     columns = {
         f"{name}{i}": f'RECU_FONCTION(RESULTAT=motion, NOM_CHAM="{field}", NOM_CMP="DX", GROUP_NO="N{i}")'
         for name, field in (("u", "DEPL"), ("v", "VITE"), ("a", "ACCE"))

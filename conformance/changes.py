@@ -27,9 +27,9 @@ def _march(text: Mapping[str, Any], scheme: Mapping[str, Any], dt: Any, words: S
 def fixed(case: Mapping[str, Any], dt: Any) -> Iterator[tuple[str, str, March]]:
     """Verdict, text and motion of single changes whose values are not in the case."""
     text, scheme = case["problem"], case["scheme"]
-    for one in VARIANTS if "sizes" in case["run"] or "variants" not in case else ():
-        if scheme["family"] in one.families:
-            yield one.verdict, one.text, _march(text, {**scheme, **one.change(scheme)}, dt, one.words)
+    for variant in VARIANTS if "sizes" in case["run"] or "variants" not in case else ():
+        if scheme["family"] in variant.families:
+            yield variant.verdict, variant.text, _march(text, {**scheme, **variant.change(scheme)}, dt, variant.words)
     for later in LATER:
         if scheme["family"] in later.families:
             yield "fail", later.text, _march(later.problem(text), scheme, dt, later.words)
@@ -40,14 +40,14 @@ def fixed(case: Mapping[str, Any], dt: Any) -> Iterator[tuple[str, str, March]]:
 def twice(case: Mapping[str, Any], dt: Any) -> Iterator[tuple[str, March]]:
     """A wrong start together with each variant, and each alternative together with each mistake."""
     text, scheme = case["problem"], case["scheme"]
-    known = [one for one in VARIANTS if scheme["family"] in one.families]
-    firsts = [one for one in known if one.verdict == "differs" or set(one.words) & {"a0 = 0", "no v0"}]
+    known = [variant for variant in VARIANTS if scheme["family"] in variant.families]
+    firsts = [variant for variant in known if variant.verdict == "differs" or set(variant.words) & {"a0 = 0", "no v0"}]
     for first in firsts:
-        for one in known:
-            if one is not first:
+        for second in known:
+            if second is not first:
                 changed = {**scheme, **first.change(scheme)}
-                changed |= one.change(changed)
-                yield f"{first.text}, and {one.text}", _march(text, changed, dt, (*first.words, *one.words))
+                changed |= second.change(changed)
+                yield f"{first.text}, and {second.text}", _march(text, changed, dt, (*first.words, *second.words))
 
 
 def _late(rows: np.ndarray) -> np.ndarray:

@@ -84,10 +84,10 @@ def run(
         If an iteration does not end.
     """
     family, k = scheme["family"], lambda name: factors.get(name, 1.0)
-    given = {name: float(value) for name, value in scheme.items() if name != "family"}
-    beta = given.get("beta", {"central_difference": 0.0, "wilson": 1 / 6}.get(family, 0.0))
-    gamma, theta = given.get("gamma", 0.5), given.get("theta", 1.0)
-    alpha_m, alpha_f = given.get("alpha_m", 0.0), given.get("alpha_f", -given.get("alpha", 0.0))
+    numbers = {name: float(value) for name, value in scheme.items() if name != "family"}
+    beta = numbers.get("beta", {"central_difference": 0.0, "wilson": 1 / 6}.get(family, 0.0))
+    gamma, theta = numbers.get("gamma", 0.5), numbers.get("theta", 1.0)
+    alpha_m, alpha_f = numbers.get("alpha_m", 0.0), numbers.get("alpha_f", -numbers.get("alpha", 0.0))
     w, mass, damping, t, u, v = 1 - alpha_f, problem.mass, problem.damping, 0.0, problem.u0, problem.v0
 
     def moved(side, u, v, a, tau):
@@ -112,10 +112,10 @@ def run(
             - k("load") * problem.load(t + k("point of load") * w * tau)
         )
         for _ in range(_ITERATIONS):
-            at = p0 * u + p1 * (place[0] + place[1] * x)
-            residual = m1 * mass @ x + c1 * speed[1] * damping @ x + k("force") * problem.force(at) + rest
+            u_point = p0 * u + p1 * (place[0] + place[1] * x)
+            residual = m1 * mass @ x + c1 * speed[1] * damping @ x + k("force") * problem.force(u_point) + rest
             slope = m1 * mass + c1 * speed[1] * damping
-            change = np.linalg.solve(slope + k("force") * p1 * place[1] * problem.tangent(at), residual)
+            change = np.linalg.solve(slope + k("force") * p1 * place[1] * problem.tangent(u_point), residual)
             x = x - change
             if abs(change).max() <= 1e-13 * (abs(x).max() + abs(a).max()):
                 break

@@ -59,10 +59,10 @@ def conform(arguments: argparse.Namespace) -> None:
     if not chosen:
         raise ValueError("no case has all tags of --only and none of --skip.")
     if arguments.inputs:
-        written = write(chosen, arguments.inputs)
-        print(f"written: {written} files in {arguments.inputs}")
+        count = write(chosen, arguments.inputs)
+        print(f"written: {count} files in {arguments.inputs}")
         return
-    if sum(one is not None for one in (arguments.code, arguments.command, arguments.collect)) != 1:
+    if sum(source is not None for source in (arguments.code, arguments.command, arguments.collect)) != 1:
         raise ValueError("name one code: MODULE:FUNCTION, or --command, or --collect.")
     if arguments.output:
         arguments.output.parent.mkdir(parents=True, exist_ok=True)
@@ -71,15 +71,15 @@ def conform(arguments: argparse.Namespace) -> None:
     else:
         runner = of_folder(arguments.collect) if arguments.command is None else of_command(arguments.command)
     verdicts = judged(chosen, runner)
-    found = summary(verdicts, arguments.tool, arguments.tool_version, arguments.note)
+    result = summary(verdicts, arguments.tool, arguments.tool_version, arguments.note)
     print(table(verdicts))
     if arguments.output:
         titles = {case["name"]: case["title"] for case in chosen}
         for suffix, text in (
-            (".json", json.dumps(found, indent=1, ensure_ascii=False)),
-            (".html", page(found, titles)),
-            (".svg", badge(found)),
+            (".json", json.dumps(result, indent=1, ensure_ascii=False)),
+            (".html", page(result, titles)),
+            (".svg", badge(result)),
         ):
             arguments.output.with_name(arguments.output.name + suffix).write_text(text + "\n", encoding="utf-8")
-    if found["counts"]["fail"]:
+    if result["counts"]["fail"]:
         raise SystemExit(1)

@@ -20,14 +20,14 @@ class Compared(NamedTuple):
     unknown: int
     at: list[int]
     expected: np.ndarray
-    found: np.ndarray
+    values: np.ndarray
     tolerance: float
     scale: float
 
     @property
     def agrees(self) -> bool:
         """Whether all values agree within the tolerance."""
-        return bool(np.all(np.abs(self.found - self.expected) <= self.tolerance))
+        return bool(np.all(np.abs(self.values - self.expected) <= self.tolerance))
 
 
 def where(pairs: Sequence[Compared]) -> str:
@@ -38,8 +38,8 @@ def where(pairs: Sequence[Compared]) -> str:
             step
             for pair in pairs
             if pair.quantity == name
-            for step, off in zip(pair.at, np.abs(pair.found - pair.expected) > pair.tolerance, strict=True)
-            if off
+            for step, is_wrong in zip(pair.at, np.abs(pair.values - pair.expected) > pair.tolerance, strict=True)
+            if is_wrong
         ]
         parts.append(f"{name} differs from step {min(wrong)} on" if wrong else f"{name} agrees")
     return ", ".join(parts)
@@ -48,7 +48,7 @@ def where(pairs: Sequence[Compared]) -> str:
 def same(pairs: Sequence[Compared], values: Sequence[np.ndarray]) -> bool:
     """Whether the values of the code are these values, within the tolerance of the case and rounding."""
     return all(
-        bool(np.all(np.abs(pair.found - x) <= pair.tolerance + STORED * max(pair.scale, np.max(np.abs(x), initial=0))))
+        bool(np.all(np.abs(pair.values - x) <= pair.tolerance + STORED * max(pair.scale, np.max(np.abs(x), initial=0))))
         for pair, x in zip(pairs, values, strict=True)
     )
 

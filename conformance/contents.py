@@ -14,7 +14,7 @@ with mp.workdps(40):
 def _alpha(alpha_m: str, alpha_f: str) -> dict[str, str]:
     """Generalized-α with given α_m and α_f; γ gives second order, and β the largest damping of high frequencies."""
     with mp.workdps(40):
-        m, f = (mp.fraction(*map(int, one.split("/"))) for one in (alpha_m, alpha_f))
+        m, f = (mp.fraction(*map(int, text.split("/"))) for text in (alpha_m, alpha_f))
         numbers = {"alpha_m": m, "alpha_f": f, "beta": (1 - m + f) ** 2 / 4, "gamma": mp.mpf(1) / 2 - m + f}
         return {"family": "generalized_alpha", **{name: mp.nstr(+value, 30) for name, value in numbers.items()}}
 
@@ -223,15 +223,17 @@ def _level_f() -> Iterator[Entry]:
 
 def _level_g() -> Iterator[Entry]:
     why = "A code that changes its step shows which acceleration and which step it carries over."
-    rest: dict[str, Any] = {"tags": ("unequal_steps",), "version": "2026.2"}
+    options: dict[str, Any] = {"tags": ("unequal_steps",), "version": "2026.2"}
     problem = _problem("linear", "1", "-3", "2", "0.6", stiffness="50")
     title, sizes = "linear, steps h and 2h in turn", ("0.05", "0.1") * 5
-    yield Entry("G-LIN", title, why, problem, at=(2, 10), schemes=("AVG", "GEN"), sizes=sizes, **rest)
+    yield Entry("G-LIN", title, why, problem, at=(2, 10), schemes=("AVG", "GEN"), sizes=sizes, **options)
     title, sizes = "hardening spring, steps h and 2h in turn", ("0.005", "0.01") * 5
-    yield Entry("G-CUB", title, why, _HARDENING, at=(2, 10), schemes=("AVG", "CDM", "HHT", "GEN"), sizes=sizes, **rest)
+    yield Entry(
+        "G-CUB", title, why, _HARDENING, at=(2, 10), schemes=("AVG", "CDM", "HHT", "GEN"), sizes=sizes, **options
+    )
     problem = _problem("linear", damping="0.6", loads=_load("2", "6", "0.4"), stiffness="39")
-    rest |= {"schemes": ("AVG", "CDM", "GEN"), "sizes": ("0.08", "0.05", "0.05", "0.11", "0.02", "0.09", "0.07")}
-    yield Entry("G-HARM", "damped, harmonic load, irregular steps", why, problem, at=(2, 7), **rest)
+    options |= {"schemes": ("AVG", "CDM", "GEN"), "sizes": ("0.08", "0.05", "0.05", "0.11", "0.02", "0.09", "0.07")}
+    yield Entry("G-HARM", "damped, harmonic load, irregular steps", why, problem, at=(2, 7), **options)
 
 
 _LEVELS = (_level_a, _level_b, _level_c, _level_d, _level_e, _level_f, _level_g)

@@ -135,27 +135,29 @@ def _named(*numbers: float) -> dict[str, float]:
 def _replacements(case: Mapping[str, Any], dt: Any) -> dict[str, float]:
     """Factors of a term with another number in its place, without a number or with a wrong sign, by their formulas."""
     family = case["scheme"]["family"]
-    given = {name: float(x) for name, x in (_DEFAULTS.get(family, {}) | case["scheme"]).items() if name in _SYMBOLS}
-    numbers = {_SYMBOLS[name]: x for name, x in given.items()}
+    parameters = {
+        name: float(x) for name, x in (_DEFAULTS.get(family, {}) | case["scheme"]).items() if name in _SYMBOLS
+    }
+    numbers = {_SYMBOLS[name]: x for name, x in parameters.items()}
     if "α" in numbers:
         numbers["α_f"] = -numbers.pop("α")
-    found = {} if np.ndim(dt) else {"Δt": dt, "1/Δt": 1 / dt, "1/Δt²": 1 / dt**2}
-    found |= {f"1/{name}": 1 / x for name, x in numbers.items() if x}
+    factors = {} if np.ndim(dt) else {"Δt": dt, "1/Δt": 1 / dt, "1/Δt²": 1 / dt**2}
+    factors |= {f"1/{name}": 1 / x for name, x in numbers.items() if x}
     for name, x in numbers.items():
         # the weights are ½ − β, 1 − γ, 1 − α_m and 1 − α_f
-        whole, size = ("½", 0.5) if name == "β" else ("1", 1.0)
+        total, size = ("½", 0.5) if name == "β" else ("1", 1.0)
         if name == "θ" or x == size:
             continue
-        weight = f"({whole} − {name})"
-        found |= {f"1/{weight}": 1 / (size - x), f"{whole}/{weight}": size / (size - x)}
-        found[f"({whole} + {name})/{weight}"] = (size + x) / (size - x)
-        if (other := _PARTNERS[name]) in numbers:
-            found[f"({whole} − {other})/{weight}"] = (size - numbers[other]) / (size - x)
-            found |= {f"{other}/{name}": numbers[other] / x} if x else {}
+        weight = f"({total} − {name})"
+        factors |= {f"1/{weight}": 1 / (size - x), f"{total}/{weight}": size / (size - x)}
+        factors[f"({total} + {name})/{weight}"] = (size + x) / (size - x)
+        if (partner := _PARTNERS[name]) in numbers:
+            factors[f"({total} − {partner})/{weight}"] = (size - numbers[partner]) / (size - x)
+            factors |= {f"{partner}/{name}": numbers[partner] / x} if x else {}
     if len(case["problem"]["u0"]) == 1:
         parts = {"M": float(case["problem"]["mass"][0][0]), "C": float(case["problem"]["damping"][0][0])}
-        found |= {f"1/{name}": 1 / x for name, x in parts.items() if x}
-    return {name: x for name, x in found.items() if x != 1}
+        factors |= {f"1/{name}": 1 / x for name, x in parts.items() if x}
+    return {name: x for name, x in factors.items() if x != 1}
 
 
 def ambiguity(case: Mapping[str, Any]) -> int:

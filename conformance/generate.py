@@ -34,7 +34,7 @@ DISTINCT, UNSTABLE = 100, 1e6
 
 
 def _march(entry: Entry, scheme: Mapping[str, str], words=(), numbers=mp, dt=None, steps=None) -> dict[str, np.ndarray]:
-    sizes = [numbers.mpf(one) for one in entry.sizes]
+    sizes = [numbers.mpf(text) for text in entry.sizes]
     size = sizes or numbers.mpf(dt or entry.dt)
     return run(Problem(entry.problem, numbers), scheme, size, steps or len(sizes) or entry.steps, words)
 
@@ -54,14 +54,14 @@ def _identical(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
     exact, double = _march(entry, scheme), _march(entry, scheme, numbers=FLOAT)
     expected = []
     for name, unknown in _quantities(entry, scheme):
-        one = exact[name][:, unknown]
-        scale = float(max(abs(one)))
+        exact_values = exact[name][:, unknown]
+        scale = float(max(abs(exact_values)))
         # round-off of the same formulas in double precision
-        off = float(max(abs(one - double[name][:, unknown])))
-        tolerance = max(SAME * scale, ROUND_OFFS * off)
+        round_off = float(max(abs(exact_values - double[name][:, unknown])))
+        tolerance = max(SAME * scale, ROUND_OFFS * round_off)
         if tolerance > LOOSE * scale:
             raise ArithmeticError(f"{entry.name}, {scheme}: round-off grows too much; make fewer steps.")
-        values = [_decimal(one[step], EXPECTED) for step in entry.at]
+        values = [_decimal(exact_values[step], EXPECTED) for step in entry.at]
         expected.append(
             {
                 "kind": "identical",
@@ -78,12 +78,13 @@ def _identical(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
 
 def _values(entry: Entry, motion: Mapping[str, np.ndarray], expected: list[dict]) -> list[np.ndarray]:
     """Displacements and velocities of a run, in the order of the expected values."""
-    return [motion[one["quantity"]][list(entry.at), one["unknown"]] for one in expected if one["quantity"] != "a"]
+    return [motion[item["quantity"]][list(entry.at), item["unknown"]] for item in expected if item["quantity"] != "a"]
 
 
 def _differ(first: list[np.ndarray], second: list[np.ndarray], expected: list[dict]) -> bool:
     return any(
-        max(abs(a - b)) > DISTINCT * float(one["tolerance"]) for a, b, one in zip(first, second, expected, strict=False)
+        max(abs(a - b)) > DISTINCT * float(item["tolerance"])
+        for a, b, item in zip(first, second, expected, strict=False)
     )
 
 
@@ -98,7 +99,7 @@ def _variants(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> 
             values = _values(entry, _march(entry, changed, variant.words), expected)
         except (ArithmeticError, OverflowError):  # an iteration that does not converge gives no values
             continue
-        stable = all(max(abs(a)) <= UNSTABLE * float(one["scale"]) for a, one in zip(values, expected, strict=False))
+        stable = all(max(abs(a)) <= UNSTABLE * float(item["scale"]) for a, item in zip(values, expected, strict=False))
         if stable and all(_differ(values, other, expected) for other in seen):
             seen.append(values)
             yield {"verdict": variant.verdict, "text": variant.text, "values": _stored(values)}
@@ -106,47 +107,52 @@ def _variants(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> 
 
 def _slopes(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> Iterator[dict]:
     """Derivatives of the values with respect to the parameters of the scheme, and to factors of Δt and of the mass."""
-    here = _values(entry, _march(entry, scheme), expected)
+    values = _values(entry, _march(entry, scheme), expected)
     little = mp.mpf(10) ** (-DIGITS // 2)
     for name in [*(name for name in scheme if name not in ("family", "start")), "factor of dt", "factor of the mass"]:
         if name == "factor of dt":
-            there = _march(entry, scheme, dt=mp.mpf(entry.dt) * (1 + little))
+            motion = _march(entry, scheme, dt=mp.mpf(entry.dt) * (1 + little))
         elif name == "factor of the mass":
-            mass = [[mp.mpf(one) * (1 + little) for one in row] for row in entry.problem["mass"]]
-            there = _march(entry._replace(problem={**entry.problem, "mass": mass}), scheme)
+            mass = [[mp.mpf(number) * (1 + little) for number in row] for row in entry.problem["mass"]]
+            motion = _march(entry._replace(problem={**entry.problem, "mass": mass}), scheme)
         else:
-            there = _march(entry, {**scheme, name: mp.mpf(scheme[name]) + little})
-        slopes = [(a - b) / little for a, b in zip(_values(entry, there, expected), here, strict=True)]
-        if any(max(abs(one)) > 0 for one in slopes):
+            motion = _march(entry, {**scheme, name: mp.mpf(scheme[name]) + little})
+        slopes = [(a - b) / little for a, b in zip(_values(entry, motion, expected), values, strict=True)]
+        if any(max(abs(slope)) > 0 for slope in slopes):
             yield {"number": name, "slopes": _stored(slopes)}
 
 
 def _stored(values: list[np.ndarray]) -> list[list[str]]:
-    return [[_decimal(value, STORED) for value in one] for one in values]
+    return [[_decimal(value, STORED) for value in row] for row in values]
 
 
 def _bound(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
     """Limit of E/E(0): 1.05 times the largest value in runs of the scheme and of its stable alternatives."""
     problem, largest = Problem(entry.problem), []
-    alternatives = [one for one in VARIANTS if one.verdict == "differs" and scheme["family"] in one.families]
-    for changed, words in [(scheme, ()), *(({**scheme, **one.change(scheme)}, one.words) for one in alternatives)]:
+    alternatives = [
+        variant for variant in VARIANTS if variant.verdict == "differs" and scheme["family"] in variant.families
+    ]
+    for changed, words in [
+        (scheme, ()),
+        *(({**scheme, **variant.change(scheme)}, variant.words) for variant in alternatives),
+    ]:
         motion = _march(entry, changed, words, FLOAT)
         energies = [problem.energy(u, v) for u, v in zip(motion["u"], motion["v"], strict=True)]
         largest.append(max(energies) / energies[0])
-    limit = 1.05 * max(one for one in largest if one <= UNSTABLE * largest[0])
+    limit = 1.05 * max(ratio for ratio in largest if ratio <= UNSTABLE * largest[0])
     return [{"kind": "bound", "quantity": "energy", "limit": f"{limit:.4g}"}]
 
 
 def exact(problem: Mapping[str, Any], end: str) -> Any:
     """Exact displacement of a problem with one unknown at the time ``end``, by Taylor series."""
-    one = Problem(problem, mp)
+    equation = Problem(problem, mp)
 
     def slope(t, y):
         u, v = (np.array([value], dtype=object) for value in y)
-        return [v[0], ((one.load(t) - one.damping @ v - one.force(u)) / one.mass[0, 0])[0]]
+        return [v[0], ((equation.load(t) - equation.damping @ v - equation.force(u)) / equation.mass[0, 0])[0]]
 
     with mp.workdps(25):
-        return mp.odefun(slope, 0, [one.u0[0], one.v0[0]])(mp.mpf(end))[0]
+        return mp.odefun(slope, 0, [equation.u0[0], equation.v0[0]])(mp.mpf(end))[0]
 
 
 def _order(entry: Entry, scheme: Mapping[str, str], end: Any) -> list[dict]:
@@ -166,7 +172,7 @@ def _order(entry: Entry, scheme: Mapping[str, str], end: Any) -> list[dict]:
     ]
 
 
-def made() -> Iterator[dict]:
+def all_cases() -> Iterator[dict]:
     """All cases, one after another."""
     ends = {entry.name: exact(entry.problem, str(mp.mpf(entry.dt) * entry.steps)) for entry in ORDERS}
     for entry in PROBLEMS:
@@ -199,9 +205,9 @@ def case(entry: Entry, code: str, title: str, scheme: Mapping[str, str], end: An
     return {**header, "expect": expected, "variants": variants, "slopes": slopes}
 
 
-def written(one: Mapping[str, Any]) -> str:
+def written(content: Mapping[str, Any]) -> str:
     """A case as JSON text, with a line for each part and for each item of a list of dictionaries."""
-    return "{\n" + ",\n".join(f" {json.dumps(key)}: {_lines(value)}" for key, value in one.items()) + "\n}\n"
+    return "{\n" + ",\n".join(f" {json.dumps(key)}: {_lines(value)}" for key, value in content.items()) + "\n}\n"
 
 
 def _lines(value: Any) -> str:
@@ -213,7 +219,7 @@ def _lines(value: Any) -> str:
 def main() -> None:
     """Write all cases, and remove the files of cases that are no longer made."""
     mp.dps = DIGITS
-    texts = {f"{one['name']}.json": written(one) for one in made()}
+    texts = {f"{content['name']}.json": written(content) for content in all_cases()}
     CASES.mkdir(exist_ok=True)
     for old in CASES.glob("*.json"):
         if old.name not in texts:

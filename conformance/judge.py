@@ -71,8 +71,8 @@ def judged(cases: Sequence[Mapping[str, Any]], runner: Callable[[Mapping[str, An
     average acceleration, then has the name that it has there.
     """
     known: Known = set()
-    found = {case["name"]: judge(case, partial(runner, case), known) for case in sorted(cases, key=ambiguity)}
-    return [found[case["name"]] for case in cases]
+    verdicts = {case["name"]: judge(case, partial(runner, case), known) for case in sorted(cases, key=ambiguity)}
+    return [verdicts[case["name"]] for case in cases]
 
 
 def judge(case: Mapping[str, Any], motion: Callable[[int], Motion], known: Known | None = None) -> Verdict:
@@ -105,30 +105,32 @@ def _order(case: Mapping[str, Any], motion: Callable[[int], Motion], known: Know
     (expected,) = case["expect"]
     end, halvings = float(expected["value"]), range(4)
     motions = [motion(2**k) for k in halvings]
-    ends = [_finite(one, "u")[-1, expected["unknown"]] for one in motions]
+    ends = [_finite(result, "u")[-1, expected["unknown"]] for result in motions]
     errors = np.maximum(np.abs(np.array(ends) - end), np.finfo(float).tiny)
     slope, digits = -float(np.polyfit(halvings, np.log2(errors), 1)[0]), _digits(errors[-1], abs(end))
     if abs(slope - int(expected["order"])) <= float(expected["tolerance"]):
         return Verdict(case["name"], "pass", digits)
-    failed = _failed(case, motions[0], known, f"the order is {slope:.2f}, not {expected['order']}", digits)
-    return failed._replace(order=round(slope, 2))
+    verdict = _failed(case, motions[0], known, f"the order is {slope:.2f}, not {expected['order']}", digits)
+    return verdict._replace(order=round(slope, 2))
 
 
 def _bound(case: Mapping[str, Any], motion: Motion, known: Known) -> Verdict:
     (expected,), problem = case["expect"], Problem(case["problem"])
     if motion["v"] is None:
         raise Unsupported("an energy needs the velocity")
-    moved = zip(_finite(motion, "u"), _finite(motion, "v"), strict=True)
-    energies = np.array([problem.energy(u, v) for u, v in moved])
+    states = zip(_finite(motion, "u"), _finite(motion, "v"), strict=True)
+    energies = np.array([problem.energy(u, v) for u, v in states])
     largest = float(max(energies) / energies[0])
     if largest <= float(expected["limit"]):
         return Verdict(case["name"], "pass")
     limit = expected["limit"]
-    found = f"the energy grows to {largest:.3g} times its value at the start; {limit} is the limit"
-    return _failed(case, motion, known, found)
+    finding = f"the energy grows to {largest:.3g} times its value at the start; {limit} is the limit"
+    return _failed(case, motion, known, finding)
 
 
-def _failed(case: Mapping[str, Any], motion: Motion, known: Known, found: str, digits: float | None = None) -> Verdict:
+def _failed(
+    case: Mapping[str, Any], motion: Motion, known: Known, finding: str, digits: float | None = None
+) -> Verdict:
     """Failure of a case that states no values. The first steps of the scheme, computed here, show the cause."""
     dt, _ = times(case)
     right = run(Problem(case["problem"]), case["scheme"], dt, FIRST)
@@ -141,9 +143,9 @@ def _failed(case: Mapping[str, Any], motion: Motion, known: Known, found: str, d
         for scale in [float(np.max(np.abs(values[:, i])))]
     ]
     if all(pair.agrees for pair in pairs):
-        return Verdict(case["name"], "fail", digits, "", where(pairs), found)
+        return Verdict(case["name"], "fail", digits, "", where(pairs), finding)
     _, cause = explained(Search(case, pairs, dt, FIRST), known)
-    return Verdict(case["name"], "fail", digits, cause, where(pairs), found)
+    return Verdict(case["name"], "fail", digits, cause, where(pairs), finding)
 
 
 def _finite(motion: Motion, name: str) -> np.ndarray:
@@ -160,25 +162,25 @@ def _digits(error: float, scale: float) -> float:
 def _identical(case: Mapping[str, Any], motion: Motion, known: Known) -> Verdict:
     pairs = [
         Compared(
-            one["quantity"],
-            one["unknown"],
-            one["at"],
-            np.array([float(text) for text in one["values"]]),
-            _finite(motion, one["quantity"])[one["at"], one["unknown"]],
-            float(one["tolerance"]),
-            float(one["scale"]),
+            expected["quantity"],
+            expected["unknown"],
+            expected["at"],
+            np.array([float(text) for text in expected["values"]]),
+            _finite(motion, expected["quantity"])[expected["at"], expected["unknown"]],
+            float(expected["tolerance"]),
+            float(expected["scale"]),
         )
-        for one in case["expect"]
-        if motion[one["quantity"]] is not None
+        for expected in case["expect"]
+        if motion[expected["quantity"]] is not None
     ]
-    digits = min(_digits(float(max(abs(one.found - one.expected))), one.scale) for one in pairs)
-    if all(one.agrees for one in pairs):
+    digits = min(_digits(float(max(abs(pair.values - pair.expected))), pair.scale) for pair in pairs)
+    if all(pair.agrees for pair in pairs):
         return Verdict(case["name"], "pass", digits)
-    moved = [pair for pair in pairs if pair.quantity != "a"]
-    if all(one.agrees for one in moved):
+    moving = [pair for pair in pairs if pair.quantity != "a"]
+    if all(pair.agrees for pair in moving):
         text = "displacement and velocity agree; the acceleration is not the one that the scheme carries"
         return Verdict(case["name"], "differs", digits, text, where(pairs))
-    verdict, cause = explained(Search(case, moved, *times(case)), known)
+    verdict, cause = explained(Search(case, moving, *times(case)), known)
     return Verdict(case["name"], verdict, digits, cause, where(pairs))
 
 

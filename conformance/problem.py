@@ -55,7 +55,7 @@ class Problem:
         return np.array(flat, dtype=float if self.numbers is FLOAT else object).reshape(np.shape(values))
 
     def _each(self, function: str, x: np.ndarray) -> np.ndarray:
-        return np.array([getattr(self.numbers, function)(one) for one in x], dtype=x.dtype)
+        return np.array([getattr(self.numbers, function)(value) for value in x], dtype=x.dtype)
 
     def _elastic(self, u: np.ndarray) -> np.ndarray:
         bound = self._parameters["yield_force"] / self._parameters["k"]
@@ -128,6 +128,6 @@ class Problem:
             place = t / self.numbers.mpf(ground["dt"])
             if 0 <= place < len(samples) - 1:
                 before = int(place)
-                here = samples[before] + (place - before) * (samples[before + 1] - samples[before])
-                load = load - self.mass.sum(axis=1) * here
+                acceleration = samples[before] + (place - before) * (samples[before + 1] - samples[before])
+                load = load - self.mass.sum(axis=1) * acceleration
         return load

@@ -23,7 +23,7 @@ table {border-collapse: collapse} th, td {border-bottom: 1px solid #ccc; padding
 
 def summary(verdicts: Sequence[Verdict], tool: str, version: str, note: str) -> dict[str, Any]:
     """Counts of the verdicts on a version of a tool, and all verdicts, as the dictionary for a JSON file."""
-    counts = Counter(one.verdict for one in verdicts)
+    counts = Counter(entry.verdict for entry in verdicts)
     return {
         "kit": VERSION,
         "tool": tool,
@@ -32,7 +32,7 @@ def summary(verdicts: Sequence[Verdict], tool: str, version: str, note: str) -> 
         "note": note,
         "counts": {verdict: counts[verdict] for verdict in VERDICTS},
         "cases": [
-            {name: value for name, value in one._asdict().items() if value not in (None, "")} for one in verdicts
+            {name: value for name, value in entry._asdict().items() if value not in (None, "")} for entry in verdicts
         ],
     }
 
@@ -40,18 +40,21 @@ def summary(verdicts: Sequence[Verdict], tool: str, version: str, note: str) -> 
 def table(verdicts: Sequence[Verdict]) -> str:
     """Verdicts other than pass and skip, one per line, and the counts of all verdicts."""
     lines = [
-        f"{one.name:16} {one.verdict:8} {'' if one.digits is None else f'{one.digits:4.1f}':5} {one.sentence}".rstrip()
-        for one in verdicts
-        if one.verdict in ("differs", "fail")
+        (
+            f"{entry.name:16} {entry.verdict:8} {'' if entry.digits is None else f'{entry.digits:4.1f}':5} "
+            f"{entry.sentence}"
+        ).rstrip()
+        for entry in verdicts
+        if entry.verdict in ("differs", "fail")
     ]
-    counts = Counter(one.verdict for one in verdicts)
+    counts = Counter(entry.verdict for entry in verdicts)
     return "\n".join([*lines, ", ".join(f"{verdict} {counts[verdict]}" for verdict in VERDICTS)])
 
 
-def badge(found: Mapping[str, Any]) -> str:
+def badge(result: Mapping[str, Any]) -> str:
     """SVG badge with the number of passed cases of all cases, from the ``summary`` of a tool; red if a case fails."""
-    text = f"{found['counts']['pass']} of {len(found['cases'])}"
-    colour = "#c33" if found["counts"]["fail"] else "#282"
+    text = f"{result['counts']['pass']} of {len(result['cases'])}"
+    colour = "#c33" if result["counts"]["fail"] else "#282"
     return f"""<svg xmlns="http://www.w3.org/2000/svg" width="170" height="20" role="img">
 <title>conformance: {text}</title>
 <rect width="90" height="20" fill="#555"/><rect x="90" width="80" height="20" fill="{colour}"/>
@@ -59,23 +62,23 @@ def badge(found: Mapping[str, Any]) -> str:
 <text x="45" y="14">conformance</text><text x="130" y="14">{text}</text></g></svg>"""
 
 
-def page(found: Mapping[str, Any], titles: Mapping[str, str]) -> str:
+def page(result: Mapping[str, Any], titles: Mapping[str, str]) -> str:
     """HTML page of the verdicts on a tool, from its ``summary`` and the title of each case."""
-    tool = escape(f"{found['tool']} {found['version']}".strip())
-    counts = ", ".join(f"{verdict} {number}" for verdict, number in found["counts"].items())
+    tool = escape(f"{result['tool']} {result['version']}".strip())
+    counts = ", ".join(f"{verdict} {number}" for verdict, number in result["counts"].items())
     rows = [
-        f'<tr class="{one["verdict"]}"><td>{escape(one["name"])}</td><td>{escape(titles[one["name"]])}</td>'
-        f"<td>{one['verdict']}</td><td>{one.get('digits', '')}</td><td>{escape(Verdict(**one).sentence)}</td>"
-        f"<td>{one.get('where', '')}</td></tr>"
-        for one in sorted(found["cases"], key=lambda one: _ROWS.index(one["verdict"]))
+        f'<tr class="{entry["verdict"]}"><td>{escape(entry["name"])}</td><td>{escape(titles[entry["name"]])}</td>'
+        f"<td>{entry['verdict']}</td><td>{entry.get('digits', '')}</td><td>{escape(Verdict(**entry).sentence)}</td>"
+        f"<td>{entry.get('where', '')}</td></tr>"
+        for entry in sorted(result["cases"], key=lambda entry: _ROWS.index(entry["verdict"]))
     ]
     return "\n".join(
         [
             f'<!DOCTYPE html>\n<html lang="en"><meta charset="utf-8"><title>Conformance of {tool}</title>',
             f"<style>{_STYLE}</style>\n<h1>Conformance of {tool}</h1>",
-            f"<p>Cases {found['kit']}, {found['date']}: {counts}. "
+            f"<p>Cases {result['kit']}, {result['date']}: {counts}. "
             "Digits are those of the worst value, relative to the largest.</p>",
-            f"<p>{escape(found['note'])}</p>",
+            f"<p>{escape(result['note'])}</p>",
             f"<table><tr>{''.join(f'<th>{name}</th>' for name in _HEAD)}</tr>",
             *rows,
             "</table></html>",

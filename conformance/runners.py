@@ -43,12 +43,12 @@ def of_step(step: Callable[..., Any]) -> Runner:
         dt, steps = times(case, part)
         try:
             with np.errstate(all="ignore"):
-                found = step(Problem(case["problem"]), case["scheme"], dt, steps)
+                result = step(Problem(case["problem"]), case["scheme"], dt, steps)
         except NotImplementedError as error:
             raise Unsupported(str(error)) from None
         except (Exception, SystemExit) as error:  # any error of the code is a failure of this case alone
             raise ValueError(f"the code raises {type(error).__name__}: {error}") from error
-        return _checked(case, part, _arrays(found))
+        return _checked(case, part, _arrays(result))
 
     return motion
 
@@ -81,10 +81,10 @@ class Worker:
 
     def _start(self) -> None:
         spawn = multiprocessing.get_context("spawn")
-        self._pipe, other = spawn.Pipe()
-        self._process = spawn.Process(target=_serve, args=(self.place, other), daemon=True)
+        self._pipe, child = spawn.Pipe()
+        self._process = spawn.Process(target=_serve, args=(self.place, child), daemon=True)
         self._process.start()
-        other.close()
+        child.close()
         self._answer(IMPORT_TIMEOUT)
 
     def _answer(self, limit: float) -> Any:
@@ -146,12 +146,12 @@ def _ending(status: int) -> str:
     return f"ends with status {status}" if status >= 0 else f"is ended by signal {-status}"
 
 
-def _arrays(found: Any) -> Motion:
+def _arrays(result: Any) -> Motion:
     """The result of a function as arrays (steps + 1, n), with None for a missing velocity or acceleration."""
-    if not isinstance(found, Sequence | np.ndarray) or len(found) not in (2, 3):
+    if not isinstance(result, Sequence | np.ndarray) or len(result) not in (2, 3):
         raise ValueError("the function must return u, v and, if available, a")
     motion: dict[str, np.ndarray | None] = {"a": None}
-    for name, values in zip("uva", found, strict=False):
+    for name, values in zip("uva", result, strict=False):
         try:
             motion[name] = (
                 None if values is None and name != "u" else np.asarray(values, float).reshape(len(values), -1)
@@ -181,16 +181,16 @@ def of_command(template: str) -> Runner:
 
     def motion(case: Mapping[str, Any], part: int) -> Motion:
         with tempfile.TemporaryDirectory() as folder:
-            given, out = Path(folder, "case.json"), Path(folder, "out.csv")
-            given.write_text(json.dumps(divided(case, part)), encoding="utf-8")
-            command = [word.replace("{case}", str(given)).replace("{out}", str(out)) for word in words]
-            status, said = _ended(command)
+            case_file, out = Path(folder, "case.json"), Path(folder, "out.csv")
+            case_file.write_text(json.dumps(divided(case, part)), encoding="utf-8")
+            command = [word.replace("{case}", str(case_file)).replace("{out}", str(out)) for word in words]
+            status, message = _ended(command)
             if status == SKIPPED:
-                raise Unsupported(said)
+                raise Unsupported(message)
             if status:
-                raise ValueError(f"the command {_ending(status)}{said and ': '}{said[-200:]}")
+                raise ValueError(f"the command {_ending(status)}{message and ': '}{message[-200:]}")
             if not out.is_file():
-                raise ValueError(f"the command writes no file {{out}}{said and ': '}{said[-200:]}")
+                raise ValueError(f"the command writes no file {{out}}{message and ': '}{message[-200:]}")
             return _read(out, case, part)
 
     return motion
@@ -200,18 +200,18 @@ def _ended(command: list[str]) -> tuple[int, str]:
     """Run a command, and return its exit status, negative for a signal, and its standard error."""
     try:
         # in a separate process group, so that a command over its time limit is killed with the programs it has started
-        started = subprocess.Popen(
+        process = subprocess.Popen(
             command, stdin=DEVNULL, stdout=DEVNULL, stderr=PIPE, text=True, errors="replace", start_new_session=True
         )
     except OSError as error:
         raise FileNotFoundError(f"the command '{command[0]}' cannot be started ({error.strerror}).") from None
     try:
-        said = started.communicate(timeout=TIMEOUT)[1]
+        message = process.communicate(timeout=TIMEOUT)[1]
     except subprocess.TimeoutExpired:
-        os.killpg(started.pid, signal.SIGKILL)
-        started.communicate()
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
         raise ValueError(f"the command takes longer than {TIMEOUT:g} s") from None
-    return started.returncode, said.strip()
+    return process.returncode, message.strip()
 
 
 def of_folder(folder: Path) -> Runner:
@@ -255,12 +255,12 @@ def _read(file: Path, case: Mapping[str, Any], part: int) -> Motion:
         raise ValueError(
             f"{file.name} must have a line of names and rows with as many numbers, separated by commas"
         ) from None
-    wanted = {name: [f"{name}{i + 1}" for i in range(len(case["problem"]["u0"]))] for name in "uva"}
-    if missing := [name for name in ("t", *wanted["u"]) if name not in columns]:
+    names_by_quantity = {name: [f"{name}{i + 1}" for i in range(len(case["problem"]["u0"]))] for name in "uva"}
+    if missing := [name for name in ("t", *names_by_quantity["u"]) if name not in columns]:
         raise ValueError(f"{file.name} has no column {missing[0]}")
     motion = {
-        name: np.column_stack([columns[one] for one in ones]) if set(ones) <= set(columns) else None
-        for name, ones in wanted.items()
+        name: np.column_stack([columns[column] for column in parts]) if set(parts) <= set(columns) else None
+        for name, parts in names_by_quantity.items()
     }
     return _checked(case, part, motion, columns["t"])
 

@@ -117,9 +117,9 @@ class March:
         if "damping at start" in words:
             damping = (self.v, 0)
         constant = inertia[1] * problem.mass + damping[1] * viscous
-        few = 1 if {"one iteration", "one iteration from a"} & set(words) else int(_number(words, SOME, 0))
+        limit = 1 if {"one iteration", "one iteration from a"} & set(words) else int(_number(words, SOME, 0))
         x = self.u if "one iteration from a" not in words else self.u + self.dt * self.v + self.dt**2 / 2 * self.a
-        for _ in range(few or ITERATIONS):
+        for _ in range(limit or ITERATIONS):
             u = place[0] + place[1] * x
             residual = problem.mass @ (inertia[0] + inertia[1] * x) + viscous @ (damping[0] + damping[1] * x)
             residual = residual + weight * problem.force(u) + rest - load
@@ -130,7 +130,7 @@ class March:
             if max(abs(change)) <= 8 * problem.numbers.eps * (max(abs(x)) + max(abs(self.u))):
                 break
         else:
-            if not few:
+            if not limit:
                 raise ArithmeticError(f"Newton's iteration did not end at t = {self.t}.")
         if "commit at balance" in words:
             problem.commit(place[0] + place[1] * x)
@@ -290,7 +290,7 @@ class March:
         place = -2 / part * u - v, 2 / part
         inertia = 2 / part * (place[0] - v) - a, (2 / part) ** 2
         middle = self.balanced((0 * u, 1), place, inertia, self.load(1 if "first load at end" in self.words else gamma))
-        v_middle, a_middle = (one[0] + one[1] * middle for one in (place, inertia))
+        v_middle, a_middle = (pair[0] + pair[1] * middle for pair in (place, inertia))
         if "sub-steps" in self.words:
             self.rows.append((middle, v_middle, a_middle))
         if "no commit" not in self.words:
@@ -347,8 +347,8 @@ class March:
         first = solve(effective, problem.mass @ self.a)
         factor = 1 / problem.numbers.mpf(2) if "no gamma in u" in self.words else gamma + problem.numbers.mpf(1) / 2
         u, v = self.u + dt * self.v + factor * dt**2 * first, self.v + dt * first
-        both = part * problem.force(u) + alpha_f * problem.force(self.u) if "two forces" in self.words else None
-        ahead = self.acceleration(part, part * u + alpha_f * self.u, part * v + alpha_f * self.v, force=both)
+        force = part * problem.force(u) + alpha_f * problem.force(self.u) if "two forces" in self.words else None
+        ahead = self.acceleration(part, part * u + alpha_f * self.u, part * v + alpha_f * self.v, force=force)
         right = effective @ ahead - (alpha_m * problem.mass + alpha_f * model) @ self.a
         self.move(u, v, solve((1 - alpha_m) * problem.mass + part * model, right))
 

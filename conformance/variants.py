@@ -170,7 +170,7 @@ VARIANTS = (
 
 
 def _uncoupled(problem: Mapping[str, Any]) -> dict[str, Any]:
-    mass = [[one if i == j else "0" for j, one in enumerate(row)] for i, row in enumerate(problem["mass"])]
+    mass = [[entry if i == j else "0" for j, entry in enumerate(row)] for i, row in enumerate(problem["mass"])]
     return {**problem, "mass": mass}
 
 

@@ -31,7 +31,8 @@ def _scalars(case: Mapping[str, Any]) -> dict[str, float] | None:
 
 def _integrator(scheme: Mapping[str, str]) -> str | None:
     """Integrator command of OpenSees for a scheme; None for an unsupported scheme."""
-    family, numbers = scheme["family"], {name: one for name, one in scheme.items() if name not in ("family", "start")}
+    family = scheme["family"]
+    numbers = {name: value for name, value in scheme.items() if name not in ("family", "start")}
     if family == "newmark":
         return f"Newmark {numbers['gamma']} {numbers['beta']}"
     if family == "hht":
@@ -42,28 +43,28 @@ def _integrator(scheme: Mapping[str, str]) -> str | None:
 
 def opensees(case: Mapping[str, Any]) -> str | None:
     """Tcl commands of a case for OpenSees; None for an unsupported problem or scheme."""
-    one, integrator = _scalars(case), _integrator(case["scheme"])
-    if one is None or integrator is None:
+    data, integrator = _scalars(case), _integrator(case["scheme"])
+    if data is None or integrator is None:
         return None
     return f"""# {case["name"]}: {case["title"]}
 model basic -ndm 1 -ndf 1
-node 1 0; node 2 0; fix 1 1; mass 2 {one["m"]!r}
-uniaxialMaterial ElasticPowerFunc 1 -coeff {one["k"]!r} {one["k3"]!r} -exp 1.0 3.0
-uniaxialMaterial Elastic 2 0.0 {one["c"]!r}
+node 1 0; node 2 0; fix 1 1; mass 2 {data["m"]!r}
+uniaxialMaterial ElasticPowerFunc 1 -coeff {data["k"]!r} {data["k3"]!r} -exp 1.0 3.0
+uniaxialMaterial Elastic 2 0.0 {data["c"]!r}
 element zeroLength 1 1 2 -mat 1 -dir 1
 element zeroLength 2 1 2 -mat 2 -dir 1
-timeSeries Trig 1 0.0 1e9 {2 * math.pi / one["w"]!r} -shift {math.pi / 2 - one["phase"]!r}
-pattern Plain 1 1 {{ load 2 {one["amplitude"]!r} }}
+timeSeries Trig 1 0.0 1e9 {2 * math.pi / data["w"]!r} -shift {math.pi / 2 - data["phase"]!r}
+pattern Plain 1 1 {{ load 2 {data["amplitude"]!r} }}
 constraints Plain; numberer Plain; system FullGeneral; test NormDispIncr 1e-12 50
 algorithm {"Linear" if "Explicit" in integrator else "Newton"}
 integrator {integrator}
 analysis Transient
-setNodeDisp 2 1 {one["u0"]!r} -commit; setNodeVel 2 1 {one["v0"]!r} -commit; setNodeAccel 2 1 {one["a0"]!r} -commit
+setNodeDisp 2 1 {data["u0"]!r} -commit; setNodeVel 2 1 {data["v0"]!r} -commit; setNodeAccel 2 1 {data["a0"]!r} -commit
 set out [open {case["name"]}.csv w]
 puts $out "t,u1,v1,a1"
 for {{set i 0}} {{$i <= {case["run"]["steps"]}}} {{incr i}} {{
-  if {{$i > 0}} {{analyze 1 {one["dt"]!r}}}
-  puts $out "[expr $i * {one["dt"]!r}],[nodeDisp 2 1],[nodeVel 2 1],[nodeAccel 2 1]"
+  if {{$i > 0}} {{analyze 1 {data["dt"]!r}}}
+  puts $out "[expr $i * {data["dt"]!r}],[nodeDisp 2 1],[nodeVel 2 1],[nodeAccel 2 1]"
 }}
 close $out
 """
@@ -76,10 +77,13 @@ WRITERS = {".tcl": opensees, ".inp": abaqus, ".comm": code_aster, ".mail": mesh}
 def write(chosen: Iterable[Mapping[str, Any]], folder: Path) -> int:
     """Write all input files of the cases, and return the number of files. Cases with unequal steps have no files."""
     folder.mkdir(parents=True, exist_ok=True)
-    made = [
-        (case["name"] + ending, one(case)) for case in chosen if "dt" in case["run"] for ending, one in WRITERS.items()
+    files = [
+        (case["name"] + ending, writer(case))
+        for case in chosen
+        if "dt" in case["run"]
+        for ending, writer in WRITERS.items()
     ]
-    texts = {name: text for name, text in made if text is not None}
+    texts = {name: text for name, text in files if text is not None}
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")
     return len(texts)

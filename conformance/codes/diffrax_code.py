@@ -23,10 +23,10 @@ def _solver(rows, weights) -> Any:
     # Newton's iteration of a stage starts from the slope of the previous stage
     slopes = tuple(np.eye(len(row))[-1] for row in lower)
     stages: dict[str, Any] = {"a_diagonal": diagonal, "a_predictor": slopes} if implicit else {}
-    given = diffrax.ButcherTableau(c=ends, b_sol=np.array(weights), b_error=0 * diagonal, a_lower=lower, **stages)
+    butcher = diffrax.ButcherTableau(c=ends, b_sol=np.array(weights), b_error=0 * diagonal, a_lower=lower, **stages)
 
     class OfTableau(diffrax.AbstractDIRK if implicit else diffrax.AbstractERK):  # type: ignore[misc]
-        tableau: ClassVar = given
+        tableau: ClassVar = butcher
         interpolation_cls: ClassVar = diffrax.Heun.interpolation_cls
         root_finder: Any = optimistix.Newton(rtol=1e-10, atol=1e-10)  # of the last correction
         root_find_max_steps: int = 50
@@ -74,7 +74,7 @@ def step(problem, scheme, dt, steps):
     times = np.append(0.0, np.cumsum(dt)) if np.ndim(dt) else dt * np.arange(steps + 1)
     control, saved = diffrax.StepTo(jnp.asarray(times)), diffrax.SaveAt(t0=True, steps=True)
     start, end = (jnp.asarray(problem.u0), jnp.asarray(problem.v0)), times[-1]
-    found = diffrax.diffeqsolve(
+    solution = diffrax.diffeqsolve(
         terms, solver, 0.0, end, None, start, stepsize_controller=control, saveat=saved, max_steps=steps
     )
-    return [np.asarray(one) for one in found.ys]
+    return [np.asarray(values) for values in solution.ys]

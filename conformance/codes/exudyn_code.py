@@ -77,4 +77,4 @@ def step(problem, scheme, dt, steps):
     ]
     system.Assemble()
     system.SolveDynamic(settings, solverType=solver)
-    return [system.GetSensorStoredData(one)[:, 1:] for one in sensors[: 2 if scheme["family"] == "rk4" else 3]]
+    return [system.GetSensorStoredData(sensor)[:, 1:] for sensor in sensors[: 2 if scheme["family"] == "rk4" else 3]]

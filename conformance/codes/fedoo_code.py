@@ -33,15 +33,15 @@ def _problem(integrator, mass, damping, stiffness, dt):
     form = fd.weakform.StressEquilibrium(law).set_dissipation(alpha=damping / mass)
     assembly = fd.Assembly.create(form, mesh)
     if integrator.is_explicit:
-        found = fd.problem.ExplicitDynamic(assembly, dt, integrator)
+        problem = fd.problem.ExplicitDynamic(assembly, dt, integrator)
     else:
-        found = fd.problem.NonLinear(assembly)
-        found.set_time_integrator(fd.time.SECOND_ORDER, integrator)
-        found.set_nr_criterion("Force", tol=1e-12)
+        problem = fd.problem.NonLinear(assembly)
+        problem.set_time_integrator(fd.time.SECOND_ORDER, integrator)
+        problem.set_nr_criterion("Force", tol=1e-12)
     fixed, free = (np.flatnonzero(mesh.nodes[:, 0] == x) for x in (0, 1))
-    found.bc.add("Dirichlet", fixed, "Disp", 0)
-    found.bc.add("Dirichlet", free, "DispY", 0)
-    return found, assembly, free
+    problem.bc.add("Dirichlet", fixed, "Disp", 0)
+    problem.bc.add("Dirichlet", free, "DispY", 0)
+    return problem, assembly, free
 
 
 def step(problem, scheme, dt, steps):
@@ -52,29 +52,29 @@ def step(problem, scheme, dt, steps):
     parts = problem.mass, problem.damping, problem.tangent(problem.u0), problem.u0, problem.v0
     mass, damping, stiffness, u, v = (part.item() for part in parts)
     a = (problem.load(0.0).item() - damping * v - stiffness * u) / mass
-    one, assembly, free = _problem(integrator, mass, damping, stiffness, dt)
-    rows, end, moved = [[u, v, a]], dt * steps, np.isin(np.arange(4), free)
+    model, assembly, free = _problem(integrator, mass, damping, stiffness, dt)
+    rows, end, is_free = [[u, v, a]], dt * steps, np.isin(np.arange(4), free)
 
     # each free node has half of the load, and `part` is a fraction of the duration
     def load(part):
         return problem.load(part * end).item()
 
-    def read(one):
+    def read(state):
         if integrator.is_explicit:
-            speeds = one.get_velocity("DispX"), one.get_acceleration("DispX")
+            speeds = state.get_velocity("DispX"), state.get_acceleration("DispX")
         else:
             speeds = assembly.sv["Velocity"][0], assembly.sv["Acceleration"][0]
-        rows.append([motion[free[0]] for motion in (one.get_disp("DispX"), *speeds)])
+        rows.append([motion[free[0]] for motion in (state.get_disp("DispX"), *speeds)])
 
-    one.bc.add("Neumann", free, "DispX", 0.5, start_value=0, time_func=load)
+    model.bc.add("Neumann", free, "DispX", 0.5, start_value=0, time_func=load)
     if integrator.is_explicit:
-        one.set_initial_displacement("DispX", u * moved)
-        one.set_initial_velocity("DispX", v * moved)
-        one.set_initial_acceleration("DispX", a * moved)
-        one.solve_history(end, callback=read)
+        model.set_initial_displacement("DispX", u * is_free)
+        model.set_initial_velocity("DispX", v * is_free)
+        model.set_initial_acceleration("DispX", a * is_free)
+        model.solve_history(end, callback=read)
     else:
-        one.set_dof("DispX", u * moved)
-        one.initialize()
-        assembly.sv["Velocity"][0], assembly.sv["Acceleration"][0] = v * moved, a * moved
-        one.nlsolve(dt, False, end, print_info=0, interval_output=1, save_at_exact_time=False, callback=read)
+        model.set_dof("DispX", u * is_free)
+        model.initialize()
+        assembly.sv["Velocity"][0], assembly.sv["Acceleration"][0] = v * is_free, a * is_free
+        model.nlsolve(dt, False, end, print_info=0, interval_output=1, save_at_exact_time=False, callback=read)
     return [np.array(rows)[:, [i]] for i in range(3)]

@@ -41,12 +41,12 @@ def _marched(problem, part, node, strategy, dt, steps):
 
 def step(problem, scheme, dt, steps):
     """Displacement, velocity and acceleration at the start and after every step, each (steps + 1, 1)."""
-    found = _bossak(scheme)
-    if found is None or problem.text["form"] != "linear" or len(problem.u0) > 1:
+    numbers = _bossak(scheme)
+    if numbers is None or problem.text["form"] != "linear" or len(problem.u0) > 1:
         raise NotImplementedError("it has no such scheme, or is run with one linear spring")
     part, node = part_of(problem)
     settings = K.Parameters('{"projection_variables_list": []}')
-    for name, value in zip(("damp_factor_m", "newmark_beta"), found, strict=True):
+    for name, value in zip(("damp_factor_m", "newmark_beta"), numbers, strict=True):
         settings.AddDouble(name, value)
     strategy = K.ResidualBasedNewtonRaphsonStrategy(
         part,

@@ -36,20 +36,27 @@ class _Motion(mfem.SecondOrderTimeDependentOperator):
         super().__init__(len(problem.u0), 0.0)
         self.problem = problem
 
-    def _at(self, u, v):
-        one = self.problem
-        return np.linalg.solve(one.mass, one.load(self.GetTime()) - one.damping @ v - one.force(u))
+    def _acceleration(self, u, v):
+        problem = self.problem
+        return np.linalg.solve(problem.mass, problem.load(self.GetTime()) - problem.damping @ v - problem.force(u))
 
     def Mult(self, u, v, a):
-        a.Assign(self._at(u.GetDataArray(), v.GetDataArray()))
+        a.Assign(self._acceleration(u.GetDataArray(), v.GetDataArray()))
 
-    def ImplicitSolve(self, of_u, of_v, u, v, a):
-        one, u, v = self.problem, u.GetDataArray(), v.GetDataArray()
-        x = self._at(u, v)
+    def ImplicitSolve(self, u_factor, v_factor, u, v, a):
+        problem, u, v = self.problem, u.GetDataArray(), v.GetDataArray()
+        x = self._acceleration(u, v)
         for _ in range(50):
-            at = u + of_u * x
-            residual = one.mass @ x + one.damping @ (v + of_v * x) + one.force(at) - one.load(self.GetTime())
-            change = np.linalg.solve(one.mass + of_v * one.damping + of_u * one.tangent(at), residual)
+            u_end = u + u_factor * x
+            residual = (
+                problem.mass @ x
+                + problem.damping @ (v + v_factor * x)
+                + problem.force(u_end)
+                - problem.load(self.GetTime())
+            )
+            change = np.linalg.solve(
+                problem.mass + v_factor * problem.damping + u_factor * problem.tangent(u_end), residual
+            )
             x = x - change
             if abs(change).max() <= 1e-14 * abs(x).max():
                 break
@@ -67,4 +74,4 @@ def step(problem, scheme, dt, steps):
     for size in np.broadcast_to(dt, steps).tolist():
         t, _ = solver.Step(u, v, t, size)
         rows.append((u.GetDataArray().copy(), v.GetDataArray().copy()))
-    return [np.array(one) for one in zip(*rows, strict=True)]
+    return [np.array(values) for values in zip(*rows, strict=True)]

@@ -46,4 +46,4 @@ def step(problem, scheme, dt, steps):
             rows.append((data.qpos.copy(), data.qvel.copy()))
     finally:
         mujoco.set_mjcb_passive(None)
-    return [np.array(one) for one in zip(*rows, strict=True)]
+    return [np.array(values) for values in zip(*rows, strict=True)]

@@ -62,11 +62,11 @@ def run(ops: Any, integrators, started, problem, scheme, dt, steps):
     for node, *values in zip(nodes, problem.u0.tolist(), problem.v0.tolist(), (a * started).tolist(), strict=True):
         for setter, value in zip((ops.setNodeDisp, ops.setNodeVel, ops.setNodeAccel), values, strict=True):
             setter(node, 1, value, "-commit")
-    read, rows = (ops.nodeDisp, ops.nodeVel, ops.nodeAccel), []
+    functions, rows = (ops.nodeDisp, ops.nodeVel, ops.nodeAccel), []
     for number, size in enumerate([0.0, *np.broadcast_to(dt, steps).tolist()]):
         if number and ops.analyze(1, size):
             raise ArithmeticError(f"step {number} fails")
-        rows.append([[one(node, 1) for node in nodes] for one in read])
+        rows.append([[function(node, 1) for node in nodes] for function in functions])
     return [np.array([row[i] for row in rows]) for i in range(3)]
 
 

@@ -16,12 +16,12 @@ _REST |= {"ts_max_snes_failures": -1, "ksp_type": "preonly", "pc_type": "lu"}
 
 def _options(scheme):
     """Options of PETSc for a scheme; None if PETSc does not have the scheme."""
-    given = {name: float(value) for name, value in scheme.items() if name not in ("family", "start")}
+    numbers = {name: float(value) for name, value in scheme.items() if name not in ("family", "start")}
     if scheme["family"] in ("newmark", "hht", "generalized_alpha"):
         # PETSc weights the end of a step by its α_m and α_f
-        alpha_m, alpha_f = 1 - given.get("alpha_m", 0.0), 1 - given.get("alpha_f", -given.pop("alpha", 0.0))
+        alpha_m, alpha_f = 1 - numbers.get("alpha_m", 0.0), 1 - numbers.get("alpha_f", -numbers.pop("alpha", 0.0))
         return {"type": "alpha2"} | {
-            f"alpha_{name}": value for name, value in (given | {"alpha_m": alpha_m, "alpha_f": alpha_f}).items()
+            f"alpha_{name}": value for name, value in (numbers | {"alpha_m": alpha_m, "alpha_f": alpha_f}).items()
         }
     known = {"rk4": {"type": "rk", "rk_type": "4"}, "midpoint": {"type": "theta", "theta_theta": 0.5}}
     return known.get(scheme["family"])
@@ -36,7 +36,7 @@ def _vector(values):
 
 def step(problem, scheme, dt, steps):
     """Displacement and velocity at the start and after every step, each (steps + 1, n)."""
-    options, one, n = _options(scheme), problem, len(problem.u0)
+    options, n = _options(scheme), len(problem.u0)
     if options is None or problem.text["form"] == "elastoplastic" or np.ndim(dt):
         raise NotImplementedError("it has no such method, or no spring with a memory, or is run with equal steps")
     for name, value in {**{f"ts_{name}": x for name, x in options.items()}, **_REST}.items():
@@ -46,24 +46,26 @@ def step(problem, scheme, dt, steps):
 
     def residual(ts, t, u, v, a, f):
         u, v, a = (x.getArray(readonly=True) for x in (u, v, a))
-        f.setArray(one.mass @ a + one.damping @ v + one.force(u) - one.load(t))
+        f.setArray(problem.mass @ a + problem.damping @ v + problem.force(u) - problem.load(t))
 
     def right(ts, t, y, f):
         u, v = np.split(y.getArray(readonly=True), 2)
-        f.setArray(np.concatenate([v, np.linalg.solve(one.mass, one.load(t) - one.damping @ v - one.force(u))]))
+        f.setArray(
+            np.concatenate([v, np.linalg.solve(problem.mass, problem.load(t) - problem.damping @ v - problem.force(u))])
+        )
 
     second = options["type"] == "alpha2"
     if second:
-        ts.setI2Function(residual, _vector(one.u0))
-        ts.setSolution2(_vector(one.u0), _vector(one.v0))
+        ts.setI2Function(residual, _vector(problem.u0))
+        ts.setSolution2(_vector(problem.u0), _vector(problem.v0))
     else:
         ts.setRHSFunction(right, _vector(np.zeros(2 * n)))
-        ts.setSolution(_vector(np.concatenate([one.u0, one.v0])))
+        ts.setSolution(_vector(np.concatenate([problem.u0, problem.v0])))
     ts.setTimeStep(dt)
     ts.setMaxSteps(steps)
     ts.setMaxTime(2 * dt * steps)
     ts.setFromOptions()
-    rows = [np.concatenate([one.u0, one.v0])]
+    rows = [np.concatenate([problem.u0, problem.v0])]
     for _ in range(steps):
         ts.step()
         rows.append(np.concatenate([x.getArray() for x in (ts.getSolution2() if second else [ts.getSolution()])]))

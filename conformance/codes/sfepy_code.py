@@ -33,10 +33,10 @@ def _solver(scheme):
 
 def step(problem, scheme, dt, steps):
     """Displacement, velocity and acceleration at the start and after every step, each (steps + 1, n)."""
-    found = _solver(scheme)
-    if found is None or problem.text["form"] == "elastoplastic" or np.ndim(dt):
+    choice = _solver(scheme)
+    if choice is None or problem.text["form"] == "elastoplastic" or np.ndim(dt):
         raise NotImplementedError("it has no such solver, or no spring with a memory, or is run with equal steps")
-    kind, numbers = found
+    kind, numbers = choice
     n = len(problem.u0)
     parts = [slice(i * n, (i + 1) * n) for i in range(3)]
     load, rows = problem.load(0.0), []
@@ -70,4 +70,4 @@ def step(problem, scheme, dt, steps):
         prestep_fun=before,
         poststep_fun=after,
     )
-    return [np.array(one) for one in zip(*rows, strict=True)]
+    return [np.array(values) for values in zip(*rows, strict=True)]

@@ -77,14 +77,14 @@ def _force(form, parameters, n):
     if form == "stiff_sine":
         return _Sine(**numbers)
     zero = np.zeros(())
-    given = {"stiffness": np.zeros((n, n)), "S1": zero, "S2": zero, "S": zero, "g": zero} | numbers
-    return _Smooth(**given)
+    arguments = {"stiffness": np.zeros((n, n)), "S1": zero, "S2": zero, "S": zero, "g": zero} | numbers
+    return _Smooth(**arguments)
 
 
 @cache
-def problem_of(written):
+def problem_of(encoded):
     """The problem of a case, given as JSON, as a problem of the study."""
-    text = json.loads(written)
+    text = json.loads(encoded)
     n, (u0, v0, mass, damping) = len(text["u0"]), (np.array(text[name], float) for name in _ARRAYS)
     load, ground = text.get("load", _NO_LOAD | {"amplitude": [0] * n}), text.get("ground", _NO_GROUND)
     harmonic = _Load(*(np.array(load[name], float) for name in ("amplitude", "frequency", "phase")))
@@ -134,26 +134,26 @@ def _march(problem, scheme, times, sizes, steps):
             inner = inner.inner
         return state.u, state.v, getattr(inner, "a", state.u)
 
-    def one(i, carry):
+    def advance(i, carry):
         state, rows = carry
         state, _ = scheme.step(problem, state, times[i], sizes[i])
         return state, jax.tree.map(lambda row, value: row.at[i + 1].set(value), rows, read(state))
 
     rows = jax.tree.map(lambda value: jnp.zeros((_ROWS, *value.shape)).at[0].set(value), read(state))
-    return lax.fori_loop(0, steps, one, (state, rows))[1]
+    return lax.fori_loop(0, steps, advance, (state, rows))[1]
 
 
 def step(problem, scheme, dt, steps):
     """Displacement, velocity and, if the scheme carries it, acceleration at t = 0 and after each step."""
-    ours = scheme_of(scheme)
+    method = scheme_of(scheme)
     sizes = np.full(_ROWS, dt if np.ndim(dt) == 0 else 0.0)
     times = np.arange(_ROWS) * sizes
     if np.ndim(dt):
         sizes[:steps], times[1 : steps + 1] = dt, np.cumsum(dt)
-        ours = study.UnequalSteps(scheme=ours) if ours.acceleration_offset else ours
+        method = study.UnequalSteps(scheme=method) if method.acceleration_offset else method
     modelled = problem_of(json.dumps(problem.text))
     if modelled.history is not None:
-        ours = WithHistory(scheme=ours)
-    rows = _march(modelled, ours, times, sizes, np.int64(steps))
+        method = WithHistory(scheme=method)
+    rows = _march(modelled, method, times, sizes, np.int64(steps))
     carried = scheme["family"] not in ("rk4", "midpoint", "symplectic_euler")
-    return [np.asarray(one)[: steps + 1] for one in rows[: 2 + carried]]
+    return [np.asarray(values)[: steps + 1] for values in rows[: 2 + carried]]

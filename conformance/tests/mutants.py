@@ -77,15 +77,15 @@ def mutants(file: str) -> Iterator[Mutant]:
     start = text.index(FORMULAS[file][0])
     end = text.index(FORMULAS[file][1], start)
     for pattern, new in RULES:
-        for found in re.finditer(pattern, text[start:end]):
-            at, to = start + found.start(), start + found.end()
-            changed = found.expand(new)
-            first, last = text.rindex("\n", 0, at) + 1, text.index("\n", to)
+        for match in re.finditer(pattern, text[start:end]):
+            begin, stop = start + match.start(), start + match.end()
+            changed = match.expand(new)
+            first, last = text.rindex("\n", 0, begin) + 1, text.index("\n", stop)
             yield Mutant(
                 file,
                 text[first:last].strip(),
-                (text[first:at] + changed + text[to:last]).strip(),
-                text[:at] + changed + text[to:],
+                (text[first:begin] + changed + text[stop:last]).strip(),
+                text[:begin] + changed + text[stop:],
             )
 
 
@@ -119,7 +119,9 @@ def causes(mutant: Mutant, chosen: Sequence[dict[str, Any]], folder: Path) -> Co
     except (ValueError, SyntaxError):
         return Counter()
     # `where` is empty if the code raises an error or returns numbers that are not finite
-    return Counter(one.cause for one in judged(chosen, run) if one.verdict in ("differs", "fail") and one.where)
+    return Counter(
+        verdict.cause for verdict in judged(chosen, run) if verdict.verdict in ("differs", "fail") and verdict.where
+    )
 
 
 def drawn(number: int, seed: int, chosen: Sequence[dict[str, Any]], folder: Path) -> Iterator[tuple[Mutant, Counter]]:
@@ -130,23 +132,23 @@ def drawn(number: int, seed: int, chosen: Sequence[dict[str, Any]], folder: Path
         draw.shuffle(waiting)
     while left and any(lists.values()):
         for waiting in lists.values():
-            found = Counter[str]()
-            while waiting and left and not found:
+            counts = Counter[str]()
+            while waiting and left and not counts:
                 mutant = waiting.pop()
-                if found := causes(mutant, chosen, folder):
+                if counts := causes(mutant, chosen, folder):
                     left -= 1
-                    yield mutant, found
+                    yield mutant, counts
 
 
 def _has(file: str) -> bool:
     return shutil.which({"py": sys.executable, "c": "cc", "js": "node"}[file.rpartition(".")[2]]) is not None
 
 
-def named(found: Counter[str]) -> bool:
+def named(counts: Counter[str]) -> bool:
     """Whether one cause explains at least half of the failures, and is known and not a guess about precision."""
-    ((cause, count),) = found.most_common(1)
+    ((cause, count),) = counts.most_common(1)
     guessed = cause == "not known" or cause.startswith("numbers are in single precision")
-    return 2 * count >= found.total() and not guessed
+    return 2 * count >= counts.total() and not guessed
 
 
 #: Fast cases that together reach every formula of the examples.
@@ -163,8 +165,8 @@ if __name__ == "__main__":
 
     with tempfile.TemporaryDirectory() as name:
         total = Counter[bool]()
-        for mutant, found in drawn(int(sys.argv[1]), 1, few(), Path(name)):
-            total[named(found)] += 1
-            ((cause, count),) = found.most_common(1)
-            print(f"{mutant.file}: {mutant.before}\n  -> {mutant.after}\n  {cause} ({count} of {found.total()})")
+        for mutant, counts in drawn(int(sys.argv[1]), 1, few(), Path(name)):
+            total[named(counts)] += 1
+            ((cause, count),) = counts.most_common(1)
+            print(f"{mutant.file}: {mutant.before}\n  -> {mutant.after}\n  {cause} ({count} of {counts.total()})")
     print(f"named: {total[True]} of {total.total()}")

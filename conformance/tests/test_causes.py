@@ -59,10 +59,10 @@ def _predicted(a, t, dt, u, v, a0, kept):
 @_central
 def _late(a, t, dt, u, v, a0, half):
     """The formulas of Kratos 10.4.4; ``half`` is the velocity of the half step before."""
-    now = a(t + dt, u, v)
-    v = v if half is None else half + dt / 2 * now
-    half = v + dt / 2 * now
-    return u + dt * half, v, now, half
+    acceleration = a(t + dt, u, v)
+    v = v if half is None else half + dt / 2 * acceleration
+    half = v + dt / 2 * acceleration
+    return u + dt * half, v, acceleration, half
 
 
 @pytest.mark.parametrize(
@@ -92,8 +92,8 @@ def _late(a, t, dt, u, v, a0, half):
     ],
 )
 def test_a_mistake_of_the_output_is_named(change, cause, where):
-    one = _judged("A-CUB-AVG", change=change)
-    assert one.cause == cause and where in one.where
+    verdict = _judged("A-CUB-AVG", change=change)
+    assert verdict.cause == cause and where in verdict.where
 
 
 @pytest.mark.parametrize(
@@ -176,9 +176,9 @@ def test_a_mistake_has_one_name_in_all_cases():
     module: Any = ModuleType("mistaken")
     exec(TEXT.replace("/ (beta * tau**2)", "/ (gamma * tau**2)"), module.__dict__)
     for names in (("A-CUB-AVG", "A-CUB-DIS"), ("A-CUB-DIS", "A-CUB-AVG")):
-        found = judged([BY_NAME[name] for name in names], runners.of_step(module.step))
-        assert [one.name for one in found] == [*names]
-        assert {one.cause for one in found} == {
+        verdicts = judged([BY_NAME[name] for name in names], runners.of_step(module.step))
+        assert [verdict.name for verdict in verdicts] == [*names]
+        assert {verdict.cause for verdict in verdicts} == {
             "the term Δt² β a₁ in the displacement, for the balance alone has the factor γ/β"
         }
 
@@ -203,12 +203,16 @@ def test_a_large_error_of_a_parameter_is_not_named_by_its_derivative():
 
 @pytest.mark.filterwarnings("error")
 def test_huge_values_have_a_verdict_without_a_warning():
-    one = _judged("A-CUB-AVG", change=lambda u, v, a, dt: (1e300 * u, 1e300 * v, a))
-    assert (one.verdict, one.cause) == ("fail", "not known")
+    verdict = _judged("A-CUB-AVG", change=lambda u, v, a, dt: (1e300 * u, 1e300 * v, a))
+    assert (verdict.verdict, verdict.cause) == ("fail", "not known")
 
 
 def test_a_cause_that_explains_no_value_is_not_named():
     """A random velocity is no change of the scheme."""
     noise = np.random.default_rng(1).normal(size=(3, 1))
-    one = _judged("A-CUB-AVG", change=lambda u, v, a, dt: (u, v + noise, a))
-    assert (one.verdict, one.cause, one.where) == ("fail", "not known", "u agrees, v differs from step 0 on, a agrees")
+    verdict = _judged("A-CUB-AVG", change=lambda u, v, a, dt: (u, v + noise, a))
+    assert (verdict.verdict, verdict.cause, verdict.where) == (
+        "fail",
+        "not known",
+        "u agrees, v differs from step 0 on, a agrees",
+    )

@@ -32,17 +32,17 @@ def _assembled(n, links):
 
 def _elements(lines, kind, values_after):
     """Yield the nodes, numbered from 0, and the value of each element of a type in an Abaqus file."""
-    for at in (i for i, line in enumerate(lines) if line.startswith(f"*ELEMENT, TYPE={kind},")):
-        yield *(int(word) - 1 for word in lines[at + 1].split(",")[1:]), float(lines[at + values_after])
+    for index in (i for i, line in enumerate(lines) if line.startswith(f"*ELEMENT, TYPE={kind},")):
+        yield *(int(word) - 1 for word in lines[index + 1].split(",")[1:]), float(lines[index + values_after])
 
 
 def _force(lines, i, t):
     """Force on unknown i at time t, from its amplitude in an Abaqus file."""
-    at = next(place for place, line in enumerate(lines) if line.startswith(f"*AMPLITUDE, NAME=FORCE{i + 1}"))
-    if "PERIODIC" in lines[at]:
-        (_, w, _, constant), (cosine, sine) = (map(float, lines[at + k].split(",")) for k in (1, 2))
+    index = next(place for place, line in enumerate(lines) if line.startswith(f"*AMPLITUDE, NAME=FORCE{i + 1}"))
+    if "PERIODIC" in lines[index]:
+        (_, w, _, constant), (cosine, sine) = (map(float, lines[index + k].split(",")) for k in (1, 2))
         return constant + cosine * np.cos(w * t) + sine * np.sin(w * t)
-    samples = [[float(word) for word in line.split(",")] for line in lines[at + 1 : at + 18]]
+    samples = [[float(word) for word in line.split(",")] for line in lines[index + 1 : index + 18]]
     return np.interp(t, *np.array(samples).T)
 
 
@@ -57,13 +57,13 @@ def test_a_file_of_abaqus_states_the_case(name):
     for t in (0.0, 0.07):
         forces = [_force(lines, i, t) for i in range(n)]
         np.testing.assert_allclose(forces, problem.load(t) - stiffness @ problem.u0)
-    at = lines.index("*INITIAL CONDITIONS, TYPE=VELOCITY")
-    assert [float(line.split(",")[2]) for line in lines[at + 1 : at + 1 + n]] == problem.v0.tolist()
+    index = lines.index("*INITIAL CONDITIONS, TYPE=VELOCITY")
+    assert [float(line.split(",")[2]) for line in lines[index + 1 : index + 1 + n]] == problem.v0.tolist()
     alpha, beta = case["scheme"].get("alpha", "0"), case["scheme"]["beta"]
-    at = lines.index(
+    index = lines.index(
         f"*DYNAMIC, TIME INTEGRATOR=HHT-TF, ALPHA={alpha}, BETA={beta}, GAMMA={case['scheme']['gamma']}, DIRECT"
     )
-    dt, end = map(float, lines[at + 1].split(","))
+    dt, end = map(float, lines[index + 1].split(","))
     assert dt == float(case["run"]["dt"]) and end == pytest.approx(dt * case["run"]["steps"])
 
 
@@ -90,16 +90,16 @@ class Commands(dict):
 def test_commands_of_code_aster_state_the_case(name, scheme):
     case, problem, names = BY_NAME[name], Problem(BY_NAME[name]["problem"]), Commands()
     exec(_written(chains.code_aster, case).partition("u1 = ")[0], names)  # the rest of the program reads the motion
-    called: dict[str, Any] = names["called"]
-    parts, n = called["AFFE_CARA_ELEM"].DISCRET, len(problem.u0)
-    np.testing.assert_allclose(np.diag([one.VALE for one in parts if one.CARA == "M_T_D_N"]), problem.mass)
+    calls: dict[str, Any] = names["called"]
+    parts, n = calls["AFFE_CARA_ELEM"].DISCRET, len(problem.u0)
+    np.testing.assert_allclose(np.diag([part.VALE for part in parts if part.CARA == "M_T_D_N"]), problem.mass)
     for kind, matrix in (("K_T_D_L", problem.tangent(problem.u0)), ("A_T_D_L", problem.damping)):
-        links = [(*map(int, one.GROUP_MA[1:]), one.VALE[0]) for one in parts if kind == one.CARA]
+        links = [(*map(int, part.GROUP_MA[1:]), part.VALE[0]) for part in parts if kind == part.CARA]
         np.testing.assert_allclose(_assembled(n, links), matrix)
     mesh = _written(chains.mesh, case).splitlines()
-    assert all(" ".join([one.GROUP_MA, *(f"N{digit}" for digit in one.GROUP_MA[1:])]) in mesh for one in parts)
-    assert [one.VALE for one in called["CREA_CHAMP"].AFFE[1:]] == problem.u0.tolist()
-    motion = called["DYNA_NON_LINE"]
+    assert all(" ".join([part.GROUP_MA, *(f"N{digit}" for digit in part.GROUP_MA[1:])]) in mesh for part in parts)
+    assert [part.VALE for part in calls["CREA_CHAMP"].AFFE[1:]] == problem.u0.tolist()
+    motion = calls["DYNA_NON_LINE"]
     # no relative tolerance, because it refers to the external force, which is zero in a free motion
     assert vars(motion.CONVERGENCE).keys() == {"RESI_GLOB_MAXI", "ITER_GLOB_MAXI"}
     assert 0 < motion.CONVERGENCE.RESI_GLOB_MAXI < 1e-6

@@ -41,9 +41,9 @@ def _environment(folder: Path, *packages: str) -> Path:
     venv.create(folder, with_pip=False)
     python = folder / "bin" / "python"
     target = Path(sysconfig.get_path("purelib", "venv", {"base": str(folder), "platbase": str(folder)}))
-    for one in packages:
-        for name in {file.parts[0] for file in distribution(one).files or []} - {"..", "__pycache__"}:
-            (target / name).symlink_to(Path(str(distribution(one).locate_file(name))))
+    for package in packages:
+        for name in {file.parts[0] for file in distribution(package).files or []} - {"..", "__pycache__"}:
+            (target / name).symlink_to(Path(str(distribution(package).locate_file(name))))
     return python
 
 
@@ -71,8 +71,8 @@ def test_the_wheel_has_the_version_of_the_cases_and_holds_the_kit_alone(wheel):
     assert re.findall(r"^Requires-Dist: (?!.*extra)(.*)$", metadata, re.MULTILINE) == ["numpy>=1.26"]
     held = {name for name in names if ".dist-info/" not in name}
     sources = [KIT.glob("*.py"), *(KIT.joinpath(folder).glob("*") for folder in ("cases", "codes", "examples"))]
-    wanted = {file.relative_to(KIT.parent).as_posix() for group in sources for file in group if file.is_file()}
-    assert held == wanted | {"conformance/schema.json"}
+    expected = {file.relative_to(KIT.parent).as_posix() for group in sources for file in group if file.is_file()}
+    assert held == expected | {"conformance/schema.json"}
 
 
 def test_the_installed_command_judges_a_code(wheel, tmp_path):
@@ -105,10 +105,10 @@ def action(tmp_path_factory):
     shutil.copytree(KIT, folder / "kit", ignore=shutil.ignore_patterns("__pycache__", "verdicts"))
     # the installation fetches nothing
     rest = {"PIP_NO_INDEX": 1, "PIP_NO_BUILD_ISOLATION": 0, "PIP_NO_DEPS": 1, "GITHUB_ACTION_PATH": folder / "kit"}
-    inputs = {name: one.get("default") for name, one in stated["inputs"].items()}
+    inputs = {name: definition.get("default") for name, definition in stated["inputs"].items()}
 
-    def run(number, place, **given):
-        step, values = stated["runs"]["steps"][number], inputs | given
+    def run(number, place, **options):
+        step, values = stated["runs"]["steps"][number], inputs | options
         written = {name: place / name for name in ("GITHUB_OUTPUT", "GITHUB_STEP_SUMMARY")}
         taken = {
             name: values[x.removeprefix("${{ inputs.").removesuffix(" }}")] for name, x in step.get("env", {}).items()

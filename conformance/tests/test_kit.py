@@ -40,7 +40,7 @@ def _number(version):
 
 
 def counted(outcomes):
-    return Counter(one.verdict for one in outcomes)
+    return Counter(verdict.verdict for verdict in outcomes)
 
 
 @pytest.mark.parametrize("file", sorted((KIT / "codes").glob("*.py")), ids=lambda file: file.stem)
@@ -69,7 +69,7 @@ def test_a_case_never_changes():
     for file in sorted(generate.CASES.glob("*.json")):
         text = file.read_bytes()
         digests[json.loads(text)["version"]].update(text)
-    assert {version: one.hexdigest() for version, one in digests.items()} == {
+    assert {version: digest.hexdigest() for version, digest in digests.items()} == {
         "2026.1": "6d010550ea0f8ebd4d6b003ceeb7d33299634be0927f9af091eb51e1b878cb10",
         "2026.2": "5fd46c83021deaf7b836237acf0f0258edea9139a1e829c712c7f15c96908b16",
     }
@@ -82,10 +82,10 @@ def test_a_case_never_changes():
 def test_a_case_is_what_the_generator_makes(place):
     """Only this test finds that the formulas, which also explain a wrong order, no longer give the cases."""
     problem, _, code = place.rpartition("-")
-    (entry,) = [one for one in PROBLEMS if one.name == problem]
+    (entry,) = [entry for entry in PROBLEMS if entry.name == problem]
     with mp.workdps(generate.DIGITS):
-        made = generate.written(generate.case(entry, code, *SCHEMES[code]))
-    assert (generate.CASES / f"{place}.json").read_text(encoding="utf-8") == made
+        text = generate.written(generate.case(entry, code, *SCHEMES[code]))
+    assert (generate.CASES / f"{place}.json").read_text(encoding="utf-8") == text
 
 
 def test_the_stored_end_of_a_case_of_order_is_exact():
@@ -96,12 +96,12 @@ def test_the_stored_end_of_a_case_of_order_is_exact():
 
     (entry,) = ORDERS
     (case,) = [case for case in ALL if case["name"] == "D-ORDER-RK4"]
-    one = Problem(entry.problem)
+    equation = Problem(entry.problem)
 
     def slope(t, y):
-        return [y[1], ((one.load(t) - one.damping @ y[1:] - one.force(y[:1])) / one.mass[0, 0])[0]]
+        return [y[1], ((equation.load(t) - equation.damping @ y[1:] - equation.force(y[:1])) / equation.mass[0, 0])[0]]
 
-    end = solve_ivp(slope, (0, 2), [*one.u0, *one.v0], method="DOP853", rtol=1e-13, atol=1e-14).y[0, -1]
+    end = solve_ivp(slope, (0, 2), [*equation.u0, *equation.v0], method="DOP853", rtol=1e-13, atol=1e-14).y[0, -1]
     assert float(case["expect"][0]["value"]) == pytest.approx(end, abs=1e-11)
 
 
@@ -121,8 +121,10 @@ def _mutated(text, change):
 def _caught(runner, chosen, cause):
     """Whether a case fails or differs, and reports the expected cause; the first such case ends the run."""
     known: Known = set()
-    found = (judge(case, partial(runner, case), known) for case in chosen)
-    return any(one.verdict in ("fail", "differs") and cause in f"{one.cause} ({one.where})" for one in found)
+    outcomes = (judge(case, partial(runner, case), known) for case in chosen)
+    return any(
+        outcome.verdict in ("fail", "differs") and cause in f"{outcome.cause} ({outcome.where})" for outcome in outcomes
+    )
 
 
 @pytest.mark.parametrize("change", mutations.PYTHON, ids=lambda change: change[2])
@@ -139,9 +141,11 @@ def test_an_acceleration_that_is_moved_to_the_new_step_is_an_alternative():
     exec((KIT / "examples" / "newmark.py").read_text(encoding="utf-8").replace(*mutations.MOVED), module.__dict__)
     unequal = [case for case in ALL if "unequal_steps" in case["tags"]]
     outcomes = verdicts(runners.of_step(module.step), unequal)
-    for one in outcomes:
-        moved = one.name.endswith(("HHT", "GEN"))
-        assert one.verdict == ("differs" if moved else "pass") and ("moved to the new step" in one.cause) == moved
+    for outcome in outcomes:
+        moved = outcome.name.endswith(("HHT", "GEN"))
+        assert (
+            outcome.verdict == ("differs" if moved else "pass") and ("moved to the new step" in outcome.cause) == moved
+        )
     assert counted(outcomes)["differs"] == 4
 
 
@@ -154,8 +158,8 @@ def test_unequal_steps_have_the_changes_that_their_cases_hold_no_values_of():
     ):
         module: Any = ModuleType("mutated")
         exec(text.replace(old, new), module.__dict__)
-        changed = [one for one in verdicts(runners.of_step(module.step), unequal) if one.verdict != "pass"]
-        assert changed and all(one.verdict == verdict and cause in one.cause for one in changed), changed
+        changed = [outcome for outcome in verdicts(runners.of_step(module.step), unequal) if outcome.verdict != "pass"]
+        assert changed and all(outcome.verdict == verdict and cause in outcome.cause for outcome in changed), changed
 
 
 def test_a_wrong_order_and_a_growing_energy_name_their_cause():
@@ -215,7 +219,7 @@ def test_opensees_has_newmarks_method_and_starts_houbolts_by_average_acceleratio
     pytest.importorskip("openseespy.opensees", exc_type=ImportError)
     runner = runners.of_function("conformance.codes.opensees:step")
     chosen = [case for case in QUICK if case["name"].endswith(("AVG", "DIS", "HHT", "WIL", "HOU"))]
-    outcomes = Counter((one.name[-3:], one.verdict) for one in verdicts(runner, chosen))
+    outcomes = Counter((outcome.name[-3:], outcome.verdict) for outcome in verdicts(runner, chosen))
     assert {code for code, verdict in outcomes if verdict == "pass"} >= {"AVG", "DIS", "HHT", "WIL"}
     assert {code for code, verdict in outcomes if verdict in ("differs", "fail")} == {"HOU"}
 

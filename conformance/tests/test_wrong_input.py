@@ -58,14 +58,14 @@ def _wrong(problem, scheme, dt, steps):
 
 def test_a_code_that_raises_or_returns_something_else_fails_with_a_sentence():
     outcomes = _verdicts(runners.of_step(_wrong), [case for case in ALL if case["name"].startswith("A-LIN")])
-    causes = {one.name: one.cause for one in outcomes}
+    causes = {outcome.name: outcome.cause for outcome in outcomes}
     assert causes["A-LIN-WIL"] == "the code raises ZeroDivisionError: division by zero"
     assert causes["A-LIN-HOU"] == "u is not finite from step 0 on"
     assert causes["A-LIN-AVG"] == "u has the shape (2, 1), not (3, 1): a row for t = 0 and for each step"
 
 
 @pytest.mark.parametrize(
-    ("found", "sentence"),
+    ("result", "sentence"),
     [
         (None, "the function must return u, v and, if available, a"),
         ({"u": 0, "v": 0}, "the function must return u, v and, if available, a"),
@@ -74,18 +74,18 @@ def test_a_code_that_raises_or_returns_something_else_fails_with_a_sentence():
         ([None, np.zeros((3, 1))], "u must be an array of numbers, with a row for t = 0 and for each step"),
     ],
 )
-def test_a_function_that_returns_no_motion_fails_with_a_sentence(found, sentence):
-    runner = runners.of_step(lambda problem, scheme, dt, steps: found)
-    (one,) = _verdicts(runner, [case for case in ALL if case["name"] == "A-LIN-AVG"])
-    assert (one.verdict, one.cause) == ("fail", sentence)
+def test_a_function_that_returns_no_motion_fails_with_a_sentence(result, sentence):
+    runner = runners.of_step(lambda problem, scheme, dt, steps: result)
+    (verdict,) = _verdicts(runner, [case for case in ALL if case["name"] == "A-LIN-AVG"])
+    assert (verdict.verdict, verdict.cause) == ("fail", sentence)
 
 
 def test_a_function_may_import_its_neighbours_when_it_runs(tmp_path):
     (tmp_path / "neighbour.py").write_text("from conformance.examples.newmark import step", encoding="utf-8")
     text = "def late(*given):\n    from neighbour import step\n    return step(*given)\n"
     (tmp_path / "late_code.py").write_text(text, encoding="utf-8")
-    (one,) = _verdicts(runners.of_function(f"{tmp_path / 'late_code.py'}:late"), [ALL[0]])
-    assert one.verdict == "pass"
+    (verdict,) = _verdicts(runners.of_function(f"{tmp_path / 'late_code.py'}:late"), [ALL[0]])
+    assert verdict.verdict == "pass"
 
 
 _TABLE = "out.csv must have a line of names and rows with as many numbers, separated by commas"
@@ -114,15 +114,15 @@ _TABLE = "out.csv must have a line of names and rows with as many numbers, separ
 def test_a_command_that_fails_is_a_failure_of_the_case(script, verdict, sentence, tmp_path):
     (tmp_path / "run.sh").write_text(script.replace("{out}", '"$2"'), encoding="utf-8")
     runner = runners.of_command(f"sh {tmp_path / 'run.sh'} {{case}} {{out}}")
-    (one,) = _verdicts(runner, [case for case in ALL if case["name"] == "A-LIN-AVG"])
-    assert (one.verdict, one.cause) == (verdict, sentence)
+    (outcome,) = _verdicts(runner, [case for case in ALL if case["name"] == "A-LIN-AVG"])
+    assert (outcome.verdict, outcome.cause) == (verdict, sentence)
 
 
 def test_a_command_that_hangs_ends_with_the_programs_that_it_started(tmp_path, monkeypatch):
     monkeypatch.setattr(runners, "TIMEOUT", 0.5)
     (tmp_path / "run.sh").write_text(f"(sleep 1.5; touch {tmp_path / 'late'}) & wait", encoding="utf-8")
-    (one,) = _verdicts(runners.of_command(f"sh {tmp_path / 'run.sh'} {{case}} {{out}}"), ALL[:1])
-    assert (one.verdict, one.cause) == ("fail", "the command takes longer than 0.5 s")
+    (verdict,) = _verdicts(runners.of_command(f"sh {tmp_path / 'run.sh'} {{case}} {{out}}"), ALL[:1])
+    assert (verdict.verdict, verdict.cause) == ("fail", "the command takes longer than 0.5 s")
     time.sleep(1.5)
     assert not (tmp_path / "late").exists()
 
@@ -159,5 +159,5 @@ def test_an_energy_without_a_velocity_is_skipped(tmp_path):
     (case,) = [case for case in ALL if case["name"] == "B-BOUND-AVG"]
     rows = "".join(f"{100 * i},1\n" for i in range(101))
     (tmp_path / "B-BOUND-AVG.csv").write_text("t,u1\n" + rows, encoding="utf-8")
-    (one,) = _verdicts(runners.of_folder(tmp_path), [case])
-    assert (one.verdict, one.cause) == ("skip", "an energy needs the velocity")
+    (verdict,) = _verdicts(runners.of_folder(tmp_path), [case])
+    assert (verdict.verdict, verdict.cause) == ("skip", "an energy needs the velocity")
