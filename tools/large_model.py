@@ -53,10 +53,12 @@ if __name__ == "__main__":
     ds = study.assess(
         model, SCHEMES, duration=DURATION, errors=ERRORS, seconds=float(sys.argv[3]) if sys.argv[3:] else math.inf
     )
-    taken = time.perf_counter() - start
-    print(f"{model.title}: {taken:.0f} s; the reference: {ds.attrs['reference']}, compared with {ds.attrs['witness']}")
+    seconds = time.perf_counter() - start
+    print(
+        f"{model.title}: {seconds:.0f} s; the reference: {ds.attrs['reference']}, compared with {ds.attrs['witness']}"
+    )
     for quantity in ds.quantity.values:
         for error in ERRORS:
             for row in study.recommend(ds, error=error, quantity=quantity).itertuples():
-                ratio = f", {taken / row.time:.0f} times one run" if row.time > 0 else ""
+                ratio = f", {seconds / row.time:.0f} times one run" if row.time > 0 else ""
                 print(f"{error:.0%} of {quantity}, {row.Index}: Δt = {row.step_size:g} s, {row.verdict}{ratio}")

@@ -45,7 +45,7 @@ def _annotated(text: str) -> set[int]:
     return {line for node in nodes if node is not None for line in range(node.lineno, node.end_lineno + 1)}
 
 
-def of_file(file: Path, chance: random.Random) -> Mutant | None:
+def random_mutant(file: Path, chance: random.Random) -> Mutant | None:
     """One mutant of a file at a random place, or None if there is no such place."""
     from cosmic_ray.ast import ast_nodes, get_ast
     from cosmic_ray.mutating import mutate_code
@@ -73,7 +73,7 @@ def mutants(project: Path, count: int, seed: int) -> Iterator[Mutant]:
     lengths = [len(path.read_text(encoding="utf-8").splitlines()) for path in files]
     while count:
         (file,) = chance.choices(files, lengths)
-        if mutant := of_file(file, chance):
+        if mutant := random_mutant(file, chance):
             count -= 1
             yield mutant
 
@@ -89,12 +89,12 @@ def caught_by(project: Path, *arguments: str) -> str:
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *arguments]
     environment = os.environ | {"PYTHONPATH": str(project), "XDG_CACHE_HOME": str(project / "cache")}
     try:
-        done = subprocess.run(command, cwd=project, env=environment, capture_output=True, text=True, timeout=LONGEST)
+        process = subprocess.run(command, cwd=project, env=environment, capture_output=True, text=True, timeout=LONGEST)
     except subprocess.TimeoutExpired:
         return "a test that does not end"
-    if done.returncode == 0:
+    if process.returncode == 0:
         return ""
-    failed = [line.split()[1] for line in done.stdout.splitlines() if line.startswith(("FAILED ", "ERROR "))]
+    failed = [line.split()[1] for line in process.stdout.splitlines() if line.startswith(("FAILED ", "ERROR "))]
     return (failed or ["the start of pytest"])[0]
 
 

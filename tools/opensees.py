@@ -26,8 +26,8 @@ from study.program import opensees_run
 
 #: Integrators of OpenSees for schemes that are compared.
 INTEGRATORS = {
-    name: one
-    for name, one in opensees_run.INTEGRATORS.items()
+    name: integrator
+    for name, integrator in opensees_run.INTEGRATORS.items()
     if name not in ("generalized_alpha", "CentralDifference", "ExplicitDifference")
 }
 
@@ -67,13 +67,13 @@ def _choose(ops: ModuleType, scheme: str) -> None:
     """Choose the integrator of a scheme, its solution algorithm, and the equation solver of a transient analysis."""
     if scheme not in INTEGRATORS:
         raise ValueError(f"OpenSees has no integrator for '{scheme}', only for {', '.join(INTEGRATORS)}.")
-    one = INTEGRATORS[scheme]
+    integrator = INTEGRATORS[scheme]
     ops.constraints("Plain")
     ops.numberer("Plain")
     ops.system("FullGeneral")
     ops.test("NormDispIncr", 1e-13, 50)
-    ops.algorithm(one.algorithm)
-    ops.integrator(*one.words)
+    ops.algorithm(integrator.algorithm)
+    ops.integrator(*integrator.words)
     ops.analysis("Transient")
 
 
@@ -116,7 +116,7 @@ def trajectory(problem: str, scheme: str, dt: float, steps: int) -> Solution:
         If the problem is not a cubic spring, OpenSees lacks the scheme, or a step fails.
     """
     ops = _prepared(problem, scheme)
-    return _stepped(ops, scheme, dt, steps, lambda of_node: of_node(2, 1))
+    return _stepped(ops, scheme, dt, steps, lambda function: function(2, 1))
 
 
 def variable_steps(
@@ -140,7 +140,7 @@ def variable_steps(
     _choose(ops, scheme)
     ops.analysis("VariableTransient")
     with tempfile.TemporaryDirectory() as folder:
-        files = {what: f"{folder}/{what}" for what in ("disp", "vel")}
+        files = {quantity: f"{folder}/{quantity}" for quantity in ("disp", "vel")}
         for what, file in files.items():
             ops.recorder("Node", "-file", file, "-precision", 16, "-time", "-node", 2, "-dof", 1, what)
         start = time.perf_counter()
@@ -168,7 +168,7 @@ def stiff_soft(scheme: str, dt: float, steps: int) -> Solution:
     ops.pattern("Plain", 1, 1)
     ops.load(2, stiffness)
     _choose(ops, scheme)
-    return _stepped(ops, scheme, dt, steps, lambda of_node: [of_node(node, 1) for node in (2, 3)])
+    return _stepped(ops, scheme, dt, steps, lambda function: [function(node, 1) for node in (2, 3)])
 
 
 def truss(
@@ -199,7 +199,7 @@ def truss(
         for direction, component in enumerate(velocity, start=1):
             ops.setNodeVel(node, direction, component, "-commit")
     return _stepped(
-        ops, scheme, dt, steps, lambda of_node: [x for node in range(1, len(joints) + 1) for x in of_node(node)]
+        ops, scheme, dt, steps, lambda function: [x for node in range(1, len(joints) + 1) for x in function(node)]
     )
 
 
@@ -260,7 +260,7 @@ def shear_frame(
     _choose(ops, scheme)
     for number, speed in enumerate([] if v0 is None else np.asarray(v0).tolist(), start=2):
         ops.setNodeVel(number, 1, speed, "-commit")
-    return _stepped(ops, scheme, dt, steps, lambda of_node: [of_node(node, 1) for node in range(2, floors + 2)])
+    return _stepped(ops, scheme, dt, steps, lambda function: [function(node, 1) for node in range(2, floors + 2)])
 
 
 def _stepped(ops: ModuleType, scheme: str, dt: float, steps: int, read: Callable) -> Solution:

@@ -51,9 +51,9 @@ def check(name: str) -> None:
     """Print a line for every scheme, quantity and allowed error of a problem."""
     problem, quantities, duration = PROBLEMS[name]()
     ds = assess(problem, SCHEMES, duration=duration, quantities=quantities, errors=(0.1, 0.01), maps=False)
-    equation, wanted = excited(problem, 1.0, displaced=True), errors.named(quantities)
-    reference = certified(equation, ds.duration, wanted, 0.01, duration / COARSEST, quantities is None)
-    case = cases_of(equation, reference, wanted, 0.01)[1.0]
+    equation, selected = excited(problem, 1.0, displaced=True), errors.named(quantities)
+    reference = certified(equation, ds.duration, selected, 0.01, duration / COARSEST, quantities is None)
+    case = cases_of(equation, reference, selected, 0.01)[1.0]
     random = np.random.default_rng(SEED)
     for scheme in ds.scheme.values:
         runs = {}
@@ -67,15 +67,15 @@ def check(name: str) -> None:
                 search.run(step * random.uniform(TWENTIETH, 1.0, STEPS))
                 runs[step] = search.runs
             error = runs[step][quantity].fillna(np.inf) / allowed
-            one = row.iloc[0]
+            first = row.iloc[0]
             print(
-                f"{name:15s} {scheme:22s} {quantity:13s} {allowed:5g}: step {step:.4g}, largest {one.largest_dt:.4g}, "
-                f"{one.steps_tried:.0f} tried, worst {one.worst_error:.2f}; "
+                f"{name:15s} {scheme:22s} {quantity:13s} {allowed:5g}: step {step:.4g}, "
+                f"largest {first.largest_dt:.4g}, {first.steps_tried:.0f} tried, worst {first.worst_error:.2f}; "
                 f"fresh: {(error > 1).sum()} of {STEPS} exceed, worst {error.max():.3f}",
                 flush=True,
             )
 
 
 if __name__ == "__main__":
-    for one in sys.argv[1:] or PROBLEMS:
-        check(one)
+    for name in sys.argv[1:] or PROBLEMS:
+        check(name)

@@ -51,18 +51,18 @@ def measured() -> dict[str, Job]:
     if not PLAN.exists():
         raise SystemExit("there is no finished study in this folder; `make` makes it.")
     steps = [step for step in json.loads(PLAN.read_text())["steps"] if step["name"] != "site"]  # made on request only
-    each = [(step, job, f"{step['name']}_{job}" if job else step["name"]) for step in steps for job in step["jobs"]]
-    maker = {output.replace("{job}", job): name for step, job, name in each for output in step["outputs"]}
+    entries = [(step, job, f"{step['name']}_{job}" if job else step["name"]) for step in steps for job in step["jobs"]]
+    maker = {output.replace("{job}", job): name for step, job, name in entries for output in step["outputs"]}
     jobs = {}
-    for step, job, name in each:
+    for step, job, name in entries:
         file = BENCHMARKS / f"{name}.tsv"
         if not file.exists():
             raise SystemExit(f"the job '{name}' has no measured time in '{BENCHMARKS}'; make the whole study first.")
         inputs = step["jobs"][job]["inputs"]
-        after = tuple(dict.fromkeys(maker[one] for one in inputs if one in maker))
-        taken = pd.read_csv(file, sep="\t").iloc[0]
-        seconds = min(taken.s, taken.cpu_time)
-        jobs[name] = Job(name, float(seconds), after, step["group"] or "", step["name"], float(taken.max_rss))
+        after = tuple(dict.fromkeys(maker[source] for source in inputs if source in maker))
+        benchmark = pd.read_csv(file, sep="\t").iloc[0]
+        seconds = min(benchmark.s, benchmark.cpu_time)
+        jobs[name] = Job(name, float(seconds), after, step["group"] or "", step["name"], float(benchmark.max_rss))
     return jobs
 
 
@@ -107,8 +107,8 @@ def makespan(jobs: dict[str, Job], cores: int) -> float:
                 continue
             busy |= {job.group} - {""}
             heapq.heappush(running, (now + job.seconds, job.name))
-        for one in waiting:
-            heapq.heappush(ready, one)
+        for entry in waiting:
+            heapq.heappush(ready, entry)
         now, done = heapq.heappop(running)
         for name, after in waits.items():
             if done in after:
@@ -127,12 +127,12 @@ def resources(jobs: dict[str, Job]) -> str:
     for job in jobs.values():
         rules.setdefault(job.rule, []).append(job)
     lines = ["set-resources:"]
-    for rule, ones in sorted(rules.items()):
-        memory = 500 * -(-1.5 * max(job.memory for job in ones) // 500)
-        minutes = 5 * -(-3 * max(job.seconds for job in ones) / 60 // 5)
-        wanted = [f"mem_mb: {memory:.0f} * attempt"] if memory > DEFAULT_MEMORY else []
-        wanted += [f"runtime: {minutes:.0f} * attempt"] if minutes > DEFAULT_MINUTES else []
-        lines += [f"  {rule}: {{{', '.join(wanted)}}}"] if wanted else []
+    for rule, members in sorted(rules.items()):
+        memory = 500 * -(-1.5 * max(job.memory for job in members) // 500)
+        minutes = 5 * -(-3 * max(job.seconds for job in members) / 60 // 5)
+        limits = [f"mem_mb: {memory:.0f} * attempt"] if memory > DEFAULT_MEMORY else []
+        limits += [f"runtime: {minutes:.0f} * attempt"] if minutes > DEFAULT_MINUTES else []
+        lines += [f"  {rule}: {{{', '.join(limits)}}}"] if limits else []
     return "\n".join(lines)
 
 
@@ -170,12 +170,12 @@ def draw(jobs: dict[str, Job], times: pd.DataFrame, output: Path) -> None:
 
 
 if __name__ == "__main__":
-    found = measured()
-    times = table(found)
+    jobs = measured()
+    times = table(jobs)
     Path(f"{sys.argv[1]}.csv").write_text(times.to_csv(index=False))
-    draw(found, times, Path(f"{sys.argv[1]}.png"))
+    draw(jobs, times, Path(f"{sys.argv[1]}.png"))
     print(times.to_string(index=False))
-    longest = sorted(found.values(), key=lambda job: -job.seconds)[:5]
+    longest = sorted(jobs.values(), key=lambda job: -job.seconds)[:5]
     print("longest jobs:", ", ".join(f"{job.name} {job.seconds:.0f} s" for job in longest))
-    print("critical path:", " → ".join(critical_path(found)))
-    print(resources(found))
+    print("critical path:", " → ".join(critical_path(jobs)))
+    print(resources(jobs))

@@ -69,7 +69,7 @@ def _a_writer(run: subprocess.Popen, moment: float) -> bool:
     folders = {Path(psutil.Process(run.pid).cwd(), "results", name).parent for name in PRODUCTS}
     seen = False
     while not seen and run.poll() is None:
-        seen = any(name.endswith(".unfinished") for one in folders if one.is_dir() for name in os.listdir(one))
+        seen = any(name.endswith(".unfinished") for folder in folders if folder.is_dir() for name in os.listdir(folder))
     for job in _descendants(run):
         job.kill()
     return seen
@@ -143,9 +143,9 @@ def torture(undisturbed: Path, tortured: Path, kills: int, seed: int = 0) -> pd.
         _remove(tortured, choose)
         at_work = _killed(tortured, mode, choose.uniform(0.0, latest))
         restarted(tortured)
-        found = _hashes(tortured)
+        hashes = _hashes(tortured)
         leftover = len(list((tortured / "results").rglob(".*.unfinished")))
-        rows.append((mode, 1, at_work, len(found), sum(found[name] != expected[name] for name in found), leftover))
+        rows.append((mode, 1, at_work, len(hashes), sum(hashes[name] != expected[name] for name in hashes), leftover))
         print(f"{number + 1} of {kills}: {mode}", file=sys.stderr)
     columns = ["killed", "kills", "of runs at work", "products compared", "differences", "unfinished files left"]
     return pd.DataFrame(rows, columns=columns).groupby("killed", sort=False).sum().astype(int).reset_index()
@@ -153,9 +153,9 @@ def torture(undisturbed: Path, tortured: Path, kills: int, seed: int = 0) -> pd.
 
 def restarted(folder: Path) -> None:
     """Make the products with a plain call."""
-    done = call_snakemake(folder, *_targets())
-    if done.returncode:
-        raise RuntimeError(f"a plain call failed in {folder}:\n{(done.stdout + done.stderr)[-4000:]}")
+    process = call_snakemake(folder, *_targets())
+    if process.returncode:
+        raise RuntimeError(f"a plain call failed in {folder}:\n{(process.stdout + process.stderr)[-4000:]}")
 
 
 if __name__ == "__main__":
@@ -163,8 +163,8 @@ if __name__ == "__main__":
     output.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as place:
         undisturbed, tortured = (copied(Path(place, name)) for name in ("undisturbed", "tortured"))
-        for one in (undisturbed, tortured):
-            restarted(one)
+        for project in (undisturbed, tortured):
+            restarted(project)
         summary = torture(undisturbed, tortured, int(sys.argv[1]))
     output.write_text(summary.to_csv(index=False))
     print(summary.to_string(index=False))

@@ -49,10 +49,10 @@ def compilation() -> pd.DataFrame:
         environment = inherited | {"XDG_CACHE_HOME": folder}
         columns = {}
         for process in ("first process", "second process"):
-            done = subprocess.run(
+            completed = subprocess.run(
                 [sys.executable, "-c", _COMPILE], env=environment, capture_output=True, text=True, check=True
             )
-            *lines, compiled = done.stdout.split("\n")[:-1]
+            *lines, compiled = completed.stdout.split("\n")[:-1]
             values = {tuple(line.split()[:2]): float(line.split()[2]) for line in lines}
             columns[process] = pd.Series(values | {("programs", "compiled"): float(compiled)})
     return pd.DataFrame(columns)

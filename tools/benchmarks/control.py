@@ -17,11 +17,11 @@ def cases() -> Iterator[Case]:
         ("fpu_chain", 60.0, 1e-6),
     ):
         for scheme in ("average_acceleration", "generalized_alpha", "dormand_prince6"):
-            of_run: dict[str, Any] = {"observe": ["max_energy_error"], "on_failure": "ignore"}
-            controlled = of_run | {"tolerance": tolerance, "duration": duration}
-            once = study.run(problem, scheme, **controlled)
-            trials = int(once.steps + once.steps_rejected_by_estimate + once.steps_rejected_by_solver)
-            equal = of_run | {"dt": duration / trials, "steps": trials}
+            options: dict[str, Any] = {"observe": ["max_energy_error"], "on_failure": "ignore"}
+            controlled = options | {"tolerance": tolerance, "duration": duration}
+            ds = study.run(problem, scheme, **controlled)
+            trials = int(ds.steps + ds.steps_rejected_by_estimate + ds.steps_rejected_by_solver)
+            equal = options | {"dt": duration / trials, "steps": trials}
             yield Case(
                 f"{scheme} on {problem} : controlled steps / equal steps",
                 partial(timed, partial(study.run, problem, scheme, **controlled)),

@@ -33,15 +33,15 @@ def _by_hand(frame: study.Problem) -> Callable:
             u_predicted, v_predicted = u + DT * v + c_u * a, v + c_v * a
             rhs = load((i + 1.0) * DT) - damping @ v_predicted
 
-            def again(state):
+            def iterate(state):
                 a, _, count = state
-                now = u_predicted + c_u * a
-                residual = mass @ a + c_v * damping @ a + force(now) - rhs
-                change = eliminate(mass + c_v * damping + c_u * jax.jacfwd(force)(now), residual)
-                moved = c_u * jnp.sqrt(change @ change)
-                return a - change, moved > 1e-12 * jnp.sqrt(u_predicted @ u_predicted), count + 1
+                place = u_predicted + c_u * a
+                residual = mass @ a + c_v * damping @ a + force(place) - rhs
+                change = eliminate(mass + c_v * damping + c_u * jax.jacfwd(force)(place), residual)
+                size = c_u * jnp.sqrt(change @ change)
+                return a - change, size > 1e-12 * jnp.sqrt(u_predicted @ u_predicted), count + 1
 
-            a, *_ = lax.while_loop(lambda s: s[1] & (s[2] < 50), again, (a, jnp.array(True), 0))
+            a, *_ = lax.while_loop(lambda s: s[1] & (s[2] < 50), iterate, (a, jnp.array(True), 0))
             u, v = u_predicted + c_u * a, v_predicted + c_v * a
             return u, v, a, us.at[i + 1].set(u), vs.at[i + 1].set(v)
 
@@ -57,9 +57,9 @@ def first(call: Callable[[], Any]) -> float:
     jax.config.update("jax_enable_compilation_cache", False)
     start = time.perf_counter()
     jax.block_until_ready(call())
-    taken = time.perf_counter() - start
+    seconds = time.perf_counter() - start
     jax.config.update("jax_enable_compilation_cache", True)
-    return taken
+    return seconds
 
 
 def _as_often(call: Callable[[], Any]) -> float:
@@ -72,29 +72,29 @@ def cases() -> Iterator[Case]:
     by_hand = _by_hand(frame)
     u0 = np.linspace(0.0, 1e-3, LANES)[:, None] * np.ones(3)
 
-    def ours(scheme: str, **more: Any) -> np.ndarray:
-        return study.run(frame, scheme, dt=DT, steps=STEPS, **more).u.values
+    def ours(scheme: str, **options: Any) -> np.ndarray:
+        return study.run(frame, scheme, dt=DT, steps=STEPS, **options).u.values
 
     for scheme, alone, lanes in (("average_acceleration", 1.4, 1.5), ("bathe", 2.1, 2.3), ("rk4", 0.8, 0.95)):
-        one, many = partial(ours, scheme), partial(ours, scheme, u0=u0)
+        single, ensemble = partial(ours, scheme), partial(ours, scheme, u0=u0)
         yield Case(
             f"first run of a frame, {scheme} : average acceleration by hand",
-            partial(first, one),
+            partial(first, single),
             partial(first, lambda: jax.jit(by_hand)(jnp.zeros(3))),
             alone,
             1,
         )
         yield Case(
             f"first run of {LANES} frames, {scheme} : average acceleration by hand",
-            partial(first, many),
+            partial(first, ensemble),
             partial(first, lambda: jax.jit(jax.vmap(by_hand))(jnp.asarray(u0))),
             lanes,
             1,
         )
         yield Case(
             f"{LANES} frames, {scheme} : as many single runs",
-            partial(timed, many),
-            partial(_as_often, one),
+            partial(timed, ensemble),
+            partial(_as_often, single),
             0.5,
             LANES * STEPS,
         )

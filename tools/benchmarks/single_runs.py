@@ -45,8 +45,8 @@ def against_c(folder: str) -> Iterator[Case]:
             ours = Timed(study.problems[spring], study.schemes[name], (MaxEnergyError(),))
             u0, dt = float(study.problems[spring].u0), step_size(spring)
             _, error = peer.single(spring, name, u0, dt, STEPS, folder)
-            same = study.run(spring, name, dt=dt, steps=STEPS, observe=["max_energy_error"])
-            np.testing.assert_allclose(same.max_energy_error / 100, error, rtol=1e-4, err_msg=f"{name} in C differs")
+            ds = study.run(spring, name, dt=dt, steps=STEPS, observe=["max_energy_error"])
+            np.testing.assert_allclose(ds.max_energy_error / 100, error, rtol=1e-4, err_msg=f"{name} in C differs")
             yield Case(
                 f"{name}, {spring} : C",
                 lambda ours=ours, dt=dt: ours.run(dt, STEPS)[0],
@@ -61,10 +61,10 @@ def tangents() -> Iterator[Case]:
 
     def timed(spring, name):
         scheme, dt = study.schemes[name], step_size(spring)
-        counted = study.run(spring, scheme, dt=dt, steps=STEPS, observe=["newton_iterations"])
-        solved = counted.newton_iterations.item() * STAGES.get(name, 1)
+        ds = study.run(spring, scheme, dt=dt, steps=STEPS, observe=["newton_iterations"])
+        solutions = ds.newton_iterations.item() * STAGES.get(name, 1)
         run = Timed(study.problems[spring], scheme, (EnergyDrift(),))
-        return lambda: run.run(dt, STEPS)[0] / solved * STEPS
+        return lambda: run.run(dt, STEPS)[0] / solutions * STEPS
 
     for spring in TO_C:
         baseline = timed(spring, "average_acceleration")
@@ -101,8 +101,8 @@ def against_heyoka() -> Iterator[Case]:
     t = period * (periods - 1 + np.arange(1, 17) / 16)
     truth = exact.folded(problem, t, exact_period, certified).u / float(problem.u0)
     samples = study.run("hardening", "extrapolation12", dt=period / parts, steps=parts * periods, every=parts // 16)
-    ours, theirs = samples.u.values[-16:], taylor.trajectory(problem, t, 1e-13).u
-    for u in (ours, theirs):
+    samples_u, heyoka_u = samples.u.values[-16:], taylor.trajectory(problem, t, 1e-13).u
+    for u in (samples_u, heyoka_u):
         assert np.max(np.abs(u / float(problem.u0) - truth)) < 1e-10
     run = Timed(problem, study.schemes["extrapolation12"], (EnergyDrift(),))
     yield Case(

@@ -24,7 +24,7 @@ def cases() -> Iterator[Case]:
 
 def few_unknowns() -> Iterator[Case]:
     """Runs with two to three unknowns compared with runs with one unknown."""
-    one = Timed(study.problems["hardening"], study.schemes["average_acceleration"], ())
+    single = Timed(study.problems["hardening"], study.schemes["average_acceleration"], ())
     row = study.Problem(
         lambda u: jnp.stack([2 * u[0] - u[1], 2 * u[1] - u[0] - u[2], u[2] - u[1]]),
         u0=np.array([1.0, 0.5, 0.2]),
@@ -36,11 +36,11 @@ def few_unknowns() -> Iterator[Case]:
         (row, 0.1),
         (chains.toda_chain(3), 0.1),
     ):
-        few = Timed(problem, study.schemes["average_acceleration"], ())
+        several = Timed(problem, study.schemes["average_acceleration"], ())
         yield Case(
             f"average acceleration, {problem.title}, {len(problem.u0)} unknowns : hardening spring, one",
-            lambda few=few, dt=dt: few.run(dt, STEPS)[0],
-            lambda: one.run(step_size("hardening"), STEPS)[0],
+            lambda several=several, dt=dt: several.run(dt, STEPS)[0],
+            lambda: single.run(step_size("hardening"), STEPS)[0],
             6.0,
             STEPS,
         )
@@ -48,24 +48,26 @@ def few_unknowns() -> Iterator[Case]:
 
 def _iterations(problem, dt, steps) -> tuple[Callable[[], float], int]:
     """A function that makes a run and returns its seconds; and the number of Newton iterations of the run."""
-    given = {"dt": dt, "steps": steps, "observe": ["newton_iterations"]}
-    solved = study.run(problem, "average_acceleration", **given).newton_iterations.item()
-    return (lambda: timed(lambda: study.run(problem, "average_acceleration", **given))), int(solved)
+    options = {"dt": dt, "steps": steps, "observe": ["newton_iterations"]}
+    iterations = study.run(problem, "average_acceleration", **options).newton_iterations.item()
+    return (lambda: timed(lambda: study.run(problem, "average_acceleration", **options))), int(iterations)
 
 
 def long_bars() -> Iterator[Case]:
     """A Newton iteration on a bar compared with LAPACK's solution alone, of a system of the same size and form."""
     for n in (1_000, 10_000, 100_000, 1_000_000):
         bar = chains.impact_bar(n)
-        ours, solved = _iterations(bar, 1 / n, max(10, 1_000_000 // n))
+        ours, iterations = _iterations(bar, 1 / n, max(10, 1_000_000 // n))
         bands = np.array([np.full(n, -1.0), np.full(n, 4.0), np.full(n, -1.0)])
         # the baseline is one call of LAPACK's gtsv, which pivots, for every Newton iteration
         yield Case(
             f"bar of {n:,}, an unknown and iteration : LAPACK's tridiagonal solution",
             ours,
-            lambda bands=bands, n=n, solved=solved: solved * timed(lambda: solve_banded((1, 1), bands, np.ones(n))),
+            lambda bands=bands, n=n, iterations=iterations: (
+                iterations * timed(lambda: solve_banded((1, 1), bands, np.ones(n)))
+            ),
             2.0,
-            n * solved,
+            n * iterations,
         )
 
 
@@ -74,15 +76,15 @@ def full_tangent() -> Iterator[Case]:
     n = 100
     chain = chains.toda_chain(n)
     full = study.Problem(chain.force, chain.u0, chain.v0, tangent="dense", title="full chain")
-    ours, solved = _iterations(full, 0.1, 2_000)
+    ours, iterations = _iterations(full, 0.1, 2_000)
     matrix = np.eye(n) + 0.01 * np.random.default_rng(0).normal(size=(n, n))
     gesv = get_lapack_funcs("gesv", [matrix])
     yield Case(
         f"{n} unknowns with a full tangent, an iteration : LAPACK's solution",
         ours,
-        lambda: solved / 100 * timed(lambda: [gesv(matrix, np.ones(n)) for _ in range(100)]),
+        lambda: iterations / 100 * timed(lambda: [gesv(matrix, np.ones(n)) for _ in range(100)]),
         1.5,
-        solved,
+        iterations,
     )
 
 
@@ -94,15 +96,17 @@ def sparse_plates() -> Iterator[Case]:
         ((100, 99), 20, "splu", _by_superlu, 0.5),
     ):
         plate = example("plate").cantilever(*size)
-        ours, solved = _iterations(plate, dt, steps)
+        ours, iterations = _iterations(plate, dt, steps)
         solve = solver(sparse.csc_array(sparse.diags_array(4 / dt**2 * plate.mass) + _as_sparse(plate.stiffness)))
         rhs = np.ones(len(plate.u0))
         yield Case(
             f"plate of {len(rhs):,} unknowns, an iteration : SciPy's {baseline}",
             ours,
-            lambda solve=solve, rhs=rhs, solved=solved: solved / 10 * timed(lambda: [solve(rhs) for _ in range(10)]),
+            lambda solve=solve, rhs=rhs, iterations=iterations: (
+                iterations / 10 * timed(lambda: [solve(rhs) for _ in range(10)])
+            ),
             target,
-            solved,
+            iterations,
         )
 
 

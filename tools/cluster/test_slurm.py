@@ -40,8 +40,8 @@ def slurm():
 def local(tmp_path_factory) -> Path:
     """A copy of the project with products of a local run."""
     folder = copied(tmp_path_factory.mktemp("local"))
-    done = call_snakemake(folder, *_targets(UNTIMED))
-    assert done.returncode == 0, done.stderr[-4000:]
+    process = call_snakemake(folder, *_targets(UNTIMED))
+    assert process.returncode == 0, process.stderr[-4000:]
     return folder
 
 
@@ -62,12 +62,12 @@ def _started(folder: Path, products: list[str], *options: str) -> subprocess.Pop
         return subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment)
 
 
-def _made(folder: Path, products: list[str]) -> str:
+def _run_log(folder: Path, products: list[str]) -> str:
     run = _started(folder, products, *SOON)
     run.wait(timeout=400)
-    said = (folder / "slurm.log").read_text()
-    assert run.returncode == 0, said[-4000:]
-    return said
+    log = (folder / "slurm.log").read_text()
+    assert run.returncode == 0, log[-4000:]
+    return log
 
 
 def _same(folder: Path, local: Path, products: list[str]) -> None:
@@ -91,9 +91,9 @@ def _wait(condition: Callable[[], object], seconds: float = 60.0) -> None:
 
 
 def test_a_cluster_makes_the_bytes_of_a_local_run_and_sends_figures_together(folder, local):
-    said = _made(folder, PRODUCTS)
+    log = _run_log(folder, PRODUCTS)
     _same(folder, local, UNTIMED)
-    assert said.count("has been submitted with SLURM jobid") == 5
+    assert log.count("has been submitted with SLURM jobid") == 5
     assert (folder / "results" / "cpu_time.nc").exists()
 
 
@@ -125,11 +125,11 @@ def test_a_node_that_goes_and_comes_back_is_survived(folder, local):
 def test_jobs_of_a_killed_run_are_cancelled_by_the_next(folder, local):
     run = _started(folder, UNTIMED[:2])
     _wait(lambda: _queue(folder))
-    before = set(_queue(folder))
+    jobs = set(_queue(folder))
     run.kill()
     run.wait()
-    _made(folder, UNTIMED[:2])
-    assert not before & set(_queue(folder))
+    _run_log(folder, UNTIMED[:2])
+    assert not jobs & set(_queue(folder))
     _same(folder, local, UNTIMED[:2])
 
 
@@ -143,17 +143,17 @@ def test_an_ensemble_in_parts_goes_on_after_its_jobs_and_their_snakemake_were_ki
     _wait(lambda: _queue(folder, "RUNNING"), 120)
     first = _queue(folder)
     _wait(lambda: _queue(folder, "RUNNING") not in ([], first), 300)
-    before = finished()
+    stamps = finished()
     run.kill()
     run.wait()
     subprocess.run(["scancel", "--signal=KILL", *_queue(folder)], check=True)
     _wait(lambda: not _queue(folder))
-    assert len(before) == 1
+    assert len(stamps) == 1
     subprocess.run(command, cwd=folder, check=True, timeout=600)
-    assert {path: at for path, at in finished().items() if path in before} == before
-    made = xr.concat([xr.load_dataset(path) for path in sorted(finished())], "lane")
+    assert {path: stamp for path, stamp in finished().items() if path in stamps} == stamps
+    ds = xr.concat([xr.load_dataset(path) for path in sorted(finished())], "lane")
     fragility = runpy.run_path(f"{folder / 'examples' / 'intensities.py'}")["fragility"]
-    np.testing.assert_array_equal(made.drift, fragility(600).drift)
+    np.testing.assert_array_equal(ds.drift, fragility(600).drift)
     assert "of 600 exceed 40 mm" in (folder / "shares.txt").read_text()
 
 
