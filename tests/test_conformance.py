@@ -30,8 +30,8 @@ def test_the_study_passes():
     moved = {case["name"] for case in ALL if case["name"][0] == "G" and case["name"][-3:] in ("GEN", "HHT")}
     with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
         outcomes = verdicts(runners.of_step(time_integration_study.step), chosen)
-    assert {one.name for one in outcomes if one.verdict != "pass"} == moved
-    assert {one.verdict for one in outcomes if one.name in moved} == {"differs"}
+    assert {outcome.name for outcome in outcomes if outcome.verdict != "pass"} == moved
+    assert {outcome.verdict for outcome in outcomes if outcome.name in moved} == {"differs"}
     stored = json.loads((VERDICTS / "study.json").read_text(encoding="utf-8"))
     assert stored["counts"] == {"pass": len(ALL) - len(moved), "differs": len(moved), "fail": 0, "skip": 0}
     assert stored["kit"] == VERSION
@@ -44,5 +44,5 @@ def test_diffrax_has_average_acceleration_as_the_trapezoidal_rule():
 
     (case,) = [case for case in ALL if case["name"] == "G-LIN-AVG"]
     with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
-        (one,) = verdicts(runners.of_step(diffrax_code.step), [case])
-    assert one.verdict == "pass" and one.digits > 12
+        (verdict,) = verdicts(runners.of_step(diffrax_code.step), [case])
+    assert verdict.verdict == "pass" and verdict.digits > 12

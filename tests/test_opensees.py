@@ -16,7 +16,7 @@ IMPLICIT = ("average_acceleration", "newmark_dissipative", "wilson_theta", "hht_
 
 
 @pytest.fixture
-def theirs():
+def trajectory():
     """Function that returns the trajectory of OpenSees for a scheme; tests are skipped if OpenSees is not installed."""
     try:
         opensees_run.interpreter()
@@ -26,38 +26,38 @@ def theirs():
 
 
 @pytest.mark.parametrize("scheme", [name for name in opensees.INTEGRATORS if name != "houbolt"])
-def test_the_same_definitions_agree_to_round_off(theirs, scheme):
-    ours = study.run("hardening", scheme, dt=DT, steps=STEPS)
-    solution = theirs(scheme)
-    np.testing.assert_allclose(solution.u, ours.u[1:], atol=1e-11)
-    np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-9)
+def test_the_same_definitions_agree_to_round_off(trajectory, scheme):
+    ds = study.run("hardening", scheme, dt=DT, steps=STEPS)
+    solution = trajectory(scheme)
+    np.testing.assert_allclose(solution.u, ds.u[1:], atol=1e-11)
+    np.testing.assert_allclose(solution.v, ds.v[1:], atol=1e-9)
 
 
 @pytest.mark.parametrize("iterations", [4, 6])
-def test_its_variable_steps_follow_the_iterations_and_make_the_motion_of_ours(theirs, iterations):
+def test_its_variable_steps_follow_the_iterations_and_make_the_motion_of_ours(trajectory, iterations):
     period = printed_periods["hardening"]
     t, solution = opensees.variable_steps("hardening", "average_acceleration", 20 * period, DT, period, iterations)
     sizes = np.diff(np.append(0.0, t))
     tests = iterations * sizes[:-1] / sizes[1:]
     free = sizes[1:] < 0.999 * period
     np.testing.assert_allclose(tests[free], np.round(tests[free]), rtol=1e-6)
-    ours = study.run(
+    ds = study.run(
         "hardening", "average_acceleration", controller=study.Prescribed(sizes), duration=t[-1], observe=["trajectory"]
     )
-    np.testing.assert_allclose(ours.u[1:], solution.u, atol=1e-6)
+    np.testing.assert_allclose(ds.u[1:], solution.u, atol=1e-6)
 
 
 @pytest.mark.parametrize("scheme", IMPLICIT)
-def test_the_stiff_and_soft_springs_agree(theirs, scheme):
+def test_the_stiff_and_soft_springs_agree(trajectory, scheme):
     dt = 2 * np.pi / 1.2 / 20
-    ours = study.run("stiff_soft", scheme, dt=dt, steps=40)
+    ds = study.run("stiff_soft", scheme, dt=dt, steps=40)
     solution = opensees.stiff_soft(scheme, dt, 40)
-    np.testing.assert_allclose(solution.u, ours.u[1:], atol=1e-8)
-    np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-6)
+    np.testing.assert_allclose(solution.u, ds.u[1:], atol=1e-8)
+    np.testing.assert_allclose(solution.v, ds.v[1:], atol=1e-6)
 
 
 @pytest.mark.parametrize("scheme", [name for name in opensees.INTEGRATORS if name != "houbolt"])
-def test_a_truss_that_spins_agrees(theirs, scheme):
+def test_a_truss_that_spins_agrees(trajectory, scheme):
     """The truss rotates by large angles; it has two cells with both diagonals, six joints and eleven bars."""
     joints = np.array([[x, y] for x in (-1.0, 0.0, 1.0) for y in (-0.5, 0.5)])
     first, second = np.triu_indices(6, 1)
@@ -72,27 +72,27 @@ def test_a_truss_that_spins_agrees(theirs, scheme):
         return jnp.linalg.norm(places[second] - places[first], axis=1) / length - 1
 
     energy = study.StrainEnergy(strains, lambda e: rigidity * length * e**2 / 2)
-    ours = study.run(study.Problem(potential=energy, u0=np.zeros(12), v0=v0), scheme, dt=dt, steps=steps)
+    ds = study.run(study.Problem(potential=energy, u0=np.zeros(12), v0=v0), scheme, dt=dt, steps=steps)
     solution = opensees.truss(joints, np.stack([first, second], axis=1), rigidity, v0, scheme, dt, steps)
-    assert np.abs(ours.u).max() > 1
-    np.testing.assert_allclose(solution.u, ours.u[1:], atol=1e-10)
-    np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-9)
+    assert np.abs(ds.u).max() > 1
+    np.testing.assert_allclose(solution.u, ds.u[1:], atol=1e-10)
+    np.testing.assert_allclose(solution.v, ds.v[1:], atol=1e-9)
 
 
 @pytest.mark.parametrize("scheme", IMPLICIT)
-def test_an_oscillator_that_yields_agrees_step_by_step(theirs, scheme):
+def test_an_oscillator_that_yields_agrees_step_by_step(trajectory, scheme):
     spring = study.materials.elastoplastic(stiffness=[40.0], yield_force=[4.0], hardening=0.05)
     problem = study.Problem(spring, u0=[0.0], v0=[2.5], history=spring.history)
-    ours = study.run(problem, scheme, dt=0.02, steps=300)
+    ds = study.run(problem, scheme, dt=0.02, steps=300)
     solution = opensees.shear_frame(spring, np.ones(1), scheme, 0.02, 300, v0=np.array([2.5]))
-    assert np.abs(ours.u).max() > 3 * 0.1
-    np.testing.assert_allclose(solution.u, ours.u[1:], atol=1e-11)
-    np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-10)
+    assert np.abs(ds.u).max() > 3 * 0.1
+    np.testing.assert_allclose(solution.u, ds.u[1:], atol=1e-11)
+    np.testing.assert_allclose(solution.v, ds.v[1:], atol=1e-10)
 
 
 @pytest.mark.parametrize("scheme", IMPLICIT)
 @pytest.mark.parametrize("exponent", [None, 1.0, 0.5])
-def test_a_yielding_frame_under_the_record_agrees_step_by_step(theirs, scheme, exponent):
+def test_a_yielding_frame_under_the_record_agrees_step_by_step(trajectory, scheme, exponent):
     """The frame of examples/yielding_frame.py, without or with dampers; units are N, m, kg and s."""
     dt = 0.01
     ground = study.GroundMotion.el_centro()
@@ -113,29 +113,29 @@ def test_a_yielding_frame_under_the_record_agrees_step_by_step(theirs, scheme, e
 
     mass, steps = np.array([1.0e5, 1.0e5, 0.8e5]), round(12 / dt)
     frame = study.Problem(force, u0=np.zeros(3), history=storeys.history, mass=mass, ground=ground)
-    ours = study.run(frame, scheme, dt=dt, steps=steps)
+    ds = study.run(frame, scheme, dt=dt, steps=steps)
     solution = opensees.shear_frame(storey, mass, scheme, dt, steps, dampers=damper, ground=ground)
-    np.testing.assert_allclose(solution.u, ours.u[1:], atol=1e-11)
+    np.testing.assert_allclose(solution.u, ds.u[1:], atol=1e-11)
 
 
-def test_smooth_hysteresis_agrees_as_the_step_of_opensees_falls(theirs):
+def test_smooth_hysteresis_agrees_as_the_step_of_opensees_falls(trajectory):
     """OpenSees integrates the law implicitly, with an error of first order; the study has the law in closed form."""
     spring = study.materials.bouc_wen(stiffness=[40.0], yield_force=[4.0], hardening=0.05)
     problem = study.Problem(spring, u0=[0.0], v0=[2.5], history=spring.history)
     exact = study.run(problem, "average_acceleration", dt=1e-4, steps=20_000, every=2_000).u[1:]
-    off = []
+    errors = []
     for part in (20, 80):
         solution = opensees.shear_frame(
             spring, np.ones(1), "average_acceleration", 0.2 / part, 10 * part, v0=np.array([2.5])
         )
-        off.append(float(np.abs(solution.u[part - 1 :: part] - exact).max()))
-    assert off[1] < 0.01 * float(np.abs(exact).max()) and 3 < off[0] / off[1]
+        errors.append(float(np.abs(solution.u[part - 1 :: part] - exact).max()))
+    assert errors[1] < 0.01 * float(np.abs(exact).max()) and 3 < errors[0] / errors[1]
 
 
-def test_houbolts_recurrence_is_the_same_and_its_start_is_not(theirs):
+def test_houbolts_recurrence_is_the_same_and_its_start_is_not(trajectory):
     """OpenSees makes two steps of average acceleration first; from there its displacements follow our recurrence."""
     problem, houbolt = study.problems["hardening"], study.schemes["houbolt"]
-    u = np.concatenate([[float(problem.u0)], theirs("houbolt").u])
+    u = np.concatenate([[float(problem.u0)], trajectory("houbolt").u])
     average = study.run("hardening", "average_acceleration", dt=DT, steps=2)
     np.testing.assert_allclose(u[1:3], average.u[1:3], atol=1e-12)
     for i in range(3, 30):
@@ -144,11 +144,11 @@ def test_houbolts_recurrence_is_the_same_and_its_start_is_not(theirs):
     assert abs(study.run("hardening", "houbolt", dt=DT, steps=STEPS).u[1:] - u[1:]).max() > 1e-3
 
 
-def test_the_alpha_method_of_finite_elements_weights_displacements(theirs):
+def test_the_alpha_method_of_finite_elements_weights_displacements(trajectory):
     """The balance of OpenSees is M ü₁ + p((1 + α) u₁ − α u₀) = 0; the balance of 1996 weights two forces instead."""
     problem, scheme = study.problems["hardening"], hht_alpha_1996
-    u = np.concatenate([[float(problem.u0)], theirs("hht_alpha").u])
-    v = np.concatenate([[0.0], theirs("hht_alpha").v])
+    u = np.concatenate([[float(problem.u0)], trajectory("hht_alpha").u])
+    v = np.concatenate([[0.0], trajectory("hht_alpha").v])
     a = -float(problem.force(u[0]))
     for i in range(1, 30):
         new = (u[i] - u[i - 1] - DT * v[i - 1] - DT**2 * (0.5 - scheme.beta) * a) / (scheme.beta * DT**2)
@@ -159,7 +159,7 @@ def test_the_alpha_method_of_finite_elements_weights_displacements(theirs):
     assert abs(weighted - two) > 1
 
 
-def test_what_opensees_cannot_do_says_so(theirs):
+def test_what_opensees_cannot_do_says_so(trajectory):
     with pytest.raises(ValueError, match="OpenSees has no material for the spring of 'softening spring'"):
         opensees.trajectory("softening", "houbolt", DT, 1)
     with pytest.raises(ValueError, match="OpenSees has no integrator for 'rk4', only for average_acceleration"):
