@@ -34,15 +34,15 @@ PROJECT = Path(__file__).parent.parent
 INCLUDED = ("CONTRIBUTING.md", "CHANGELOG.md", "examples/scheme.py", "examples/parts.smk")
 
 
-def library_of(results: Path, own: Iterable[str]) -> Library:
+def library_of(results: Path, places: Iterable[str]) -> Library:
     """All named schemes and the user's schemes, with the datasets that their pages read."""
-    for place in own:
+    for place in places:
         if place.rpartition(":")[2] in study.schemes:
             raise SystemExit(f"'{place}' has the name of a scheme of the study; choose another name.")
     read, aliases = reader(results), defaultdict(list)
     for alias, name in ALIASES.items():
         aliases[name].append(alias)
-    schemes = dict(study.schemes) | {place.rpartition(":")[2]: load(place, (study.Scheme,)) for place in own}
+    schemes = dict(study.schemes) | {place.rpartition(":")[2]: load(place, (study.Scheme,)) for place in places}
     return Library({name: read(name) for name in OF_SCHEMES}, schemes, aliases)
 
 
@@ -53,7 +53,7 @@ def registry_page(title: str, documented: Mapping[str, Any]) -> str:
     return "\n\n".join(f"{name}\n{line * len(name)}\n\n{text}" for name, line, text in [(title, "=", first), *entries])
 
 
-def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
+def write_sources(results: Path, folder: Path, places: Iterable[str]) -> None:
     """Write the sources of all pages to a folder: pages written by hand, and pages made from data and docstrings."""
     shutil.copytree(PAGES, folder)
     (folder / "included").mkdir()
@@ -63,7 +63,7 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
     shutil.copytree(REPORTS, folder / "included" / "reports")
     gallery.write_scripts(folder / "gallery")
     (folder / "figures").symlink_to(results / "figures")
-    library = library_of(results, own)
+    library = library_of(results, places)
     pages = {f"schemes/{name}.md": scheme_page(library.subject(name), library) for name in library.schemes}
     pages["schemes/index.md"] = index_page(library)
     pages |= {"claims.md": claims_page(results), "tables.md": tables_page(results)}
@@ -82,7 +82,7 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
         (folder / name).write_text(text, encoding="utf-8")
 
 
-def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
+def build(results: Path, output: Path, places: Iterable[str] = ()) -> None:
     """Build the site from a folder of results, and replace the earlier site.
 
     Raises
@@ -99,7 +99,7 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
         with tempfile.TemporaryDirectory() as folder:
             sources = Path(folder, "sources")
             Path(folder, "results").symlink_to(results)
-            write_sources(results, sources, own)
+            write_sources(results, sources, places)
             options = ["-q", "-W", "--keep-going", "-b", "html", "-c", str(Path(__file__).parent)]
             if build_main([*options, "-d", str(Path(folder, "trees")), str(sources), str(unfinished)]):
                 raise SystemExit("the site is not built: the lines above are the warnings of Sphinx.")

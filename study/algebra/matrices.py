@@ -198,23 +198,23 @@ def add(*terms: Matrix, n: int) -> Matrix:
     return sum(terms[1:], start=terms[0])
 
 
-def product(one: Matrix, other: Matrix, n: int) -> Matrix:
+def product(first: Matrix, second: Matrix, n: int) -> Matrix:
     """Product of two matrices, for n unknowns; if one is sparse, the other must be a number, full or matrix-free."""
-    forms = form_of(one), form_of(other)
+    forms = form_of(first), form_of(second)
     if max(forms) < Form.BAND:
-        return one * other
+        return first * second
     if Form.NUMBER in forms:
-        number, matrix = (one, other) if forms[0] == Form.NUMBER else (other, one)
+        number, matrix = (first, second) if forms[0] == Form.NUMBER else (second, first)
         if isinstance(matrix, MatrixFree):
             return MatrixFree(lambda x: number * matrix.product(x), number * matrix.diagonal)
         return jax.tree.map(lambda part: number * part, matrix)
     if Form.FREE in forms:
-        return MatrixFree(lambda x: times(one, times(other, x)), diagonal(one) * diagonal(other))
+        return MatrixFree(lambda x: times(first, times(second, x)), diagonal(first) * diagonal(second))
     if Form.FULL in forms:
-        return _written_out(dense(one, n), dense(other, n)) if n <= SMALL else dense(one, n) @ dense(other, n)
-    one, other = _as_band(one, n), _as_band(other, n)
-    k = one.half_bandwidth
-    bands = jnp.zeros((2 * (k + other.half_bandwidth) + 1, n))
-    for d, left in enumerate(one.bands, start=-k):
-        bands = bands.at[k + d : k + d + len(other.bands)].add(left[None] * shifted(jnp.stack(tuple(other.bands)), d))
+        return _written_out(dense(first, n), dense(second, n)) if n <= SMALL else dense(first, n) @ dense(second, n)
+    first, second = _as_band(first, n), _as_band(second, n)
+    k = first.half_bandwidth
+    bands = jnp.zeros((2 * (k + second.half_bandwidth) + 1, n))
+    for d, left in enumerate(first.bands, start=-k):
+        bands = bands.at[k + d : k + d + len(second.bands)].add(left[None] * shifted(jnp.stack(tuple(second.bands)), d))
     return Banded(bands)

@@ -67,8 +67,10 @@ class DenseSolution(NamedTuple):
             The solution of another route, at the points of this grid and at points in between.
         """
         errors = np.zeros(len(self.t) - 1)
-        for mine, theirs in zip(self.at(other.t), (other.u, other.v), strict=True):
-            differences = np.abs(mine - theirs).reshape(len(other.t), -1).max(axis=1) / (np.abs(theirs).max() or 1.0)
+        for values, other_values in zip(self.at(other.t), (other.u, other.v), strict=True):
+            differences = np.abs(values - other_values).reshape(len(other.t), -1).max(axis=1) / (
+                np.abs(other_values).max() or 1.0
+            )
             points, between = np.split(differences[:-1].reshape(len(errors), -1), [1], axis=1)
             # the difference of the two solutions at the points of this grid is not an error of the interpolant
             end_differences = np.maximum(points[:, 0], np.append(points[1:, 0], differences[-1]))

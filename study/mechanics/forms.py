@@ -59,7 +59,7 @@ def form_of_tangent(
             if next_to_sparse or (declared is None and len(u0) > tangent.FINDABLE):
                 return _next_to_sparse(force, u0, coupling, others, title)
             if declared is None:
-                return tangent.found(force, u0, massless, title)  # type: ignore[arg-type]
+                return tangent.detected_form(force, u0, massless, title)  # type: ignore[arg-type]
             tangent.check_declared_form(force, u0, declared, title)  # type: ignore[arg-type]
     except NOT_TRACEABLE:  # JAX traces numbers of the force, so that the values of the tangent are unknown
         if declared is None:

@@ -109,8 +109,8 @@ def any_lane(flags):
     return jnp.any(flags)
 
 
-def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS) -> tuple:
-    """Repeat ``a, unfinished, size, more = iterate((a, before), given)`` while ``unfinished``, at most ``most`` times.
+def iterated(iterate: Callable, captured, carry: tuple, most: int = MAX_ITERATIONS) -> tuple:
+    """Repeat ``a, unfinished, size, more = iterate((a, before), captured)`` while ``unfinished``, up to ``most`` times.
 
     ``carry`` is ``(a, before, unfinished, iterations, residuals)``, and the result is its final value. ``before`` is
     the size of the last correction. If it is None, every iteration gets a zero in its place, which disables the
@@ -119,21 +119,21 @@ def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS)
     """
     goes_on = partial(_goes_on, most=most)
 
-    def advance(carry, given):
+    def advance(carry, captured):
         a, before, _, iterations, residuals = carry
-        a, unfinished, size, more = iterate((a, jnp.zeros((), a.dtype) if before is None else before), given)
+        a, unfinished, size, more = iterate((a, jnp.zeros((), a.dtype) if before is None else before), captured)
         return a, None if before is None else size, unfinished, iterations + 1, residuals + more
 
     @jax.custom_batching.custom_vmap
-    def to_the_end(carry, given):
+    def to_the_end(carry, captured):
         def loop(carry):
-            return lax.while_loop(goes_on, partial(advance, given=given), carry)
+            return lax.while_loop(goes_on, partial(advance, captured=captured), carry)
 
         # one unknown: two iterations precede the loop, so that most steps skip it
         return loop(carry) if carry[0].ndim else lax.cond(goes_on(carry), loop, lambda carry: carry, carry)
 
     @to_the_end.def_vmap
-    def in_lanes(lanes, batched, carry, given):
+    def in_lanes(lanes, batched, carry, captured):
         carry = jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x, (lanes, *x.shape)), carry, batched[0])
         advance_lanes = jax.vmap(advance, in_axes=(0, jax.tree.map(lambda b: 0 if b else None, batched[1])))
 
@@ -141,12 +141,12 @@ def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS)
             def newest(unfinished, new, old):
                 return jax.tree.map(partial(jnp.where, unfinished), new, old)
 
-            return jax.vmap(newest)(goes_on(carry), advance_lanes(carry, given), carry)
+            return jax.vmap(newest)(goes_on(carry), advance_lanes(carry, captured), carry)
 
         ended = lax.while_loop(lambda carry: any_lane(goes_on(carry)), those_that_go_on, carry)
         return ended, jax.tree.map(lambda _: True, ended)
 
-    return to_the_end(carry, given)
+    return to_the_end(carry, captured)
 
 
 def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
@@ -216,27 +216,27 @@ def shortened(
         return jnp.vdot(correction, residual(a - part * correction))
 
     def searches(carry):
-        *_, found, evaluations = carry
-        return ~found & (evaluations < MOST_RESIDUALS)
+        *_, is_short, evaluations = carry
+        return ~is_short & (evaluations < MOST_RESIDUALS)
 
     def evaluate(carry):
         low, at_low, high, at_high, _, evaluations = carry
         secant = (low * at_high - high * at_low) / (at_high - at_low)
         part = jnp.where(evaluations % 2 == 0, jnp.clip(secant, 0.99 * low + 0.01 * high, high), (low + high) / 2)
         value = along(part)
-        opposite, found = value * before < 0, jnp.abs(value) <= OVERSHOOT * jnp.abs(before)
+        opposite, is_short = value * before < 0, jnp.abs(value) <= OVERSHOOT * jnp.abs(before)
         low, at_low = jnp.where(opposite, low, part), jnp.where(opposite, at_low / 2, value)
-        high, at_high = jnp.where(opposite | found, part, high), jnp.where(opposite, value, at_high / 2)
-        return low, at_low, high, at_high, found, evaluations + 1
+        high, at_high = jnp.where(opposite | is_short, part, high), jnp.where(opposite, value, at_high / 2)
+        return low, at_low, high, at_high, is_short, evaluations + 1
 
     before, whole = jnp.vdot(correction, out_of_balance), along(jnp.ones((), a.dtype))
     beyond = ~settled & (whole * before < 0) & (jnp.abs(whole) > OVERSHOOT * jnp.abs(before))
-    found, examined = ~beyond, jnp.zeros((), int)
+    is_short, examined = ~beyond, jnp.zeros((), int)
     if round_off is not None:
         limit = lax.cond(beyond, lambda: jnp.vdot(jnp.abs(correction), round_off()), lambda: 0.0 * whole)
-        found, examined = found | (jnp.abs(whole) <= limit), jnp.where(beyond, EVALUATIONS, 0)
+        is_short, examined = is_short | (jnp.abs(whole) <= limit), jnp.where(beyond, EVALUATIONS, 0)
     ends = jnp.zeros((), a.dtype), before, jnp.ones((), a.dtype), whole
-    _, _, part, *_, evaluations = lax.while_loop(searches, evaluate, (*ends, found, jnp.zeros((), int)))
+    _, _, part, *_, evaluations = lax.while_loop(searches, evaluate, (*ends, is_short, jnp.zeros((), int)))
     return part * correction, evaluations + 1 + examined
 
 
@@ -255,8 +255,8 @@ def opened_closure(function: Callable, *examples) -> tuple[Callable, list]:
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0, 1))
-def root(residual: Callable, solution: Callable, a: Vector, given, fixed) -> Vector:
-    """The given root ``a`` of ``residual((a,), given)``, with its derivative with respect to ``given``.
+def root(residual: Callable, solution: Callable, a: Vector, captured, fixed) -> Vector:
+    """The given root ``a`` of ``residual((a,), captured)``, with its derivative with respect to ``captured``.
 
     ``solution((r, a), fixed)`` is Newton's correction for a residual r.
     """
@@ -266,7 +266,7 @@ def root(residual: Callable, solution: Callable, a: Vector, given, fixed) -> Vec
 @root.defjvp
 def _derivative_of_root(residual, solution, primals, tangents):
     """Derivative by the implicit function theorem, not through the iteration."""
-    _, given, fixed = primals
+    _, captured, fixed = primals
     a = root(residual, solution, *primals)
-    _, change = jax.jvp(lambda given: residual((a,), given), (given,), (tangents[1],))
+    _, change = jax.jvp(lambda captured: residual((a,), captured), (captured,), (tangents[1],))
     return a, -solution((change, a), fixed)

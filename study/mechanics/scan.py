@@ -263,15 +263,15 @@ class _Scan:
             strengths = np.maximum(deviation[place, first], deviation[place, last])
         return np.concatenate([*located, self._number_in(regions)])
 
-    def farthest(self, found: Times) -> Times:
+    def farthest(self, located: Times) -> Times:
         """The time between each two neighbouring times at which the function is farthest from a straight line.
 
         Without it, a step could reach from the start of a half-sine to its end, where the load is zero.
         """
-        if len(found) < 2:
+        if len(located) < 2:
             return np.zeros(0)
         tiny = NEXT_TO * self._duration / 2
-        t = np.linspace(found[:-1] + tiny, found[1:] - tiny, BETWEEN, axis=1)
+        t = np.linspace(located[:-1] + tiny, located[1:] - tiny, BETWEEN, axis=1)
         values = self.values(t.ravel()).reshape(*t.shape, -1)
         part = np.linspace(0.0, 1.0, BETWEEN)[:, None]
         deviations = np.abs(values - (1 - part) * values[:, :1] - part * values[:, -1:]).max(axis=2)
@@ -305,7 +305,7 @@ def _pairs(marked: np.ndarray) -> tuple[np.ndarray, ...]:
     return (*others, first, first + follows)
 
 
-def _pulses(t: Times, values: Values, deviation: Values, salient: np.ndarray, found: Times) -> Times:
+def _pulses(t: Times, values: Values, deviation: Values, salient: np.ndarray, located: Times) -> Times:
     """Start, largest value and end of each smooth pulse, which are salient samples after quiet without a time found."""
     times: list[float] = []
     places = np.flatnonzero(salient)
@@ -313,7 +313,7 @@ def _pulses(t: Times, values: Values, deviation: Values, salient: np.ndarray, fo
         first, last = pulse[0], pulse[-1] + 2  # samples next to the pulse
         before = deviation[max(2 * first - last, 0) : first]
         quiet = len(before) and np.any(before.max(axis=0) < QUIET * deviation[first : last - 1].max(axis=0))
-        if quiet and not np.any((found >= t[first]) & (found <= t[last])):
+        if quiet and not np.any((located >= t[first]) & (located <= t[last])):
             size = np.abs(values[first : last + 1] - values[first]).max(axis=1)
             times += [t[first], t[first + size.argmax()], t[last]]
     return np.array(times)

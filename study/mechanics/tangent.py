@@ -114,7 +114,7 @@ def probed_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarra
     raise ValueError(f"the derivative of the force of '{title}' is not finite near u0.")
 
 
-def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | str:
+def detected_form(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | str:
     """Form of the tangent near u₀ and at zero: a half bandwidth, or ``"dense"``; for at most ``FINDABLE`` unknowns.
 
     It is ``"dense"`` if the half bandwidth exceeds a quarter of the number of unknowns. It is ``"dense"`` too if the

@@ -131,7 +131,7 @@ class Runs:
     def __enter__(self) -> "Runs":
         return self
 
-    def __exit__(self, *of_error: object) -> None:
+    def __exit__(self, *exception: object) -> None:
         if self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
 

@@ -126,7 +126,7 @@ def test_the_study_gives_one_answer():
     article = pd.read_csv(results / DECISION, keep_default_na=False)
     decided = study.open_dataset("decisions", results)
     short = recommended(results)["recommended"]
-    of_readme = [line for line in (PROJECT / "README.md").read_text().splitlines() if "ωΔt\u00a0=" in line]
+    readme_rows = [line for line in (PROJECT / "README.md").read_text().splitlines() if "ωΔt\u00a0=" in line]
     cells = {cell.strip() for line in short.splitlines() for cell in line.split("|")}
-    assert of_readme and all({cell.strip() for cell in line.split("|")[2:4]} <= cells for line in of_readme)
+    assert readme_rows and all({cell.strip() for cell in line.split("|")[2:4]} <= cells for line in readme_rows)
     _check_one_answer(decided, short, article, json.loads(meta)["decisions"], results)
