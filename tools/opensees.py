@@ -141,8 +141,8 @@ def variable_steps(
     ops.analysis("VariableTransient")
     with tempfile.TemporaryDirectory() as folder:
         files = {quantity: f"{folder}/{quantity}" for quantity in ("disp", "vel")}
-        for what, file in files.items():
-            ops.recorder("Node", "-file", file, "-precision", 16, "-time", "-node", 2, "-dof", 1, what)
+        for quantity, file in files.items():
+            ops.recorder("Node", "-file", file, "-precision", 16, "-time", "-node", 2, "-dof", 1, quantity)
         start = time.perf_counter()
         steps = round(duration / dt)
         failed = ops.analyze(steps, duration / steps, 1e-6 * dt, longest, iterations)

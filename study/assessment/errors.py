@@ -83,9 +83,9 @@ def _peak(quantity: Quantity, problem: Problem, solution: DenseSolution, times: 
     The solution is smooth only between its points, so interpolation of the samples would miss the height of a peak.
     """
     peak = np.abs(values).max(axis=0)
-    together = AT_ONCE // CLOSER
-    for first in range(0, len(peak), together):
-        component = np.arange(first, min(first + together, len(peak)))
+    chunk = AT_ONCE // CLOSER
+    for first in range(0, len(peak), chunk):
+        component = np.arange(first, min(first + chunk, len(peak)))
         top = np.abs(values[:, component]).argmax(axis=0)
         near, place = np.broadcast_to(times[:, None], (len(times), len(component))), np.arange(len(component))
         for _ in range(REFINEMENTS):

@@ -202,7 +202,7 @@ def balance(
     def solve_effective(effective, x):
         return solve(effective, x, symmetric and not problem.takes_velocity)
 
-    def effort(iterations, residuals, **how):
+    def effort(iterations, residuals, **outcome):
         iteration_counts, residual_counts = internal_and_effective.counts, residual.counts
         count(forces_of_iteration=iteration_counts.forces)
         return Effort(
@@ -210,7 +210,7 @@ def balance(
             forces=iterations * iteration_counts.forces + residuals * residual_counts.forces,
             tangents=iterations * iteration_counts.tangents,
             factorisations=iterations,
-            **how,
+            **outcome,
         )
 
     if problem.linear:

@@ -41,8 +41,8 @@ def test_the_error_of_a_final_value_is_relative_to_it(decaying):
     quantities = {scale: study.Quantity(lambda u: u, reduce="final", scale=scale) for scale in ("own", "peak", "each")}
     quantities |= {"number": study.Quantity(lambda u: u, reduce="final", scale=0.2)}
     row = _errors(decaying, duration, _targets(decaying, duration, quantities), dt)
-    got = study.run(decaying, "rk4", dt=dt, steps=60, every=60).u[-1].item()
-    difference = abs(got - _exact(duration))
+    end = study.run(decaying, "rk4", dt=dt, steps=60, every=60).u[-1].item()
+    difference = abs(end - _exact(duration))
     for scale, value in (
         ("own", abs(_exact(duration))),
         ("each", abs(_exact(duration))),

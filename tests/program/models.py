@@ -37,16 +37,16 @@ def oscillator(hardening, scheme, dt):
 linear, hardening = partial(oscillator, 0.0), partial(oscillator, 0.5)
 
 
-def fails(how, scheme, dt):
-    """The linear oscillator with a scheme ``wrong``, whose runs fail in the way ``how``, by a signal only if dt > 1."""
+def fails(mistake, scheme, dt):
+    """The linear oscillator with a scheme ``wrong``, whose runs fail by the ``mistake``, by a signal only if dt > 1."""
     right = linear("central_difference" if scheme == "wrong" else scheme, dt)
     if scheme != "wrong":
         return right
-    if how == "raised":
+    if mistake == "raised":
         raise ValueError("no convergence")
-    if how == "exit_code":
+    if mistake == "exit_code":
         sys.exit(3)
-    if how == "signal":
+    if mistake == "signal":
         if dt > 1:
             os.kill(os.getpid(), signal.SIGSEGV)
         return right
@@ -57,7 +57,7 @@ def fails(how, scheme, dt):
         "not_finite": right | {"velocity": np.where(t > 10, np.nan, t)},
         "unequal_times": right | {"t": t**1.01},
         "too_short": {name: values[: len(t) // 2] for name, values in right.items()},
-    }[how]
+    }[mistake]
 
 
 def ignores_the_step(scheme, dt):

@@ -42,5 +42,5 @@ def test_a_class_without_source_is_told_what_to_define():
 
 
 def test_a_limit_of_zero_that_a_class_states_is_not_warned_about():
-    stated = study.schemes["dormand_prince6"]
-    assert study.Compensated(scheme=stated).stability_limit == stated.stability_limit == 0
+    scheme = study.schemes["dormand_prince6"]
+    assert study.Compensated(scheme=scheme).stability_limit == scheme.stability_limit == 0

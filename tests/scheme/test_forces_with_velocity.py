@@ -18,8 +18,8 @@ def test_a_force_linear_in_the_velocity_is_damping(name, tangent):
 
     u0 = np.linspace(-1, 1, n)
     damped = study.Problem(force, u0=u0, damping=coefficients, tangent=tangent)
-    same = study.Problem(lambda u, v: force(u) + coefficients * v, u0=u0, tangent=tangent)
-    expected, observed = (study.run(problem, name, dt=0.05, steps=100) for problem in (damped, same))
+    equivalent = study.Problem(lambda u, v: force(u) + coefficients * v, u0=u0, tangent=tangent)
+    expected, observed = (study.run(problem, name, dt=0.05, steps=100) for problem in (damped, equivalent))
     np.testing.assert_allclose(expected.u, observed.u, atol=5e-14)
     np.testing.assert_allclose(expected.v, observed.v, atol=5e-13)
 

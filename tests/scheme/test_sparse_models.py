@@ -70,8 +70,8 @@ def test_a_stiffness_next_to_the_force_is_the_force_with_it(scheme):
 
 def test_one_unknown_and_diagonals_may_have_a_stiffness():
     soft = study.Problem(lambda u: -0.1 * u**3, 1.0, stiffness=2.0)
-    same = study.Problem(lambda u: 2.0 * u - 0.1 * u**3, 1.0)
-    np.testing.assert_allclose(_motion(soft, "gauss4").u, _motion(same, "gauss4").u, rtol=1e-12)
+    equivalent = study.Problem(lambda u: 2.0 * u - 0.1 * u**3, 1.0)
+    np.testing.assert_allclose(_motion(soft, "gauss4").u, _motion(equivalent, "gauss4").u, rtol=1e-12)
     diagonal = study.Problem(u0=START, stiffness=sparse.diags_array(np.arange(1.0, N + 1)))
     assert diagonal.tangent == 0 and np.ndim(diagonal.stiffness) == 1
     chain = study.Problem(u0=START, stiffness=sparse.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(N, N)))

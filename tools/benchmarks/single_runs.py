@@ -159,12 +159,12 @@ def observers() -> Iterator[Case]:
         o for o in study.observers.values() if not o.refusal(study.problems["hardening"]) and not o.needs_neighbour
     ]
     reductions = tuple(o for o in every_one if isinstance(o, Reduction))
-    everything = {"observe": every_one, "every": 10}
+    options = {"observe": every_one, "every": 10}
     for spring, names in {"hardening": list(study.schemes), "softening": peer.SCHEMES}.items():
         for name in names:
             yield Case(
                 f"{name}, {spring}, all observers, records every 10 : none",
-                lambda spring=spring, name=name: run(spring, name, **everything),
+                lambda spring=spring, name=name: run(spring, name, **options),
                 lambda spring=spring, name=name: run(spring, name, observe=["energy_drift"]),
                 1.6,
                 STEPS * 10,
