@@ -26,6 +26,8 @@ WITHOUT_ACCOUNTING = $(shell sacct > /dev/null 2>&1 || echo --slurm-status-comma
 
 # every package has the version and a hash in requirements.txt
 PINNED := --require-hashes --no-deps
+# If Python is told to write no bytecode, uv writes it as pip does: otherwise every process compiles all packages again.
+BYTECODE = $(if $(PYTHONDONTWRITEBYTECODE),--compile-bytecode)
 
 KILLS ?= 100
 # folder of the wheel of the conformance kit
@@ -70,7 +72,8 @@ benchmark: .venv/ready
 	awk '/^[^ ]/ { of_uv = /^uv==/ } of_uv' requirements.txt > .venv/uv.txt
 	$(BIN)/pip install --quiet $(PINNED) -r .venv/uv.txt
 	@index=$${PIP_INDEX_URL:-$$($(BIN)/pip config get global.index-url 2> /dev/null)}; \
-	  $(BIN)/uv pip install --quiet --python $(BIN)/python $${index:+--default-index "$$index"} $(PINNED) -r requirements.txt || \
+	  $(BIN)/uv pip install --quiet --python $(BIN)/python $${index:+--default-index "$$index"} $(BYTECODE) \
+	    $(PINNED) -r requirements.txt || \
 	  { echo "uv cannot install them, so pip does, which takes a minute or two" >&2; \
 	    $(BIN)/pip install --quiet $(PINNED) -r requirements.txt; }
 	$(BIN)/pip install --quiet --no-deps --no-build-isolation --editable .
