@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 
 from paper.measures.record_error import ONE_CURVE, RANGE, SCHEME, order, over_period, predicted, scatter
-from paper.numbers.spectrum import with_interval
+from paper.numbers.spectrum import share_with
 from paper.products import numbers
-from study.words import listed, number
+from study.words import listed, number, span
 
 #: Origin of the stochastic records, as the dataset states it.
 _STOCHASTIC = "Boore (2003)"
@@ -18,6 +18,8 @@ _STOCHASTIC = "Boore (2003)"
 )
 def of_record_error(errors: xr.Dataset) -> dict:
     """Ratios of measured and predicted errors, scatter about three predictors, shares of runs, and orders."""
+    from scipy.stats import t as student  # here, as few numbers of the text need it
+
     one = errors.sel(scheme=SCHEME)
     law = predicted(one)
     ratio = one.error.sel(load="samples") / law
@@ -29,7 +31,12 @@ def of_record_error(errors: xr.Dataset) -> dict:
     }
 
     def within(error):
-        return with_interval(xr.DataArray((error <= law).values[runs.values]))
+        """Share of the runs within the prediction, with Student's interval of its mean over the records."""
+        kept = (error <= law).where(runs)
+        of_records = kept.mean(["period", "ratio"]).values
+        half = student.ppf(0.975, len(of_records) - 1) * of_records.std(ddof=1) / np.sqrt(len(of_records))
+        mean = kept.mean().item()
+        return share_with(mean, max(mean - half, 0), min(mean + half, 1))
 
     found = {
         "record_error_records": errors.sizes["record"],
@@ -37,6 +44,9 @@ def of_record_error(errors: xr.Dataset) -> dict:
         "record_error_own": int((~stochastic).sum()) - 1 or None,
         "record_error_spacings": listed(f"{1e3 * one:g}" for one in np.unique(errors.spacing[stochastic])),
         "record_error_runs": int(runs.sum()),
+        "record_error_damping": f"{100 * errors.damping_ratio.item():g}",
+        "record_error_periods": span(errors.period, "g"),
+        "record_error_duration": span(errors.duration[stochastic], ".0f"),
         "record_error_dividing": number(float(ratio.isel(ratio=(one.divides == 1).values).median()), 2),
         "record_error_passing": number(float(ratio.isel(ratio=(one.divides == 0).values).median()), 2),
         "record_error_low": number(low, 2),

@@ -12,10 +12,16 @@ SHORT = 0.2
 
 def with_interval(beyond: xr.DataArray) -> str:
     """A share in percent with its exact interval of 95 % confidence, by Clopper and Pearson."""
-    from scipy.stats import binomtest  # here, as no other number of the text needs it
+    from scipy.stats import binomtest  # here, as few numbers of the text need it
 
-    low, high = binomtest(int(beyond.sum()), beyond.size).proportion_ci(0.95, method="exact")
-    return f"{percent(beyond.mean().item())} (95 % interval {percent(low)} to {percent(high)})"
+    return share_with(
+        beyond.mean().item(), *binomtest(int(beyond.sum()), beyond.size).proportion_ci(0.95, method="exact")
+    )
+
+
+def share_with(share: float, low: float, high: float) -> str:
+    """A share in percent with its interval of 95 % confidence."""
+    return f"{percent(share)} (95 % interval {percent(low)} to {percent(high)})"
 
 
 @numbers(

@@ -20,7 +20,7 @@ from study.marching.run import sweep
 from study.mechanics.ground import GroundMotion
 from study.observer.base import Reduction
 from study.observer.peak import Peak
-from study.problem.inelastic import yielding_oscillator
+from study.problem.inelastic import DAMPING_RATIO, yielding_oscillator
 
 #: Steps over the spacing of a record: first those that divide it, then those that pass over samples.
 RATIOS = [Fraction(one) for one in "1/4 1/2 1 2/5 3/5 3/4 5/6 4/3 2 5/2 4".split()]
@@ -229,6 +229,12 @@ def record_error(schemes: Schemes) -> xr.Dataset:
             "record": exact.record,
             "origin": exact.origin,
             "spacing": exact.spacing,
+            "duration": (
+                "record",
+                [float(ground.duration) for ground in grounds],
+                {"long_name": "duration of the record", "units": "s"},
+            ),
+            "damping_ratio": ((), DAMPING_RATIO, {"long_name": "damping ratio of small motions", "units": "1"}),
             "period": exact.period,
             "spring": exact.spring,
             "ratio": ("ratio", ratios, {"long_name": "step over the spacing of the record", "units": "1"}),

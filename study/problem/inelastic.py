@@ -115,7 +115,11 @@ def yielding_under_record(ground, period, yield_force) -> Problem:
     return yielding_oscillator(period, yield_force, ground=ground, title="yielding oscillator under a record")
 
 
-def yielding_oscillator(period, yield_force, damping_ratio=0.05, **more) -> Problem:
+#: Damping ratio of small motions of oscillators under records.
+DAMPING_RATIO = 0.05
+
+
+def yielding_oscillator(period, yield_force, damping_ratio=DAMPING_RATIO, **more) -> Problem:
     """A unit mass at rest on an elastoplastic spring with hardening b = 0.02.
 
     Parameters

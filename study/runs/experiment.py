@@ -187,9 +187,9 @@ class _Ladder:
             if new := new - known:
                 self.run(new)
                 continue
-            if new := {one for need, _ in needed[: len(limits)] for one in self._finer(need)} - known:
-                self.confirming |= {one for one in new if one != two_digits(one, self.multiple)}
-                self.run(new)
+            if finer_steps := {count for need, _ in needed[: len(limits)] for count in self._finer(need)} - known:
+                self.confirming |= {count for count in finer_steps if count != two_digits(count, self.multiple)}
+                self.run(finer_steps)
                 continue
             varied = set(self.varied.steps_per_period) if len(self.varied) else set()
             wanted = {need for need, _ in needed if need < math.inf}
