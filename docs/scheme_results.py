@@ -89,7 +89,7 @@ def energy(subject: "Subject", data: Mapping[str, Any]) -> str:
     runs = _part_of(subject, data["energy_error"])
     if runs is None:
         return ""
-    runs = runs.max_energy_error.sel(period_used="printed")
+    runs = 100 * runs.max_energy_error.sel(period_used="printed")
     printed = printed_energy_errors()
     known = subject.name in printed.scheme.values
     titles = _titles(data["energy_error"])
@@ -155,14 +155,20 @@ def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
     if robust is not None:
         last = robust.isel(periods=-1)
         rows = [
-            [title, *(_steps(last.steps_needed.sel(problem=name, level=level).item(), last) for level in last.level)]
+            [
+                title,
+                *(
+                    _steps(last.fewest_steps_per_period.sel(problem=name, allowed_error=level).item(), last)
+                    for level in last.allowed_error
+                ),
+            ]
             for name, title in _titles(robust).items()
         ]
         length = int(last.periods)
         parts.append(
             f"Steps per period that keep the energy within some percent over {length} periods at all amplitudes:"
         )
-        parts.append(table(["problem", *(f"{100 * level:g} %" for level in last.level.values)], rows))
+        parts.append(table(["problem", *(f"{100 * level:g} %" for level in last.allowed_error.values)], rows))
     return "\n\n".join(parts)
 
 
@@ -171,7 +177,7 @@ def _share(part: float) -> str:
 
 
 def _steps(needed: float, robust: xr.Dataset) -> str:
-    return f"more than {int(robust.most_steps)}" if np.isnan(needed) else f"{needed:.0f}"
+    return f"more than {int(robust.most_steps_per_period)}" if np.isnan(needed) else f"{needed:.0f}"
 
 
 def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:
@@ -185,7 +191,7 @@ def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:
         status = runs.status.sel(problem=problem).values
         if status.any():
             first = int(np.argmax(status != 0))
-            part = runs.dt_over_period.values[first]
+            part = runs.step_size_over_period.values[first]
             failures.append(
                 f"on the {title} at {number(1 / part)} steps per period ({_FAILURES[names[int(status[first])]]})"
             )
@@ -218,7 +224,7 @@ def work(subject: "Subject", data: Mapping[str, Any]) -> str:
         axes.set_ylim(top=3)
         axes.set_title(title)
         panels.append(svg(figure, f"Error of {subject.scheme.title} on the {title} over the forces evaluated"))
-        time = runs.median_time_per_step.sel(problem=problem)
+        time = 1e9 * runs.median_seconds_per_step.sel(problem=problem)
         forces = runs.force_evaluations_per_step.sel(problem=problem)
         rows.append([title, _range(time), _range(forces)])
     caption = f"Largest error of the displacement over {_LONG} periods against the forces evaluated."

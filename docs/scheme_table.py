@@ -29,7 +29,7 @@ COLUMNS = {
 
 def _time(subject: Subject, library: Library) -> float:
     """Median time of a step on the softening spring, at the smallest step size, in ns; NaN if it was not measured."""
-    times = library.data["work_precision"].median_time_per_step
+    times = 1e9 * library.data["work_precision"].median_seconds_per_step
     if subject.name not in times.scheme.values or "softening" not in times.problem.values:
         return math.nan
     return times.sel(scheme=subject.name, problem="softening").isel(steps_per_period=-1).item()

@@ -215,12 +215,12 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
                 f"or do not converge: {listed(titles)}"
             )
     if subject.name in robust.scheme.values:
-        needed = robust.steps_needed.isel(periods=-1).sel(level=LEVEL, scheme=subject.name)
+        needed = robust.fewest_steps_per_period.isel(periods=-1).sel(allowed_error=LEVEL, scheme=subject.name)
         lost = robust.problem_title.values[np.isnan(needed.values)].tolist()
         if lost:
             yield (
-                f"all amplitudes of the {listed(lost)}: {int(robust.most_steps)} steps per period do not keep the "
-                f"energy within {percent(LEVEL)}"
+                f"all amplitudes of the {listed(lost)}: {int(robust.most_steps_per_period)} steps per period do not "
+                f"keep the energy within {percent(LEVEL)}"
             )
     if subject.name in kinks.scheme.values and scheme.order >= 2:
         first = kinks.problem_title.values[kinks.observed_order.sel(scheme=subject.name).values < 1.5].tolist()

@@ -26,4 +26,4 @@ quantities = {
 
 if __name__ == "__main__":
     ds = study.assess(driven, duration=100.0, quantities=quantities)
-    print(study.recommend(ds, error=0.01, quantity="acceleration"))
+    print(study.recommend(ds, allowed_error=0.01, quantity="acceleration"))

@@ -51,5 +51,5 @@ quantities = {
 
 if __name__ == "__main__":
     ds = study.assess(frame, duration=31.2, quantities=quantities)
-    print(study.recommend(ds, error=0.01, quantity="peak drift"))
+    print(study.recommend(ds, allowed_error=0.01, quantity="peak drift"))
     study.report(ds, "frame.html")

@@ -1,7 +1,7 @@
 """A portal frame of steel with fibre sections under the record of El Centro, in OpenSees.
 
     study assess examples/opensees_frame.py --opensees --duration 8 --spacing 0.02 \
-        --schemes average_acceleration hht_alpha bathe --error 0.1 0.01 --output opensees_frame
+        --schemes average_acceleration hht_alpha bathe --allowed-error 0.1 0.01 --output opensees_frame
 
 The columns have a fixed base and carry gravity before the ground moves. Forces are in N, lengths in m.
 """

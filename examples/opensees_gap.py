@@ -1,7 +1,7 @@
 """Two floors that pound against each other across a gap on moving ground, in OpenSees.
 
     study assess examples/opensees_gap.py --opensees --duration 4 --schemes average_acceleration hht_alpha bathe \
-        --error 0.1 0.01 --output opensees_gap
+        --allowed-error 0.1 0.01 --output opensees_gap
 
 The ground moves as a sine. Forces are in kN, lengths in m.
 """

@@ -20,4 +20,4 @@ pendulum = study.Problem(
 if __name__ == "__main__":
     ds = study.assess(pendulum, duration=120.0)
     for quantity in ds.quantity.values:
-        print(study.recommend(ds, error=0.01, quantity=quantity).head(3), "\n")
+        print(study.recommend(ds, allowed_error=0.01, quantity=quantity).head(3), "\n")

@@ -35,5 +35,5 @@ truss = study.Problem(
 
 if __name__ == "__main__":
     ds = study.assess(truss, duration=2.0)
-    print(study.recommend(ds, error=0.01, quantity="displacement"))
+    print(study.recommend(ds, allowed_error=0.01, quantity="displacement"))
     print(*ds.failure.values, sep="\n")

@@ -1,7 +1,7 @@
 r"""A frame of three storeys that yield, with fluid dampers, under the record of El Centro.
 
 study assess examples/yielding_frame.py:frame --quantities examples/yielding_frame.py:quantities --duration 12 \
-        --error 0.01 --output yielding_frame
+        --allowed-error 0.01 --output yielding_frame
 """
 
 import jax.numpy as jnp

@@ -82,7 +82,7 @@ def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
 
     The result is zero if the finest step exceeds the error.
     """
-    return largest_size((atlas.max_energy_error <= 100 * error) & (atlas.period_error <= error), "dt_over_period")
+    return largest_size((atlas.max_energy_error <= error) & (atlas.period_error <= error), "step_size_over_period")
 
 
 def largest_omega_step(rule: xr.Dataset, error: float) -> xr.DataArray:

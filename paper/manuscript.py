@@ -110,7 +110,7 @@ _REQUIRES = {
     "large_steps.problems": ["hardening", "softening", "softening_large", "double_well"],
     "sensitivity.problem": "double_well",
     "sensitivity.perturbation": 1e-10,
-    "stability.roots.paper_dt": 2.5,
+    "stability.roots.paper_step_size": 2.5,
     "atlas.problems": as_many(3),
     "robustness.problems": as_many(3),
 }

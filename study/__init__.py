@@ -31,7 +31,7 @@ Which scheme and which step size
     that keep an allowed error, the cheapest first, and ``report`` writes a page of HTML::
 
         ds = study.assess(pendulum, duration=60.0, quantities={"angle": study.Quantity(lambda u: u, reduce="peak")})
-        study.recommend(ds, error=0.01, quantity="angle")
+        study.recommend(ds, allowed_error=0.01, quantity="angle")
         study.report(ds, "pendulum.html")
 
     ``step_bound`` computes the steps that keep energy, period and displacement of a free oscillator, without a run.
@@ -44,7 +44,7 @@ A model in another program
     a program from an executable, and ``opensees`` makes one from a model of OpenSees::
 
         program = study.command("./mycode {dt} {scheme} {output}", ["newmark", "hht"], duration=10.0)
-        study.recommend(study.assess(program), error=0.01)
+        study.recommend(study.assess(program), allowed_error=0.01)
 
 Datasets of the study
     ``open_dataset`` opens a dataset of the study. ``recommend`` also takes the name of an assessment of the study.

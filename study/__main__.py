@@ -61,7 +61,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--seconds", type=float, default=math.inf, help="wall time after which no run begins")
     command.add_argument("--controller", metavar="NAME", help="also find tolerances, with steps that it controls")
     command.add_argument(
-        "--error", type=float, nargs="+", default=[0.1, 0.01, 0.001], help="allowed errors, as fractions"
+        "--allowed-error", type=float, nargs="+", default=[0.1, 0.01, 0.001], help="allowed errors, as fractions"
     )
     command.add_argument(
         "--schemes", nargs="+", metavar="SCHEME", help="names of schemes, or FILE.py:NAME; default: ten common ones"
@@ -82,7 +82,7 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser("recommend", help="list the schemes that keep an error, the cheapest first")
     command.set_defaults(function=_recommend)
     command.add_argument("name", metavar="NAME", help="name of an assessment: hardening, softening or one of your own")
-    command.add_argument("--error", type=float, required=True, help="an error that was assessed, as a fraction")
+    command.add_argument("--allowed-error", type=float, required=True, help="an error that was assessed, as a fraction")
     command.add_argument("--quantity", help="quantity that must keep the error; default: the first, displacement")
     command.add_argument("--duration", type=float, metavar="SECONDS", help="a longer duration than that of the runs")
     command.add_argument("--folder", type=Path, default=io.RESULTS, help="folder of the results; default: results")
@@ -123,7 +123,7 @@ def _assess(arguments: argparse.Namespace) -> None:
         stem = arguments.output.name.removesuffix(".nc").removesuffix(".html")
         outputs = [io.check_writable(arguments.output.with_name(stem + suffix)) for suffix in (".nc", ".html")]
     if arguments.command or arguments.opensees:
-        dataset = assess(_program(arguments), errors=arguments.error, seconds=arguments.seconds)
+        dataset = assess(_program(arguments), allowed_errors=arguments.allowed_error, seconds=arguments.seconds)
     else:
         if not arguments.problem:
             raise ValueError("assess needs FILE.py:NAME, the name of a problem, or --command.")
@@ -136,7 +136,7 @@ def _assess(arguments: argparse.Namespace) -> None:
             schemes,
             duration=arguments.duration,
             quantities=load(arguments.quantities, (dict,)) if arguments.quantities else None,
-            errors=arguments.error,
+            allowed_errors=arguments.allowed_error,
             maps=arguments.maps,
             controller=arguments.controller,
             seconds=arguments.seconds,
@@ -147,7 +147,7 @@ def _assess(arguments: argparse.Namespace) -> None:
         report(dataset, outputs[1])
     for quantity in dataset.quantity.values:
         for error in dataset.allowed_error.values:
-            print(f"{recommend(dataset, error=error, quantity=quantity).to_string()}\n")
+            print(f"{recommend(dataset, allowed_error=error, quantity=quantity).to_string()}\n")
             print(f"{answer(dataset, quantity, error)}\n")
     if limits := limits_of_reference(dataset):
         print(f"{limits}\n")
@@ -186,7 +186,7 @@ def _assess_scheme(arguments: argparse.Namespace) -> None:
 
 
 def _recommend(arguments: argparse.Namespace) -> None:
-    options = {key: getattr(arguments, key) for key in ("error", "quantity", "duration", "folder")}
+    options = {key: getattr(arguments, key) for key in ("allowed_error", "quantity", "duration", "folder")}
     table = recommend(arguments.name, **options)
     print(table.to_string())
 

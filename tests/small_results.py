@@ -23,12 +23,12 @@ def assessment() -> xr.Dataset:
     error = np.tile(100 * tried[:, None] * [1.0, 0.5], (2, 1, 1))
     return xr.Dataset(
         {
-            "recommended_dt": (dims, STEPS),
-            "largest_dt": (dims, 1.05 * STEPS),
-            "error": (("scheme", "dt", "quantity"), error),
+            "recommended_step_size": (dims, STEPS),
+            "largest_step_size": (dims, 1.05 * STEPS),
+            "error": (("scheme", "step_size", "quantity"), error),
             "recommended_error": (dims, np.broadcast_to([0.09, 0.009], STEPS.shape)),
-            "time": (dims, time),
-            "time_spread": (dims, time / 10),
+            "seconds": (dims, time),
+            "seconds_spread": (dims, time / 10),
             "force_evaluations": (dims, np.ceil(10 / STEPS)),
             "steps_tried": (dims, np.full(STEPS.shape, 700)),
             "worst_error": (dims, np.full(STEPS.shape, 0.95)),
@@ -47,7 +47,7 @@ def assessment() -> xr.Dataset:
             "keeps_energy": ("scheme", [1, 1]),
             "quantity": ["displacement", "energy"],
             "allowed_error": [0.1, 0.01],
-            "dt": tried,
+            "step_size": tried,
         },
         {"duration": 10.0, "periods": 10, "problem": "softening spring"},
     )
@@ -55,9 +55,9 @@ def assessment() -> xr.Dataset:
 
 def energy_error() -> xr.Dataset:
     """Energy errors of Houbolt's method on the hardening spring that halve with the step size."""
-    error = np.array([[[[80.0], [40.0]]]])
+    error = np.array([[[[0.8], [0.4]]]])
     return xr.Dataset(
-        {"max_energy_error": (("period_used", "problem", "steps_per_period", "scheme"), error, {"units": "percent"})},
+        {"max_energy_error": (("period_used", "problem", "steps_per_period", "scheme"), error, {"units": "1"})},
         {"period_used": ["printed"], "problem": ["hardening"], "steps_per_period": [100, 200], "scheme": ["houbolt"]},
     )
 

@@ -46,8 +46,8 @@ def test_names_are_listed(capsys):
 
 def test_a_recommendation_is_printed(capsys, tmp_path):
     folder = small_results.write_to(tmp_path)
-    main(["recommend", "softening", "--error", "0.01", "--quantity", "displacement", "--folder", str(folder)])
-    table = study.recommend("softening", error=0.01, quantity="displacement", folder=folder)
+    main(["recommend", "softening", "--allowed-error", "0.01", "--quantity", "displacement", "--folder", str(folder)])
+    table = study.recommend("softening", allowed_error=0.01, quantity="displacement", folder=folder)
     assert capsys.readouterr().out == f"{table.to_string()}\n"
 
 
@@ -60,11 +60,11 @@ def test_an_assessment_is_found_by_its_file(capsys, tmp_path, monkeypatch):
     of_folder = ["mynm", "--folder", "."], ["mynm", "--folder", "sub"], ["other.nc", "--folder", "sub"]
     ways = ["mynm"], ["mynm.nc"], ["sub/mynm"], ["sub/mynm.nc"], *of_folder
     for way in ways:
-        main(["recommend", *way, "--error", "0.01"])
+        main(["recommend", *way, "--allowed-error", "0.01"])
     printed = capsys.readouterr().out
-    assert printed == len(ways) * f"{study.recommend('mynm', error=0.01).to_string()}\n"
+    assert printed == len(ways) * f"{study.recommend('mynm', allowed_error=0.01).to_string()}\n"
     with pytest.raises(SystemExit):
-        main(["recommend", "other.nc", "--error", "0.01"])
+        main(["recommend", "other.nc", "--allowed-error", "0.01"])
     assert "there is no file 'other.nc'; `study assess --output other.nc` writes it." in capsys.readouterr().err
 
 
@@ -89,7 +89,7 @@ def test_an_assessment_is_found_by_its_file(capsys, tmp_path, monkeypatch):
             "--controller is an option of a problem, not of a program; leave it out.",
         ),
         (
-            ["recommend", "hardening", "--error", "0.01", "--folder", "{folder}"],
+            ["recommend", "hardening", "--allowed-error", "0.01", "--folder", "{folder}"],
             "there is no dataset '{folder}/needs.nc': another folder of results is given as `folder`, "
             "and a dataset of the study is made by `snakemake {folder}/needs.nc` in the folder of its "
             "sources.",

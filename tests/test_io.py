@@ -149,7 +149,7 @@ def test_a_missing_dataset_says_what_to_run(dataset, tmp_path):
         study.open_dataset("energy_error", tmp_path)
     io.write(dataset, tmp_path / "energy_error.nc")
     with pytest.raises(FileNotFoundError, match="needs.nc': .* by `snakemake .*needs.nc` in"):
-        study.recommend("hardening", error=0.01, folder=tmp_path)
+        study.recommend("hardening", allowed_error=0.01, folder=tmp_path)
     with pytest.raises(FileNotFoundError, match="may mean 'energy_error', another folder .* by `snakemake"):
         study.open_dataset("energy_eror", tmp_path)
 

@@ -96,7 +96,7 @@ def test_the_core_runs_a_scheme_away_from_the_checkout(python, tmp_path):
 def test_the_core_recommends_a_scheme_from_a_folder_of_results(python, tmp_path):
     results = small_results.write_to(tmp_path / "elsewhere")
     code = (
-        "import study; print(study.recommend('softening', error=0.01, quantity='displacement', "
+        "import study; print(study.recommend('softening', allowed_error=0.01, quantity='displacement', "
         f"folder={str(results)!r}).index[0])"
     )
     assert _run([python, "-c", code], tmp_path).strip() == "cheap"

@@ -51,7 +51,11 @@ if __name__ == "__main__":
     model = membrane(*map(int, sys.argv[1:3]))
     start = time.perf_counter()
     ds = study.assess(
-        model, SCHEMES, duration=DURATION, errors=ERRORS, seconds=float(sys.argv[3]) if sys.argv[3:] else math.inf
+        model,
+        SCHEMES,
+        duration=DURATION,
+        allowed_errors=ERRORS,
+        seconds=float(sys.argv[3]) if sys.argv[3:] else math.inf,
     )
     seconds = time.perf_counter() - start
     print(
@@ -59,6 +63,6 @@ if __name__ == "__main__":
     )
     for quantity in ds.quantity.values:
         for error in ERRORS:
-            for row in study.recommend(ds, error=error, quantity=quantity).itertuples():
-                ratio = f", {seconds / row.time:.0f} times one run" if row.time > 0 else ""
+            for row in study.recommend(ds, allowed_error=error, quantity=quantity).itertuples():
+                ratio = f", {seconds / row.seconds:.0f} times one run" if row.seconds > 0 else ""
                 print(f"{error:.0%} of {quantity}, {row.Index}: Δt = {row.step_size:g} s, {row.verdict}{ratio}")

@@ -50,7 +50,7 @@ PROBLEMS = {
 def check(name: str) -> None:
     """Print a line for every scheme, quantity and allowed error of a problem."""
     problem, quantities, duration = PROBLEMS[name]()
-    ds = assess(problem, SCHEMES, duration=duration, quantities=quantities, errors=(0.1, 0.01), maps=False)
+    ds = assess(problem, SCHEMES, duration=duration, quantities=quantities, allowed_errors=(0.1, 0.01), maps=False)
     equation, selected = excited(problem, 1.0, displaced=True), errors.named(quantities)
     reference = certified(equation, ds.duration, selected, 0.01, duration / COARSEST, quantities is None)
     case = cases_of(equation, reference, selected, 0.01)[1.0]
@@ -58,7 +58,7 @@ def check(name: str) -> None:
     for scheme in ds.scheme.values:
         runs = {}
         for (quantity, allowed), row in ds.sel(scheme=scheme).to_dataframe().groupby(["quantity", "allowed_error"]):
-            step = row.recommended_dt.iloc[0]
+            step = row.recommended_step_size.iloc[0]
             if not step > 0:
                 print(f"{name:15s} {scheme:22s} {quantity:13s} {allowed:5g}: no step", flush=True)
                 continue
@@ -70,7 +70,7 @@ def check(name: str) -> None:
             first = row.iloc[0]
             print(
                 f"{name:15s} {scheme:22s} {quantity:13s} {allowed:5g}: step {step:.4g}, "
-                f"largest {first.largest_dt:.4g}, {first.steps_tried:.0f} tried, worst {first.worst_error:.2f}; "
+                f"largest {first.largest_step_size:.4g}, {first.steps_tried:.0f} tried, worst {first.worst_error:.2f}; "
                 f"fresh: {(error > 1).sum()} of {STEPS} exceed, worst {error.max():.3f}",
                 flush=True,
             )

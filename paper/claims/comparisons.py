@@ -55,7 +55,7 @@ def at_step(steps: object) -> str:
 )
 def energy_measures_inaccuracy(accuracy):
     runs = accuracy.sel(problem=PROBLEMS, periods=100)
-    by_energy, right = runs.max_energy_error <= REASONABLE, 100 * runs.max_trajectory_error <= REASONABLE
+    by_energy, right = 100 * runs.max_energy_error <= REASONABLE, 100 * runs.max_trajectory_error <= REASONABLE
     agree = by_energy == right
     wrong, passed = (by_energy & ~right).sum().item(), by_energy.sum().item()
     unseen = f"of {passed} runs with an energy error up to that bound, {wrong} have a larger displacement error"
@@ -216,7 +216,7 @@ def lost_energy(portrait: xr.Dataset) -> dict[str, float]:
 )
 def grave_errors_are_damping(accuracy):
     runs = accuracy.sel(problem="hardening", scheme=DISSIPATIVE, periods=100)
-    grave = runs.max_energy_error > FAR_OFF
+    grave = 100 * runs.max_energy_error > FAR_OFF
     damped = grave & (100 * runs.energy_drift < -FAR_OFF)
     number_of_grave = grave.sum().item()
     return Finding(f"{damped.sum().item()} of {number_of_grave}", number_of_grave > 0 and bool((damped == grave).all()))

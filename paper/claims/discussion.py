@@ -66,10 +66,10 @@ claim_printed_error(
     f"share of pairs of neighbouring step sizes whose smaller step has an error more than {ALMOST:g} times as large, "
     "all schemes and springs from T/100 to T",
     words="Such behaviour of having a less accurate solution with a smaller time step is not uncommon",
-    requires={"large_steps.dt_over_period": rising},
+    requires={"large_steps.step_size_over_period": rising},
 )
 def smaller_may_be_worse(large_steps):
-    error = large_steps.max_energy_error.transpose(..., "dt_over_period").values
+    error = large_steps.max_energy_error.transpose(..., "step_size_over_period").values
     smaller, larger = error[..., :-1], error[..., 1:]
     pairs = np.isfinite(smaller) & np.isfinite(larger)
     worse = (smaller[pairs] > ALMOST * larger[pairs]).sum()
@@ -88,14 +88,14 @@ def smaller_may_be_worse(large_steps):
     words="a smaller time step may even change a stable solution to an unstable one",
     requires={
         "large_steps.problems": ["softening_large"],
-        "large_steps.dt_over_period": rising,
+        "large_steps.step_size_over_period": rising,
     },
 )
 def smaller_may_be_unstable(large_steps):
-    error = large_steps.max_energy_error.sel(problem="softening_large", scheme="average_acceleration")
-    error = error.dropna("dt_over_period")
-    unstable = error.dt_over_period.values[error.values > UNSTABLE]
-    stable = error.dt_over_period.values[error.values <= REASONABLE]
+    error = 100 * large_steps.max_energy_error.sel(problem="softening_large", scheme="average_acceleration")
+    error = error.dropna("step_size_over_period")
+    unstable = error.step_size_over_period.values[error.values > UNSTABLE]
+    stable = error.step_size_over_period.values[error.values <= REASONABLE]
     pairs = [(small, large) for small in unstable for large in stable if small < large]
     if not pairs:
         return Finding("no such pair of step sizes", False, "no smaller step was less stable on the grid")
@@ -116,7 +116,7 @@ def five_are_unconditionally_stable(spectral):
     radius = spectral.spectral_radius.sel(damping_ratio=0)
     excess = radius.sel(scheme=UNCONDITIONAL).max().item() - 1
     # a radius up to 1 + 1e-6 counts as one: a double root on the unit circle is accurate to half of the digits
-    others = bool((radius.sel(scheme=EXPLICIT).max("dt_over_period") > 1 + 1e-6).all())
+    others = bool((radius.sel(scheme=EXPLICIT).max("step_size_over_period") > 1 + 1e-6).all())
     return Finding(number(excess, ".0e"), excess < ROUND_OFF and others)
 
 
@@ -129,8 +129,8 @@ def five_are_unconditionally_stable(spectral):
 )
 def stability_is_lost(large_steps):
     large = large_steps.sel(problem=_OF_TWO_SPRINGS, scheme=UNCONDITIONAL)
-    gains = (100 * large.late_energy_gain > GROWN).any(["problem", "dt_over_period"])
-    overshoots = (large.max_energy_error > UNSTABLE).any(["problem", "dt_over_period"]) & ~gains
+    gains = (100 * large.late_energy_gain > GROWN).any(["problem", "step_size_over_period"])
+    overshoots = (100 * large.max_energy_error > UNSTABLE).any(["problem", "step_size_over_period"]) & ~gains
     grow, lose, none = (
         large.scheme.values[which.values].tolist() for which in (gains, overshoots, ~(gains | overshoots))
     )
@@ -150,7 +150,7 @@ claim_period("4", "softening_large", 1, "The period of this oscillator is equal 
     requires={
         "step_window.problem": "softening_large",
         "step_window.schemes": ["hht_alpha_1996"],
-        "step_window.dt_over_period": spans(1 / 8),
+        "step_window.step_size_over_period": spans(1 / 8),
     },
 )
 def alpha_is_unstable(step_window):
@@ -169,7 +169,7 @@ def alpha_is_unstable(step_window):
 )
 def alpha_is_moderate(spectral):
     radius = spectral.spectral_radius.sel(scheme=UNCONDITIONAL, damping_ratio=0)
-    damping = by_name(1 - radius.sel(dt_over_period=0.05, method="nearest"))
+    damping = by_name(1 - radius.sel(step_size_over_period=0.05, method="nearest"))
     order = sorted(damping, key=damping.__getitem__)
     shown = {name: value if value > ROUND_OFF else 0.0 for name, value in damping.items()}
     return Finding(listed(shown, spectral, ".1e"), order[:2] == ["average_acceleration", "hht_alpha_1996"])

@@ -27,7 +27,7 @@ claim_period("4", "double_well", 1, "The period of this oscillator is equal to 7
     reference="reference/double_well",
 )
 def step_is_a_third(portrait, reference):
-    ratio = (portrait.dt / reference.period).item()
+    ratio = (portrait.step_size / reference.period).item()
     return Finding(f"{ratio:.3f}", round(ratio, 1) == 0.3)
 
 

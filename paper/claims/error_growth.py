@@ -9,7 +9,7 @@ from study.words import span
 
 #: Smallest relative error above round-off, and largest errors of displacement and of the energy of a motion that is not
 #: lost.
-FLOOR, SATURATED, LOST = 1e-9, 0.5, 50.0
+FLOOR, SATURATED, LOST = 1e-9, 0.5, 0.5
 #: Length in periods from which on errors follow a law; the last crossing of a shorter run comes well before its end.
 FROM = 10
 #: Largest difference of an exponent from one that counts as linear growth.
@@ -60,7 +60,9 @@ def phase_error_grows(error_growth):
 )
 def extrapolated_steps_keep(error_growth):
     ratio = (error_growth.extrapolated_error / error_growth.allowed_error).stack(case=["problem", "scheme"])
-    ratio = ratio[error_growth.run.stack(case=["problem", "scheme"]).notnull().values].fillna(np.inf)
+    ratio = ratio[error_growth.extrapolated_steps_per_period.stack(case=["problem", "scheme"]).notnull().values].fillna(
+        np.inf
+    )
     beyond = ratio[ratio.values > 1]
     ours = f"{int((ratio <= 1).sum())} of {ratio.size}; {number(ratio.max().item(), '.2f') if ratio.size else 'none'}"
     cases = "; ".join(f"{one.scheme_title.item()} on {one.problem_title.item()}" for one in beyond)

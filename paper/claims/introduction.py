@@ -72,7 +72,7 @@ def newmark_beta_zero_is_central_difference(portrait):
     portrait = portrait.sel(scheme="central_difference")
     u = portrait.u.values
     force = 100 * u * (1 + 10 * u**2)  # eq. (2) with the paper's constants
-    residual = np.diff(u, 2) / portrait.dt.item() ** 2 + force[1:-1]
+    residual = np.diff(u, 2) / portrait.step_size.item() ** 2 + force[1:-1]
     worst = np.abs(residual).max() / np.abs(force).max()
     return Finding(number(worst, ".0e"), worst < ROUND_OFF)
 
@@ -86,7 +86,7 @@ def newmark_beta_zero_is_central_difference(portrait):
     requires={"houbolt_start.problems": ["hardening"], "houbolt_start.steps_per_period": [20]},
 )
 def start_of_houbolt(houbolt_start):
-    at = houbolt_start.max_energy_error.sel(problem="hardening", steps_per_period=20)
+    at = 100 * houbolt_start.max_energy_error.sel(problem="hardening", steps_per_period=20)
     matching = at.start.values[same(twice(at), 97.3).values].tolist()
     values = {name.replace("taylor", "Taylor"): value for name, value in by_name(at).items()}
     holds = matching == ["linear_acceleration"]
@@ -110,7 +110,7 @@ def start_of_houbolt(houbolt_start):
 )
 def houbolt_needs_memory(spectral, houbolt_start):
     memory = by_name(spectral.memory)
-    at = houbolt_start.max_energy_error.sel(problem="hardening", steps_per_period=20)
+    at = 100 * houbolt_start.max_energy_error.sel(problem="hardening", steps_per_period=20)
     spread = (at.max() - at.min()).item()
     others = [value for name, value in memory.items() if name != "houbolt"]
     return Finding(f"{listed(memory, spectral, '.0f')}; {spread:.3f} %", memory["houbolt"] > max(others) and spread > 0)

@@ -19,7 +19,7 @@ def _undamped(spectral, variable):
     requires={"spectral.schemes": ["oalts", "generalized_alpha"], "spectral.damping_ratios": [0.0]},
 )
 def half_the_damping(spectral):
-    damping = _undamped(spectral, "algorithmic_damping").sel(dt_over_period=0.01, method="nearest")
+    damping = _undamped(spectral, "algorithmic_damping").sel(step_size_over_period=0.01, method="nearest")
     part = (damping.sel(scheme="oalts") / damping.sel(scheme="generalized_alpha")).item()
     return Finding(number(part, ".2f"), 0.5 / ALMOST <= part <= 0.5 * ALMOST)
 
@@ -33,8 +33,8 @@ def half_the_damping(spectral):
 )
 def less_overshoot(spectral):
     schemes = ["kr_alpha", "mkr_alpha"]
-    overshoot = _undamped(spectral, "displacement_overshoot").max("dt_over_period").sel(scheme=schemes)
-    elongation = abs(_undamped(spectral, "period_elongation")).sel(dt_over_period=0.1, method="nearest")
+    overshoot = _undamped(spectral, "displacement_overshoot").max("step_size_over_period").sel(scheme=schemes)
+    elongation = abs(_undamped(spectral, "period_elongation")).sel(step_size_over_period=0.1, method="nearest")
     price = (elongation.sel(scheme="mkr_alpha") / elongation.sel(scheme="kr_alpha")).item()
     found = dict(zip(schemes, overshoot.values.tolist(), strict=True))
     reason = when(price > ALMOST, "its period error is larger")
@@ -140,6 +140,6 @@ def order_and_dissipation_of_mixed_pade(later_schemes):
 )
 def energy_by_relaxation(relaxation):
     relaxed = relaxation.sel(variant="relaxed")
-    energy, motion = float(relaxed.max_energy_error.max()), 100 * float(relaxed.motion_error.max())
+    energy, motion = 100 * float(relaxed.max_energy_error.max()), 100 * float(relaxed.return_error.max())
     reason = when(motion > REASONABLE, "at large steps the motion is inaccurate")
     return Finding(f"{number(energy, '.0e')}; {number(motion, '.0f')}", energy < 100 * ROUND_OFF, reason)

@@ -301,7 +301,7 @@ def better_for_waves_than_central_difference(later_schemes):
 )
 def least_error_of_fourth_order(later_schemes):
     error, own = later_schemes.fourth_order_error, {"of_fourth_order": "blanes_moan4"}
-    ratios = (error / error.sel(own)).drop_sel(own).median("forces")
+    ratios = (error / error.sel(own)).drop_sel(own).median("force_evaluations")
     ratio, best = ratios.min().item(), "McLachlan's" if ratios.idxmin() == "mclachlan4" else "another"
     reason = when(ratio < 1, f"{best} method has a smaller error on this oscillator")
     return Finding(number(ratio, ".2f"), ratio >= 1, reason)
@@ -314,7 +314,7 @@ def least_error_of_fourth_order(later_schemes):
     whose="Ranocha et al. (2020), abstract",
 )
 def order_with_relaxation(relaxation):
-    fine = relaxation.motion_error.sel(variant="relaxed").isel(steps_per_period=slice(-2, None))
+    fine = relaxation.return_error.sel(variant="relaxed").isel(steps_per_period=slice(-2, None))
     steps = fine.steps_per_period.values
     order = min(observed_order(steps, fine.sel(problem=problem).values, least=2) for problem in fine.problem.values)
     return Finding(number(order), order > _FOURTH_ORDER)
@@ -327,7 +327,7 @@ def order_with_relaxation(relaxation):
     whose="Ranocha and Ketcheson (2020), abstract",
 )
 def motion_with_relaxation(relaxation):
-    error = relaxation.motion_error.stack(cell=["problem", "steps_per_period"])
+    error = relaxation.return_error.stack(cell=["problem", "steps_per_period"])
     ratio = error.sel(variant="plain") / error.sel(variant="relaxed")
     cells = {str(place): bool(value > 1 + ROUND_OFF) for place, value in enumerate(ratio.values)}
     holds, exceptions = most(cells)

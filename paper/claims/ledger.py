@@ -151,8 +151,8 @@ def _of_1996(check: Callable[..., Finding]) -> Callable[..., Finding]:
 
 
 def errors(energy_error: xr.Dataset, problem: str) -> xr.DataArray:
-    """Largest energy errors on a problem, over (steps_per_period, scheme), with step sizes from the printed period."""
-    return energy_error.max_energy_error.sel(period_used="printed", problem=problem)
+    """Largest energy errors in percent on a problem, over (steps_per_period, scheme), with the printed period."""
+    return 100 * energy_error.max_energy_error.sel(period_used="printed", problem=problem)
 
 
 def most(cells: Mapping[str, bool]) -> tuple[bool, list[str]]:

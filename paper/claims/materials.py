@@ -58,8 +58,8 @@ def balance_is_a_verdict(kinks):
     requires={"spectrum.schemes": ["average_acceleration"]},
 )
 def twenty_steps_for_the_peak(spectrum):
-    needed = spectrum.step_needed.sel(scheme="average_acceleration")
-    steps = (needed.period / needed.sel(tried="all")).max(["record", "reduction"], skipna=False)
+    needed = spectrum.largest_step_size.sel(scheme="average_acceleration")
+    steps = (needed.period / needed.sel(condition="any_step")).max(["record", "reduction"], skipna=False)
     values = {f"{period:g} s": value for period, value in zip(steps.period.values, steps.values, strict=True)}
     enough = all(value <= RULE for value in values.values())  # false for NaN, which means that no step is enough
     reason = "" if enough else "a step must resolve the record too"

@@ -19,12 +19,16 @@ CLOSING = ["hht_alpha", "bathe"]
     robustness="stability/robustness",
 )
 def a_twentieth_at_every_amplitude(robustness):
-    needed = robustness.steps_needed.sel(scheme="average_acceleration", level=REASONABLE / 100).isel(periods=-1)
+    needed = robustness.fewest_steps_per_period.sel(scheme="average_acceleration", allowed_error=REASONABLE / 100).isel(
+        periods=-1
+    )
     steps = by_name(needed)
     holds, _ = most({name: value <= RULE for name, value in steps.items()})
     good = [name for name, value in steps.items() if value <= RULE]
     reason = when(len(good) < len(steps), f"only on {joined(good, robustness)}")
-    return Finding(listed(steps, robustness, ".0f", f"more than {robustness.most_steps.item()}"), holds, reason)
+    return Finding(
+        listed(steps, robustness, ".0f", f"more than {robustness.most_steps_per_period.item()}"), holds, reason
+    )
 
 
 @claim(
@@ -40,8 +44,8 @@ def a_twentieth_at_every_amplitude(robustness):
     bifurcation="stability/bifurcation",
 )
 def chaos_of_average_acceleration(bifurcation):
-    at = bifurcation.sel(dt=2.5, method="nearest")
-    a_step = (at.lyapunov_exponent * at.dt).item()
+    at = bifurcation.sel(step_size=2.5, method="nearest")
+    a_step = (at.lyapunov_exponent * at.step_size).item()
     return Finding(number(a_step, ".2f"), a_step > CHAOTIC and at.steps_until_apart.item() > 0)
 
 
@@ -49,12 +53,12 @@ def chaos_of_average_acceleration(bifurcation):
     "stability",
     "If the effective equation of a step has several roots, the result depends on the start of Newton's iteration.",
     "spread of the displacements that Newton finds from different starts at the step size of the paper, by scheme",
-    requires={"stability.roots.problem": "double_well", "stability.roots.paper_dt": 2.5},
+    requires={"stability.roots.problem": "double_well", "stability.roots.paper_step_size": 2.5},
     roots="stability/roots",
 )
 def several_roots(roots):
     spread = (roots.root.max("guess") - roots.root.min("guess")).max("predictor")
-    has_several = roots.unique_up_to < roots.paper_dt
+    has_several = roots.unique_up_to < roots.paper_step_size
     decided = bool(((spread > ROUND_OFF) == has_several).all()) and bool(has_several.any())
     return Finding(listed(by_name(spread), roots), decided)
 
@@ -70,7 +74,7 @@ def several_roots(roots):
 def damping_against_chaos(atlas):
     near = near_1996(atlas).sel(scheme=DAMPED)
     chaotic = is_outcome(near, "chaotic")
-    part = by_name(100 * chaotic.mean(["problem", "amplitude", "dt_over_period"]))
+    part = by_name(100 * chaotic.mean(["problem", "amplitude", "step_size_over_period"]))
     where = [p for p in near.problem.values if chaotic.sel(problem=p).any()]
     reason = when(where, f"some end chaotic, on {joined(where, atlas)}")
     return Finding(listed(part, atlas), not where, reason)

@@ -110,9 +110,9 @@ def spurious_oscillation(history):
 def conserving_on_stiff_structures(structures):
     runs = kept(structures, TURNING)
     names = ["average_acceleration", "implicit_midpoint", "energy_momentum"]
-    most_steps = fails_to(runs).sel(scheme=names)
-    holds = most_steps.isnull().values.tolist() == [False, False, True]
-    return Finding(listed(by_name(most_steps), structures, ".0f", "none"), holds)
+    most_steps_per_period = fails_to(runs).sel(scheme=names)
+    holds = most_steps_per_period.isnull().values.tolist() == [False, False, True]
+    return Finding(listed(by_name(most_steps_per_period), structures, ".0f", "none"), holds)
 
 
 @claim(
@@ -127,13 +127,13 @@ def conserving_on_stiff_structures(structures):
     },
 )
 def stable_by_contraction(structures):
-    most_steps = fails_to(kept(structures, TURNING)).sel(scheme=BN_STABLE)
-    holds = bool(most_steps.isnull().all())
+    most_steps_per_period = fails_to(kept(structures, TURNING)).sel(scheme=BN_STABLE)
+    holds = bool(most_steps_per_period.isnull().all())
     reason = when(
         not holds,
         "BN-stability bounds the distance of two motions under contractive forces only, and these are not contractive",
     )
-    return Finding(listed(by_name(most_steps), structures, ".0f", "none"), holds, reason)
+    return Finding(listed(by_name(most_steps_per_period), structures, ".0f", "none"), holds, reason)
 
 
 @claim(
@@ -149,11 +149,11 @@ def stable_by_contraction(structures):
 )
 def explicit_on_stiff_structures(structures):
     runs = kept(structures, STIFF)
-    most_steps = fails_to(runs.sel(scheme=EXPLICIT), ["steps_per_period"])
+    most_steps_per_period = fails_to(runs.sel(scheme=EXPLICIT), ["steps_per_period"])
     saved = [name for name in runs.problem.values.tolist() if runs.sel(problem=name, scheme=EXPLICIT).any()]
     reason = when(saved, f"at the finest steps they resolve the stiff modes of the {joined(saved, structures)}")
-    least = by_name(most_steps.min("scheme", skipna=False))
-    return Finding(listed(least, structures, ".0f", "none"), bool((most_steps > RULE).all()), reason)
+    least = by_name(most_steps_per_period.min("scheme", skipna=False))
+    return Finding(listed(least, structures, ".0f", "none"), bool((most_steps_per_period > RULE).all()), reason)
 
 
 @claim(

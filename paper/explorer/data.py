@@ -43,7 +43,7 @@ def _logarithmic(values: np.ndarray) -> np.ndarray:
 
 def coarse(dataset: xr.Dataset) -> xr.Dataset:
     """A map thinned to at most ``CELLS`` amplitudes and at most ``CELLS`` step sizes."""
-    strides = {name: -(-dataset.sizes[name] // CELLS) for name in ("amplitude", "dt_over_period")}
+    strides = {name: -(-dataset.sizes[name] // CELLS) for name in ("amplitude", "step_size_over_period")}
     return dataset.isel({name: slice(None, None, stride) for name, stride in strides.items()})
 
 
@@ -53,11 +53,11 @@ def of_maps(atlas: xr.Dataset) -> dict[str, np.ndarray]:
     The arrays of the maps have the shape (problem, scheme, amplitude, step size). The largest safe Δt/T have the shape
     (error, problem, scheme, amplitude), and are zero where the finest step is not safe.
     """
-    maps = coarse(atlas).transpose("problem", "scheme", "amplitude", "dt_over_period", ...)
+    maps = coarse(atlas).transpose("problem", "scheme", "amplitude", "step_size_over_period", ...)
     safe = xr.concat([largest_safe(atlas.sel(amplitude=maps.amplitude), error) for error in ERRORS], "error")
     return {
         "outcome": maps.outcome.values.astype(np.uint8),
-        "energy": _logarithmic(maps.max_energy_error.values),
+        "energy": _logarithmic(100 * maps.max_energy_error.values),
         "period": _logarithmic(100 * maps.period_error.values),
         "safe": safe.transpose("error", "problem", "scheme", "amplitude").values.astype(np.float32),
     }

@@ -76,7 +76,7 @@ def _cases(cases: list[xr.Dataset]) -> list[dict[str, Any]]:
         {
             "problem": next(name for name in PROBLEMS if case.problem.startswith(name)),
             "u0": case.u.isel(scheme=0, t=0).item(),
-            "dt": case.dt.item(),
+            "dt": case.step_size.item(),
         }
         for case in cases
     ]
@@ -118,14 +118,14 @@ def explorer(atlas: xr.Dataset, cases: list[xr.Dataset], decisions: xr.Dataset) 
         "errors": [100 * error for error in ERRORS],
         "decisions": _decisions(decisions),
         "amplitudes": maps.amplitude.values.tolist(),
-        "steps": maps.dt_over_period.values.tolist(),
+        "steps": maps.step_size_over_period.values.tolist(),
         "cases": _cases(cases),
         "codes": LOG_CODES,
         "blocks": places,
     }
     shape = (
-        f"{maps.sizes['amplitude']} of {atlas.sizes['amplitude']} amplitudes and {maps.sizes['dt_over_period']} of "
-        f"{atlas.sizes['dt_over_period']} step sizes"
+        f"{maps.sizes['amplitude']} of {atlas.sizes['amplitude']} amplitudes and "
+        f"{maps.sizes['step_size_over_period']} of {atlas.sizes['step_size_over_period']} step sizes"
     )
     made = ", ".join(f"{key} {atlas.attrs[key]}" for key in ("version", "commit") if key in atlas.attrs)
     parts = {

@@ -12,7 +12,7 @@ MEASURES = {
     "max_trajectory_error": "displacement $u$",
     "phase_error": "delay (periods)",
     "amplitude_decay": "loss of amplitude",
-    "max_energy_error": "energy (%)",
+    "max_energy_error": "energy",
 }
 PROBLEMS = ("hardening", "softening")
 #: Number of periods of the runs, and of shorter runs that show whether a change of amplitude is steady.

@@ -18,7 +18,7 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     """Last displacements, Lyapunov exponent per step, and steps until a perturbation is of order one, by step size."""
     figure, axes = panels(3, 1, COLUMN, 12, sharex=True, height_ratios=[1.5, 1, 1.2])
     axes = axes[:, 0]
-    dt = bifurcation.dt.values
+    dt = bifurcation.step_size.values
     axes[0].plot(
         np.repeat(dt, bifurcation.sizes["iterate"]),
         bifurcation.u.values.ravel(),

@@ -31,11 +31,13 @@ def draw(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> Figure:
         for name, look in curve_styles_in_order(shown).items():
             one = of_problem.sel(scheme=name)
             title, look = one.scheme_title.item(), look | {"markersize": 3, "linewidth": 1}
-            ax.plot(one.equal_forces, one.equal_error, label=title, **look | {"linestyle": "-"})
-            ax.plot(one.forces, one.error, **look | {"linestyle": "--", "markerfacecolor": "white"})
+            ax.plot(one.equal_force_evaluations, one.equal_error, label=title, **look | {"linestyle": "-"})
+            ax.plot(one.force_evaluations, one.error, **look | {"linestyle": "--", "markerfacecolor": "white"})
         if problem in solver_cost.problem and SOLVER in solver_cost.solver:
             solver = solver_cost.sel(problem=problem, solver=SOLVER)
-            ax.plot(solver.forces, solver.error, label=SOLVERS[SOLVER], color="0.5", linewidth=2, linestyle=":")
+            ax.plot(
+                solver.force_evaluations, solver.error, label=SOLVERS[SOLVER], color="0.5", linewidth=2, linestyle=":"
+            )
         ax.set(xscale="log", yscale="log", ylim=(1e-7, 3))
         ax.set_xlabel("evaluations of the force")
         letter(ax, index, wrapped(of_problem.problem_title.item(), 16))

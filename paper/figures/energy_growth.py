@@ -40,7 +40,7 @@ def draw(histories: list[xr.Dataset]) -> Figure:
             marks = (0.1 + 0.05 * place, 0.3) if error.notnull().any() else None
             ax.plot(error.t, error, label=one.scheme_title.item(), markevery=marks, **look)
             if one.status != 0:
-                every = round((one.t[1] - one.t[0]).item() / one.dt.item())
+                every = round((one.t[1] - one.t[0]).item() / one.step_size.item())
                 end = max((one.failed_at_step.item() - 1) // every - 1, 0)
                 ax.plot(error.t[end], error[end], "x", color=look["color"], markersize=7, markeredgewidth=1.5)
         ax.set(xlabel="elapsed time $t$ (s)", yscale="log")

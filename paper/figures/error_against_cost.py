@@ -26,7 +26,7 @@ NO_FORCE = "heyoka"
 TOP, BOTTOM = 1.0, 1e-10
 #: Label of each cost, with the names of its variables for schemes and for solvers.
 _COSTS = {
-    "computing time (s)": ("time_per_run", "solver_time_per_run"),
+    "computing time (s)": ("median_seconds", "median_solver_seconds"),
     "evaluations of the force": ("force_evaluations", "solver_evaluations"),
 }
 

@@ -33,7 +33,6 @@ def draw(growth: xr.Dataset) -> Figure:
     periods = one.periods.values
     for index, (ax, (title, (measure, powers))) in enumerate(zip(axes.flat, MEASURES.items(), strict=True)):
         error = abs(one[measure]).where(known.sel(of=measure))
-        error = error / 100 if one[measure].attrs["units"] == "percent" else error
         if measure == "amplitude_decay":
             error = (1 - (1 - error) ** error.periods).where(one.keeps_energy == 0)
         for name, look in curve_styles(one.scheme).items():

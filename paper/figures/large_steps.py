@@ -23,7 +23,7 @@ CLASSES = {
     "no solution found": "#4b1c70",
     "unbounded": "#000000",
 }
-_BOUNDS = [1, 10, 50]
+_BOUNDS = [0.01, 0.1, 0.5]
 _DAMPED, _FAILED = 4, 4
 
 
@@ -33,7 +33,7 @@ def classify(run: xr.Dataset) -> np.ndarray:
     A completed run is damped away if its error exceeds 50 % and the energy that it has lost by the end exceeds nine
     tenths of this error.
     """
-    error, drift = run.max_energy_error, 100 * run.energy_drift
+    error, drift = run.max_energy_error, run.energy_drift
     completed = np.digitize(np.nan_to_num(error, nan=0.0), _BOUNDS)
     completed = np.where((error > _BOUNDS[-1]) & (-drift > 0.9 * error), _DAMPED, completed)
     unsolved = run.status == run.status.flag_meanings.split().index("no_solution_found")
@@ -44,7 +44,7 @@ def classify(run: xr.Dataset) -> np.ndarray:
     "Largest energy error over 100 periods, or the failure, of every scheme of 1996 over the step size. Dashed "
     "lines: the step T/20 that Xie (1996) finds reasonable for two of them, and T/5, above which he expects "
     "failures.",
-    requires={"large_steps.schemes": SCHEMES, "large_steps.dt_over_period": rising},
+    requires={"large_steps.schemes": SCHEMES, "large_steps.step_size_over_period": rising},
 )
 def draw(large_steps: xr.Dataset) -> Figure:
     """One panel per problem, one row per scheme of 1996."""
@@ -53,7 +53,7 @@ def draw(large_steps: xr.Dataset) -> Figure:
     figure, axes = panels(lines, 2, PAGE, 4 * lines + 1.5, sharex=True, sharey=True)
     for unused in axes.ravel()[large_steps.sizes["problem"] :]:
         unused.remove()
-    parts = large_steps.dt_over_period.values
+    parts = large_steps.step_size_over_period.values
     edges = np.concatenate([[parts[0]], np.sqrt(parts[1:] * parts[:-1]), [parts[-1]]])
     colours = ListedColormap(list(CLASSES.values()))
     rows = np.arange(large_steps.sizes["scheme"] + 1) - 0.5

@@ -18,8 +18,8 @@ TO = 0.4
 )
 def draw(spectral: xr.Dataset) -> Figure:
     """Elongation in percent (above) and algorithmic damping ratio in percent (below) against Δt/T, where stable."""
-    data = spectral.sel(damping_ratio=0.0, dt_over_period=slice(None, TO))
-    stable = 2 * np.pi * data.dt_over_period <= data.stability_limit
+    data = spectral.sel(damping_ratio=0.0, step_size_over_period=slice(None, TO))
+    stable = 2 * np.pi * data.step_size_over_period <= data.stability_limit
     elongation, damping = data.period_elongation.where(stable), data.algorithmic_damping.where(stable)
     figure, columns = of_families(data, 2, 2.7)
     for part, (above, below, place_of_legend) in columns:
@@ -28,7 +28,7 @@ def draw(spectral: xr.Dataset) -> Figure:
             for ax, percent in ((above, 100 * elongation.sel(scheme=name)), (below, 100 * damping.sel(scheme=name))):
                 marked = (0.25 + 0.03 * place, 0.25) if percent.notnull().any() else None
                 width = thinned(2.4, 0.25, place)
-                ax.plot(data.dt_over_period, percent, markevery=marked, **look, linewidth=width, label=title)
+                ax.plot(data.step_size_over_period, percent, markevery=marked, **look, linewidth=width, label=title)
         above.set(ylim=(-30, 60))
         below.set(ylim=(-1, 20), xlabel="Δt/T")
         legend_in(place_of_legend, below)

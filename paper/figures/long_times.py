@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 
-#: Unit of each quantity.
-_UNITS = {"energy": "%", "phase": "periods"}
+#: Label of each quantity.
+_LABELS = {"energy": "energy", "phase": "phase (periods)"}
 #: Exponent with which round-off grows in time, with its label: for random errors (Brouwer's law), and for a drift.
 _RANDOM, _DRIFTING = {"energy": (0.5, "½"), "phase": (1.5, "3/2")}, {"energy": (1.0, "1"), "phase": (2.0, "2")}
 
@@ -35,8 +35,6 @@ def _guide(ax: Axes, round_off: xr.DataArray, offset: float, law: tuple[float, s
 def draw(long_times: xr.Dataset) -> Figure:
     """Errors and round-off in double precision (above), and round-off in single precision (below)."""
     figure, axes = panels(2, 2, PAGE, 10.5, sharex=True)
-    # round-off of the energy in percent, like the largest error of the energy
-    long_times = long_times.assign(energy_round_off=100 * long_times.energy_round_off)
     double = long_times.sel(arithmetic="float64", step="any")
     single = long_times.sel(arithmetic="float32", step="any")
     steady = long_times.sel(arithmetic="float32_compensated", step="short")
@@ -50,7 +48,7 @@ def draw(long_times: xr.Dataset) -> Figure:
             above.plot(long_times.periods, double[round_off].sel(scheme=name), **hollow)
             below.plot(long_times.periods, single[round_off].sel(scheme=name), **look)
             below.plot(long_times.periods, steady[round_off].sel(scheme=name), **hollow)
-    for column, (kind, unit) in enumerate(_UNITS.items()):
+    for column, (kind, label) in enumerate(_LABELS.items()):
         above, below = axes[:, column]
         round_off = f"{kind}_round_off"
         _guide(above, double[round_off], 0.1, _RANDOM[kind])
@@ -59,7 +57,7 @@ def draw(long_times: xr.Dataset) -> Figure:
         letter(above, column, f"{kind}, double precision")
         letter(below, column + 2, f"{kind}, round-off in single precision")
         for ax in (above, below):
-            ax.set(xscale="log", yscale="log", ylabel=f"{kind} ({unit})")
+            ax.set(xscale="log", yscale="log", ylabel=label)
         below.set_xlabel("elapsed periods")
     legend_below(figure, columns=5)
     return figure

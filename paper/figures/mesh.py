@@ -22,7 +22,9 @@ def draw(mesh: xr.Dataset) -> Figure:
     """One curve per panel; its points differ in the stiffness of one row."""
     picture, ((axes,),) = panels(1, 1, COLUMN, 6.5)
     names = [f"{rows} × {columns}" for rows, columns in zip(mesh.rows.values, mesh.columns.values, strict=True)]
-    implicit, explicit = (mesh.time.sel(scheme=name) for name in ("average_acceleration", "central_difference"))
+    implicit, explicit = (
+        mesh.seconds_per_period.sel(scheme=name) for name in ("average_acceleration", "central_difference")
+    )
     for name, (marker, colour) in zip(dict.fromkeys(names), itertools.cycle(LOOKS), strict=False):
         chosen = np.array([one == name for one in names])
         one = (implicit / explicit).isel(case=chosen)

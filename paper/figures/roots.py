@@ -34,8 +34,8 @@ def draw(roots: xr.Dataset) -> Figure:
     for scheme, style in styles.items():
         number = (roots.number_of_roots.sel(scheme=scheme) > 1).T
         line = {"colors": [style["color"]], "linestyles": [style["linestyle"]], "linewidths": 1.0}
-        several.contour(roots.dt, roots.predictor, number, levels=[0.5], **line)
-    several.axvline(roots.paper_dt.item(), color="0.6", linewidth=0.8)
+        several.contour(roots.step_size, roots.predictor, number, levels=[0.5], **line)
+    several.axvline(roots.paper_step_size.item(), color="0.6", linewidth=0.8)
     several.set(xlabel="step size Δt (s)", ylabel="predicted displacement", ylim=(-3, 3))
     named = zip(styles.values(), roots.scheme_title.values, strict=True)
     handles = [Line2D([], [], **style | {"marker": ""}, label=title) for style, title in named]
@@ -48,11 +48,11 @@ def draw(roots: xr.Dataset) -> Figure:
         for tolerance, colour in zip(roots.newton_tolerance.values, COLOURS, strict=True):
             steps = roots.steps_together.sel(start=start, newton_tolerance=tolerance).clip(min=1)
             label = f"tolerance $10^{{{np.log10(tolerance):.0f}}}$" if dashes == "-" else None
-            together.semilogy(roots.dt, steps, dashes, color=colour, linewidth=0.9, label=label)
+            together.semilogy(roots.step_size, steps, dashes, color=colour, linewidth=0.9, label=label)
     together.plot([], [], ":", color="0.4", label="Newton starts from zero")
     together.set(xlabel="step size Δt (s)", ylabel="steps until two runs differ")
     together.legend(**BELOW)
-    at_paper = f"Houbolt's root, Δt = {roots.paper_dt.item():g} s"
+    at_paper = f"Houbolt's root, Δt = {roots.paper_step_size.item():g} s"
     for index, title in enumerate(("three roots inside", at_paper, "average acceleration")):
         letter(axes[0, index], index, title)
     return figure

@@ -13,7 +13,7 @@ TOP = 3
 SCHEMES = {"central_difference": "0.8", "rk4": "0.55"}
 #: Label of each cost, with the names of its variables for schemes and for solvers.
 _COSTS = {
-    "time (s)": ("time_per_run", "solver_time_per_run"),
+    "time (s)": ("median_seconds", "median_solver_seconds"),
     "evaluations of the force": ("force_evaluations", "solver_evaluations"),
 }
 

@@ -12,7 +12,7 @@ from paper.products import figure
 #: Two implicit schemes, one with damping, and two explicit ones.
 SHOWN = ["average_acceleration", "central_difference", "rho_bathe", "rk4"]
 #: Titles of the two panels of sufficient steps, by the kind of steps among which they were found.
-TRIED = {"commensurate": "commensurate steps", "all": "all steps"}
+CONDITIONS = {"practice": "commensurate steps", "any_step": "all steps"}
 
 
 @figure(
@@ -31,12 +31,12 @@ def draw(spectrum: xr.Dataset) -> Figure:
     figure, axes = panels(1, 3, PAGE, 5.6)
     *left, right = axes[0]
     left[1].sharey(left[0])
-    needed = 1e3 * spectrum.step_needed.min(["record", "reduction"], skipna=False)
-    for index, (ax, (tried, title)) in enumerate(zip(left, TRIED.items(), strict=True)):
+    needed = 1e3 * spectrum.largest_step_size.min(["record", "reduction"], skipna=False)
+    for index, (ax, (condition, title)) in enumerate(zip(left, CONDITIONS.items(), strict=True)):
         ax.plot(spectrum.period, 1e3 * spectrum.period / 50, color="0.85", linestyle="-", linewidth=2.5, zorder=0)
         ax.axhline(spacing, color="0.85", linewidth=2.5, zorder=0)
         for place, (name, look) in enumerate(curves.items()):
-            steps = needed.sel(scheme=name, tried=tried)
+            steps = needed.sel(scheme=name, condition=condition)
             if steps.notnull().any():
                 sizes = {"linewidth": thinned(2.2, 0.5, place), "markersize": thinned(6, 1.3, place)}
                 ax.plot(spectrum.period, steps, label=steps.scheme_title.item(), **look | sizes)
@@ -47,7 +47,7 @@ def draw(spectrum: xr.Dataset) -> Figure:
         ax.set_yticks(marks := [2, 5, 10, 20, 50], marks)
         letter(ax, index, title)
     left[0].set_ylabel("sufficient step (ms)")
-    share, off = 100 * share_beyond(spectrum), spectrum.commensurate.values == 0
+    share, off = 100 * share_beyond(spectrum), spectrum.divides.values == 0
     for place, (name, look) in enumerate(curves.items()):
         of_scheme, steps = share.sel(scheme=name), 1e3 * spectrum.step_size
         right.plot(steps[off], of_scheme[off], **look | {"marker": ""})

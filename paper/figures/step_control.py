@@ -31,7 +31,9 @@ def draw(estimates: xr.Dataset, step_control: xr.Dataset) -> Figure:
     figure, ((first, second, third),) = panels(1, 3, PAGE, 7.2)
     _ratios(first, estimates.sel(problem=PROBLEM, scheme=SCHEME))
     control = step_control.sel(problem=PROBLEM, scheme=SCHEME)
-    titles = dict(zip(control.control.values, control.control_title.values, strict=True)) | {"equal": "equal steps"}
+    titles = dict(zip(control.controller.values, control.controller_title.values, strict=True)) | {
+        "equal": "equal steps"
+    }
     look = curve_styles_in_order(titles)
     _histories(second, control, titles, look)
     _errors(third, control, titles, look)
@@ -53,7 +55,7 @@ def _ratios(ax: Axes, estimates: xr.Dataset) -> None:
 
 def _histories(ax: Axes, control: xr.Dataset, titles: dict, look: dict) -> None:
     for name, title in titles.items():
-        error = 100 * control.history.sel(with_equal=name)
+        error = 100 * control.max_energy_error_of_period.sel(with_equal=name)
         ax.plot(control.period, error, label=title, markevery=20, markersize=3, **look[name])
     ax.set(yscale="log", xlabel="period", ylabel="largest energy error (%)")
 
@@ -63,7 +65,7 @@ def _errors(ax: Axes, control: xr.Dataset, titles: dict, look: dict) -> None:
         if name == "equal":
             steps, error = control.steps_per_period, control.equal_return_error
         else:
-            one = control.sel(control=name)
+            one = control.sel(controller=name)
             steps, error = one.steps / control.attrs["periods"], one.return_error
         resolved = np.asarray(steps) >= control.steps_per_period.min().item()
         ax.plot(np.asarray(steps)[resolved], np.asarray(error)[resolved], label=title, markersize=3, **look[name])

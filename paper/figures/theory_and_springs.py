@@ -41,7 +41,7 @@ def _points(ax, values, rows, label, **look) -> None:
 def draw(spectral: xr.Dataset, accuracy: xr.Dataset) -> Figure:
     """Sizes of elongation (left) and of loss of amplitude (right) at one step size, on logarithmic axes."""
     schemes = [name for part in families(accuracy).values() for name in part.scheme.values]
-    linear = spectral.sel(scheme=schemes, damping_ratio=0.0).interp(dt_over_period=1 / STEPS)
+    linear = spectral.sel(scheme=schemes, damping_ratio=0.0).interp(step_size_over_period=1 / STEPS)
     measured = accuracy.sel(scheme=schemes, steps_per_period=STEPS, periods=PERIODS)
     rows = np.arange(len(schemes))
     figure, ((left, right),) = panels(1, 2, PAGE, 2 + 0.28 * len(schemes), sharey=True)

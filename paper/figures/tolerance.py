@@ -24,7 +24,7 @@ def draw(agreement: xr.Dataset) -> Figure:
     for index, (ax, problem) in enumerate(zip(axes.flat, agreement.problem.values, strict=False)):
         ax.plot(agreement.tolerance, agreement.tolerance, color="0.8", linewidth=2.5, label="error = tolerance")
         for route, look in curve_styles_in_order(agreement.route.values).items():
-            error = agreement.u_error.sel(problem=problem, route=route, periods=periods)
+            error = agreement.displacement_error.sel(problem=problem, route=route, periods=periods)
             ax.plot(agreement.tolerance, error, label=SOLVERS[route], **look)
         ax.set(xscale="log", yscale="log")
         ax.set_xticks([1e-4, 1e-8, 1e-12])

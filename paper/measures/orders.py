@@ -35,12 +35,10 @@ def order_at_finest(error: xr.DataArray) -> float:
     Only step sizes that are the finest one times a power of two are used. An error is valid above ``FLOOR`` and, unless
     it is a phase error, below ``SATURATED``. The order is NaN if there are fewer such step sizes, or if the slope
     changes between them: two errors of different order are then of similar size or of opposite sign.
-
-    An error in percent is taken as a fraction, so that one floor serves all measures.
     """
     octaves = np.log2(error.steps_per_period.values[-1] / error.steps_per_period.values)
     error = error[octaves == np.round(octaves)]
-    values = np.abs(error.values) / (100 if error.attrs["units"] == "percent" else 1)
+    values = np.abs(error.values)
     ceiling = np.inf if error.name == "phase_error" else SATURATED
     valid = (values > FLOOR) & (values < ceiling)
     windows = [slice(end - POINTS, end) for end in range(len(valid), POINTS - 1, -1)]

@@ -39,10 +39,10 @@ def is_outcome(atlas: xr.Dataset, name: str) -> xr.DataArray:
 
 def accurate_up_to(atlas: xr.Dataset) -> xr.DataArray:
     """Largest Δt/T up to which all runs are accurate, over (problem, scheme); zero if there is none."""
-    return largest_size(is_outcome(atlas, "accurate").all("amplitude"), "dt_over_period")
+    return largest_size(is_outcome(atlas, "accurate").all("amplitude"), "step_size_over_period")
 
 
 def first_of(atlas: xr.Dataset, name: str) -> xr.DataArray:
     """Smallest Δt/T at which a run ends in the named way, over (problem, scheme); infinite if no run does."""
     met = is_outcome(atlas, name).any("amplitude")
-    return met.dt_over_period.where(met, np.inf).min("dt_over_period")
+    return met.step_size_over_period.where(met, np.inf).min("step_size_over_period")

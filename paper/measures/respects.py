@@ -32,7 +32,7 @@ def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:
     powers = [free[f"growth_{one}_from_{start}"] for one in "uv" for start in "uv"]
     rows = [
         free.infinite_frequency_radius.where(~limited, np.inf),
-        abs(free.algorithmic_damping.sel(dt_over_period=1 / RESOLVED, method="nearest")).round(9),
+        abs(free.algorithmic_damping.sel(step_size_over_period=1 / RESOLVED, method="nearest")).round(9),
         1 / free.stability_limit,
         xr.concat(powers, "power").max("power").where(~limited, np.inf),
     ]

@@ -23,6 +23,6 @@ def beyond_at_the_spacing(spectrum: xr.Dataset, scheme: str) -> xr.DataArray:
 
 def beyond_between(spectrum: xr.Dataset, scheme: str) -> xr.DataArray:
     """Whether each run with an incommensurate step from half the spacing to the spacing exceeds the allowed error."""
-    off = spectrum.commensurate == 0
+    off = spectrum.divides == 0
     between = off & (spectrum.step_size > spectrum.spacing / 2) & (spectrum.step_size < spectrum.spacing)
     return _beyond(spectrum).sel(scheme=scheme, step_size=between)

@@ -22,13 +22,17 @@ STIFF, PULSE = ["stiff_soft"], "pulse"
 
 def growth(step_control: xr.Dataset) -> xr.DataArray:
     """Largest energy error in the last period divided by the largest in the first, (problem, with_equal)."""
-    return step_control.history.isel(period=-1) / step_control.history.isel(period=0)
+    return step_control.max_energy_error_of_period.isel(period=-1) / step_control.max_energy_error_of_period.isel(
+        period=0
+    )
 
 
 def with_control(control_cost: xr.Dataset, allowed: float) -> tuple[xr.DataArray, xr.DataArray]:
     """Fewest force evaluations for an error with controlled and with equal steps, each of shape (problem, scheme)."""
-    controlled = fewest(control_cost.error, control_cost.forces, allowed, "tolerance")
-    return controlled, fewest(control_cost.equal_error, control_cost.equal_forces, allowed, "steps_per_sample")
+    controlled = fewest(control_cost.error, control_cost.force_evaluations, allowed, "tolerance")
+    return controlled, fewest(
+        control_cost.equal_error, control_cost.equal_force_evaluations, allowed, "steps_per_sample"
+    )
 
 
 def ratio_of_forces(control_cost: xr.Dataset, allowed: float) -> xr.DataArray:

@@ -26,7 +26,9 @@ def of_error_growth(growth: xr.Dataset) -> dict:
     for name, (measure, keeps) in EXPONENTS.items():
         values = exponents(growth.isel(scheme=np.flatnonzero(growth.keeps_energy == keeps)), measure).values
         found[name] = span(values[np.isfinite(values)]) if np.isfinite(values).any() else None
-    ratio = (growth.extrapolated_error / growth.allowed_error).values[growth.run.notnull().values]
+    ratio = (growth.extrapolated_error / growth.allowed_error).values[
+        growth.extrapolated_steps_per_period.notnull().values
+    ]
     return found | {
         "growth_schemes": growth.sizes["scheme"],
         "growth_longest": f"{growth.periods.values[-1].item():,}",

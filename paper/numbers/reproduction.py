@@ -23,7 +23,7 @@ def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
 def of_cells(energy_error: xr.Dataset) -> dict:
     """Computed and printed errors of Tables 1 and 2, compared cell by cell."""
     printed = printed_energy_errors()
-    cells = of_the_tables(energy_error).max_energy_error
+    cells = 100 * of_the_tables(energy_error).max_energy_error
     ours, exact = cells.sel(period_used="printed"), cells.sel(period_used="exact")
     off = abs(ours - printed)
     unexplained = ~same(twice(ours), printed)
@@ -99,7 +99,7 @@ def of_the_softening_spring(portrait: xr.Dataset) -> dict:
         "phase_portrait.softening_large.schemes": _GROWING,
         "step_window.problem": "softening_large",
         "step_window.schemes": _GROWING,
-        "step_window.dt_over_period": spans(1 / 8),
+        "step_window.step_size_over_period": spans(1 / 8),
     },
 )
 def of_instability(portrait: xr.Dataset, window: xr.Dataset) -> dict:
@@ -110,8 +110,8 @@ def of_instability(portrait: xr.Dataset, window: xr.Dataset) -> dict:
     others = growth.sel(scheme=[name for name in _GROWING if name != "hht_alpha_1996"])
     return {
         "others_grow_too": bool((others > 2).all()),
-        "near_steps": window.sizes["dt_over_period"],
-        "near_within": number(100 * abs(8 * window.dt_over_period - 1).max().item(), 2),
+        "near_steps": window.sizes["step_size_over_period"],
+        "near_within": number(100 * abs(8 * window.step_size_over_period - 1).max().item(), 2),
         "near_starts": window.sizes["start"],
         "near_starts_within": number(window.perturbation.item() * np.ptp(window.start.values), 2),
         "near_grown": f"{100 * (100 * alpha > UNSTABLE).mean().item():.0f}",

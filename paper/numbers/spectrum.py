@@ -29,7 +29,7 @@ def share_with(share: float, low: float, high: float) -> str:
 )
 def of_spectrum(spectrum: xr.Dataset) -> dict:
     """Steps that suffice under all records, among commensurate and among all steps; shares of runs beyond the error."""
-    needed = spectrum.step_needed.min(["record", "reduction"], skipna=False)
+    needed = spectrum.largest_step_size.min(["record", "reduction"], skipna=False)
     at_spacing, between = (of(spectrum, "average_acceleration") for of in (beyond_at_the_spacing, beyond_between))
     found = {
         "spectrum_records": str(spectrum.sizes["record"]),
@@ -46,11 +46,13 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
     }
     for short, scheme in (("average", "average_acceleration"), ("rk4", "rk4")):
         of_scheme = needed.sel(scheme=scheme)
-        for name, tried in (("dividing", "commensurate"), ("any", "all")):
-            long = of_scheme.sel(tried=tried, period=spectrum.period >= LONG)
+        for name, condition in (("dividing", "practice"), ("any", "any_step")):
+            long = of_scheme.sel(condition=condition, period=spectrum.period >= LONG)
             found[f"spectrum_{short}_{name}"] = span(1e3 * long, ".2g")
             found[f"spectrum_{short}_{name}_steps"] = span(long.period / long, ".0f")
-            found[f"spectrum_{short}_{name}_short"] = f"{SHORT / of_scheme.sel(tried=tried, period=SHORT).item():.0f}"
+            found[f"spectrum_{short}_{name}_short"] = (
+                f"{SHORT / of_scheme.sel(condition=condition, period=SHORT).item():.0f}"
+            )
         found[f"spectrum_{short}_at_spacing"] = with_interval(beyond_at_the_spacing(spectrum, scheme))
         found[f"spectrum_{short}_between"] = with_interval(beyond_between(spectrum, scheme))
     return found

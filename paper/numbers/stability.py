@@ -35,9 +35,9 @@ def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str
     limits = spectral.stability_limit.sel(damping_ratio=0.0, scheme=atlas.scheme)
     explicit = atlas.isel(scheme=np.flatnonzero((atlas.explicit.values == 1) & np.isfinite(limits.values)))
     limit = limits.sel(scheme=explicit.scheme)
-    left = explicit.dt_over_period * explicit.period * explicit.highest_frequency < limit
+    left = explicit.step_size_over_period * explicit.period * explicit.highest_frequency < limit
     lost = sum(is_outcome(explicit, name) for name in FAILURES) > 0
-    dims = ["scheme", "amplitude", "dt_over_period"]
+    dims = ["scheme", "amplitude", "step_size_over_period"]
     return by_name((lost & left).sum(dims) / left.sum(dims))
 
 
@@ -72,24 +72,30 @@ def of_stability(
     energy_error: xr.Dataset,
 ) -> dict:
     """Outcomes on the maps, several roots of a step, onset of chaos, and steps that suffice at all amplitudes."""
-    onset = bifurcation.dt.values[(bifurcation.lyapunov_exponent * bifurcation.dt > CHAOTIC).values.argmax()]
+    onset = bifurcation.step_size.values[
+        (bifurcation.lyapunov_exponent * bifurcation.step_size > CHAOTIC).values.argmax()
+    ]
     several = roots.unique_up_to.sel(scheme="average_acceleration")
     # NaN for step sizes that are not between the onset of chaos and the onset of several roots
-    in_chaos = roots.steps_together.sel(start="last_acceleration").where((roots.dt >= onset) & (roots.dt < several))
+    in_chaos = roots.steps_together.sel(start="last_acceleration").where(
+        (roots.step_size >= onset) & (roots.step_size < several)
+    )
     lost_left = _lost_left_of_the_limit(atlas, spectral)
-    longest = robustness.steps_needed.isel(periods=-1)
-    of_average = longest.sel(scheme="average_acceleration", level=0.1)
-    tables = energy_error.max_energy_error.sel(period_used="printed", steps_per_period=20)
+    longest = robustness.fewest_steps_per_period.isel(periods=-1)
+    of_average = longest.sel(scheme="average_acceleration", allowed_error=0.1)
+    tables = 100 * energy_error.max_energy_error.sel(period_used="printed", steps_per_period=20)
     of_both = tables.sel(problem=PROBLEMS, scheme=FAITHFUL)
     at_all_amplitudes = of_average.fillna(np.inf)
-    twenty = longest.sel(problem="hardening", level=0.1) <= 20
+    twenty = longest.sel(problem="hardening", allowed_error=0.1) <= 20
     near = near_1996(atlas)
-    by_scheme = {name: is_outcome(near, name).any(["problem", "amplitude", "dt_over_period"]) for name in FAILURES}
+    by_scheme = {
+        name: is_outcome(near, name).any(["problem", "amplitude", "step_size_over_period"]) for name in FAILURES
+    }
     at_rest = by_scheme["damped_to_rest"]
     untouched = ~(by_scheme["chaotic"] | by_scheme["growing"] | by_scheme["unbounded"])
     return {
         "maps": atlas.sizes["scheme"] * atlas.sizes["problem"],
-        "map_points": atlas.sizes["amplitude"] * atlas.sizes["dt_over_period"],
+        "map_points": atlas.sizes["amplitude"] * atlas.sizes["step_size_over_period"],
         "map_periods": atlas.periods.item(),
         "map_schemes": atlas.sizes["scheme"],
         "map_span": f"{SPAN:g}",
@@ -111,7 +117,9 @@ def of_stability(
         ),
         "needed_periods": f"{robustness.periods.values[-1]:,}",
         **{
-            f"needed_{name}": f"{value:.0f}" if np.isfinite(value) else f"more than {robustness.most_steps.item()}"
+            f"needed_{name}": f"{value:.0f}"
+            if np.isfinite(value)
+            else f"more than {robustness.most_steps_per_period.item()}"
             for name, value in by_name(of_average).items()
         },
         "needed_twenty": ", ".join(robustness.scheme_title.values[twenty.values]) or "none",

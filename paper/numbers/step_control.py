@@ -45,12 +45,12 @@ def of_step_control(
     of_u = finest.estimate / finest.true_displacement_error
     of_both = finest.estimate / finest.true_error
     grown = growth(step_control).sel(problem=PROBLEM)
-    history = 100 * step_control.history.sel(problem=PROBLEM).isel(period=-1)
+    history = 100 * step_control.max_energy_error_of_period.sel(problem=PROBLEM).isel(period=-1)
     cell = {"steps_per_period": CELL, "scheme": SCHEME}
-    equal = energy_error.max_energy_error.sel(period_used="exact", **cell)
-    controlled = controlled_1996.max_energy_error.isel(controller=0).sel(cell)
+    equal = 100 * energy_error.max_energy_error.sel(period_used="exact", **cell)
+    controlled = 100 * controlled_1996.max_energy_error.isel(controller=0).sel(cell)
     ratio = ratio_at_equal_steps(controlled_1996, energy_error).sel(scheme=SCHEME)
-    generalized = step_control.energy_drift.sel(problem=PROBLEM, scheme="generalized_alpha", control="pi")
+    generalized = step_control.energy_drift.sel(problem=PROBLEM, scheme="generalized_alpha", controller="pi")
     gained = 100 * generalized.max("tolerance")
     on_stiff = None
     if STIFF[0] in estimates.problem:
@@ -111,12 +111,12 @@ def of_control_cost(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> d
         "cost_stiff": f"{stiff:.2g}",
         "cost_stiff_is_fooled": bool(stiff > CLEARLY),
         "codes_abaqus_steps": span(abaqus.steps_per_period.values, ".1f"),
-        "codes_abaqus_energy": f"{abaqus.max_energy_error.sel({'class': 'tight'}).item():.0f}",
+        "codes_abaqus_energy": f"{100 * abaqus.max_energy_error.sel({'class': 'tight'}).item():.0f}",
     }
 
 
 def _steps(step_control: xr.Dataset) -> float:
     """Mean number of steps in a period with the controller ``pi`` at the middle tolerance."""
     middle = step_control.sizes["tolerance"] // 2
-    steps = step_control.steps.sel(problem=PROBLEM, scheme=SCHEME, control="pi").isel(tolerance=middle)
+    steps = step_control.steps.sel(problem=PROBLEM, scheme=SCHEME, controller="pi").isel(tolerance=middle)
     return steps.item() / step_control.attrs["periods"]

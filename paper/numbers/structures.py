@@ -63,7 +63,7 @@ def of_structures(
 ) -> dict:
     """Energies of stiff and rotating structures, and the tolerance of a reference."""
     runs = kept(structures, TURNING)
-    most_steps = by_name(fails_to(runs))
+    most_steps_per_period = by_name(fails_to(runs))
     alternating = sawtooth(stiff_soft.v.isel(component=0))
     change = by_name(100 * long_times.max_sum_change)
     turning = [stiff_bar, stiff_truss]
@@ -74,16 +74,19 @@ def of_structures(
         "most_unknowns": int(structures.unknowns.max()),
         "structure_titles": joined(map(_in_a_sentence, structures.problem_title.values), {}),
         "turning_titles": joined(map(_in_a_sentence, runs.problem_title.values), {}),
-        "trapezoidal_fails_turning": most_steps["average_acceleration"] > 0,
-        "momentum_method_stable": bool(np.isnan(most_steps["energy_momentum"]))
-        and all(most_steps[name] > 0 for name in UNDAMPED),
+        "trapezoidal_fails_turning": most_steps_per_period["average_acceleration"] > 0,
+        "momentum_method_stable": bool(np.isnan(most_steps_per_period["energy_momentum"]))
+        and all(most_steps_per_period[name] > 0 for name in UNDAMPED),
         "structure_tolerance": f"{np.log10(reference.rtol):.0f}",
         "turning_fails_to": span(finest_failing, ".0f"),
-        **{f"fails_to_{name}": None if np.isnan(most) else f"{most:.0f}" for name, most in most_steps.items()},
+        **{
+            f"fails_to_{name}": None if np.isnan(most) else f"{most:.0f}"
+            for name, most in most_steps_per_period.items()
+        },
         **{f"sawtooth_{name}": f"{a:.2f}" for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
         "chain_best": f"{100 * structures.displacement_error.sel(problem='fpu_chain').min().item():.2g}",
         "long_time": f"{long_times.t.max().item():,.0f}",
-        "long_step": f"{long_times.dt.item():.2f}",
+        "long_step": f"{long_times.step_size.item():.2f}",
         **_plateaus(structures),
         "stiff_soft_steps": stiff_soft.steps_per_period.item(),
         "stiff_bar_steps": stiff_bar.steps_per_period.item(),

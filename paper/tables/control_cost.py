@@ -13,7 +13,7 @@ from paper.products import table
 def tabulate(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> pd.DataFrame:
     """One row per scheme, with force evaluations for each problem (controlled / equal steps), then one per solver."""
     controlled, equal = with_control(control_cost, ALLOWED)
-    of_solvers = fewest(solver_cost.error, solver_cost.forces, ALLOWED, "tolerance")
+    of_solvers = fewest(solver_cost.error, solver_cost.force_evaluations, ALLOWED, "tolerance")
     titles = dict(zip(control_cost.problem.values, control_cost.problem_title.values, strict=True))
     rows = []
     for scheme in control_cost.scheme.values:

@@ -18,9 +18,9 @@ from paper.requirements import contained
 )
 def tabulate(controlled_1996: xr.Dataset, energy_error: xr.Dataset) -> pd.DataFrame:
     """Two rows per problem and step size, equal and controlled steps; one column per scheme that has the estimator."""
-    controlled = controlled_1996.max_energy_error.isel(controller=0)
+    controlled = 100 * controlled_1996.max_energy_error.isel(controller=0)
     estimated = controlled_1996.scheme[controlled.notnull().any(["problem", "steps_per_period"])].values
-    equal = energy_error.max_energy_error.sel(period_used="exact")
+    equal = 100 * energy_error.max_energy_error.sel(period_used="exact")
     titles = dict(zip(energy_error.problem.values, energy_error.problem_title.values, strict=True))
     rows = []
     for problem in PROBLEMS:

@@ -19,7 +19,7 @@ def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """Three rows per problem and step size (printed, computed, exact period), one column per scheme of 1996."""
     printed = printed_energy_errors()
     energy_error = of_the_tables(energy_error)
-    ours = energy_error.max_energy_error
+    ours = 100 * energy_error.max_energy_error
     sources = {
         "printed": printed,
         "computed": ours.sel(period_used="printed"),

@@ -13,7 +13,7 @@ from paper.published import PROBLEMS, STEPS, once, printed_energy_errors, same, 
 )
 def tabulate(houbolt_start: xr.Dataset) -> pd.DataFrame:
     """One row per way to start the method."""
-    error = houbolt_start.max_energy_error.sel(problem=PROBLEMS, steps_per_period=STEPS)
+    error = 100 * houbolt_start.max_energy_error.sel(problem=PROBLEMS, steps_per_period=STEPS)
     printed = printed_energy_errors().sel(scheme="houbolt")
     return pd.DataFrame(
         {

@@ -16,7 +16,7 @@ _UNEXPLAINED = "by no rounding rule; see the text"
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """One row per cell whose value, rounded once, is not the printed value."""
     printed = printed_energy_errors()
-    ours = of_the_tables(energy_error).max_energy_error.sel(period_used="printed")
+    ours = 100 * of_the_tables(energy_error).max_energy_error.sel(period_used="printed")
     rows = []
     for problem in ours.problem.values:
         for steps in ours.steps_per_period.values:

@@ -36,7 +36,7 @@ def tabulate(agreement: xr.Dataset, references: list[xr.Dataset]) -> pd.DataFram
             "Uncertainty": f"{reference.period_certified.item():.0e}",
             "of the motion": f"{(reference.u_certified / abs(reference.u).max()).item():.0e}",
         }
-        best = agreement.u_error.sel(problem=reference.problem, periods=100).min("tolerance")
+        best = agreement.displacement_error.sel(problem=reference.problem, periods=100).min("tolerance")
         for route, title in _TITLES.items():
             error = best.sel(route=route).item()
             row[title] = f"{error:.0e}" if error == error else "–"

@@ -15,7 +15,7 @@ def tabulate(relaxation: xr.Dataset) -> pd.DataFrame:
 
     def row(problem: str, steps: int) -> dict[str, str]:
         at = relaxation.sel(problem=problem, steps_per_period=steps)
-        energy, motion = at.max_energy_error, 100 * at.motion_error
+        energy, motion = 100 * at.max_energy_error, 100 * at.return_error
         return {
             "Spring": at.problem_title.item(),
             "Step": f"T/{steps}",

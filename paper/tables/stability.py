@@ -26,7 +26,7 @@ def _first(run: xr.Dataset) -> str:
     at = int(np.argmax(gained | failed))
     meanings = run.status.flag_meanings.split()
     how = {"no_solution_found": " N"}.get(meanings[int(run.status.values[at])], " ∞" if failed[at] else "")
-    return f"{run.dt_over_period.values[at]:g}{how}"
+    return f"{run.step_size_over_period.values[at]:g}{how}"
 
 
 @table(
@@ -35,7 +35,7 @@ def _first(run: xr.Dataset) -> str:
         "": contained("large_steps.schemes", within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],
         "large_steps.problems": PROBLEMS,
-        "large_steps.dt_over_period": rising,
+        "large_steps.step_size_over_period": rising,
     },
 )
 def tabulate(spectral: xr.Dataset, large_steps: xr.Dataset) -> pd.DataFrame:

@@ -56,14 +56,14 @@ def errors(problem: Problem, exact_solution: exact.ExactSolution, solution: Solu
     energy = np.asarray(jax.vmap(problem.energy)(solution.u, solution.v))
     initial = float(problem.energy(np.asarray(problem.u0), np.asarray(problem.v0)))
     histories = {
-        "u_error": np.abs(solution.u - exact_solution.u) / np.max(np.abs(exact_solution.u)),
-        "v_error": np.abs(solution.v - exact_solution.v) / np.max(np.abs(exact_solution.v)),
+        "displacement_error": np.abs(solution.u - exact_solution.u) / np.max(np.abs(exact_solution.u)),
+        "velocity_error": np.abs(solution.v - exact_solution.v) / np.max(np.abs(exact_solution.v)),
         "energy_error": np.abs(energy / initial - 1),
     }
     largest = {name: np.array([np.max(h[: w * SAMPLES]) for w in WINDOWS]) for name, h in histories.items()}
     # the velocity is zero at whole periods, so a delay causes no displacement error of first order there
-    at_periods = histories["u_error"][SAMPLES - 1 :: SAMPLES]
-    return largest | {"u_error_at_periods": np.array([np.max(at_periods[:w]) for w in WINDOWS])}
+    at_periods = histories["displacement_error"][SAMPLES - 1 :: SAMPLES]
+    return largest | {"displacement_error_at_periods": np.array([np.max(at_periods[:w]) for w in WINDOWS])}
 
 
 def _attempt(solve: Callable, *arguments):
@@ -109,9 +109,9 @@ def _problem_dataset(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
     shape = (len(ROUTES), len(tolerances))
     windowed = {
         name: np.full((*shape, len(WINDOWS)), np.nan)
-        for name in ("u_error", "v_error", "energy_error", "u_error_at_periods")
+        for name in ("displacement_error", "velocity_error", "energy_error", "displacement_error_at_periods")
     }
-    single = {name: np.full(shape, np.nan) for name in ("period_error", "evaluations", "run_time")}
+    single = {name: np.full(shape, np.nan) for name in ("period_error", "evaluations", "seconds")}
     statuses = {name: np.full(shape, NOT_TRIED, np.int32) for name in ("status", "period_status")}
     exact_period, certified = exact.period(definition, estimate)
     t = instants(float(exact_period))
@@ -127,21 +127,21 @@ def _problem_dataset(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
                 continue
             solution, statuses["status"][index] = _attempt(trajectory, definition, t, tolerance)
             if solution is not None:
-                single["evaluations"][index], single["run_time"][index] = solution.evaluations, solution.seconds
+                single["evaluations"][index], single["seconds"][index] = solution.evaluations, solution.seconds
                 for quantity, values in errors(definition, exact_solution, solution).items():
                     windowed[quantity][index] = values
-                if windowed["u_error"][index].max() > LOST_ABOVE:
+                if windowed["displacement_error"][index].max() > LOST_ABOVE:
                     statuses["status"][index] = LOST
     dims = ("route", "tolerance")
     descriptions = {
-        "u_error": "largest error of the displacement, relative to its largest size",
-        "v_error": "largest error of the velocity, relative to its largest size",
+        "displacement_error": "largest error of the displacement, relative to its largest size",
+        "velocity_error": "largest error of the velocity, relative to its largest size",
         "energy_error": "largest relative error of the energy",
-        "u_error_at_periods": "largest error of the displacement at whole periods, relative to its largest size",
+        "displacement_error_at_periods": "largest error of the displacement at whole periods, over its largest size",
         "period_error": "relative error of the period",
         "evaluations": f"evaluations of the right side over {max(WINDOWS)} periods; for kvaerno5 the stages, each with "
         "several evaluations; for heyoka the Taylor coefficients; for CVODE without evaluations for the Jacobian",
-        "run_time": f"run time over {max(WINDOWS)} periods, without compilation, of one run while other jobs run",
+        "seconds": f"run time over {max(WINDOWS)} periods, without compilation, of one run while other jobs run",
         "status": "how the trajectory ended",
         "period_status": "how the search for the period ended",
     }
@@ -149,7 +149,7 @@ def _problem_dataset(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         name: ((*dims, "periods"), values, {"long_name": descriptions[name], "units": "1"})
         for name, values in windowed.items()
     } | {
-        name: (dims, values, {"long_name": descriptions[name], "units": "s" if name == "run_time" else "1"})
+        name: (dims, values, {"long_name": descriptions[name], "units": "s" if name == "seconds" else "1"})
         for name, values in single.items()
     }
     return xr.Dataset(

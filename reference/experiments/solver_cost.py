@@ -54,7 +54,7 @@ def solver_cost(
     return xr.Dataset(
         {
             "error": (dims, error, {"long_name": "largest error of the displacement over its size", "units": "1"}),
-            "forces": (dims, forces, {"long_name": "evaluations of the internal force", "units": "1"}),
+            "force_evaluations": (dims, forces, {"long_name": "evaluations of the internal force", "units": "1"}),
         },
         coords={
             "problem": ("problem", list(problems), {"long_name": "problem"}),

@@ -11,7 +11,7 @@ from study.io import flags
 from study.observer.crossings import crosses_upwards
 from study.observer.errors import AmplitudeDecay, PeriodError, TrajectoryError
 
-#: Measures of error; max_energy_error is in percent, the others are fractions.
+#: Measures of error.
 MEASURES = (
     "rms_trajectory_error",
     "max_trajectory_error",
@@ -99,7 +99,7 @@ def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
     crossing = (reference.u_uncertainty / (abs(reference.v).max() * reference.period)).item()
     amplitude = (reference.u_uncertainty / (reference.u.max() - _rest(reference))).item()
     energy = reference.energy_drift.item()
-    known = (displacement, displacement, period, periods * period + crossing, amplitude / periods, 100 * energy, energy)
+    known = (displacement, displacement, period, periods * period + crossing, amplitude / periods, energy, energy)
     return dict(zip(MEASURES, known, strict=True))
 
 

@@ -102,25 +102,25 @@ def oscillator(damping_ratio=0.0) -> Problem:
     return eqx.tree_at(lambda problem: problem.damping, _oscillator(), 2 * damping_ratio)
 
 
-def _matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
+def _matrix(scheme: Scheme, step_size_over_period, damping_ratio) -> jax.Array:
     """Amplification matrix on the oscillator, of shape (m, m)."""
-    return amplification_matrix(scheme, oscillator(damping_ratio), 2 * jnp.pi * dt_over_period)
+    return amplification_matrix(scheme, oscillator(damping_ratio), 2 * jnp.pi * step_size_over_period)
 
 
-def _initial_states(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
+def _initial_states(scheme: Scheme, step_size_over_period, damping_ratio) -> jax.Array:
     """The scheme's whole states at u = 1 and u̇ = 0, and at u = 0 and u̇ = 1, of shape (2, m)."""
 
     def state(start):
         return ravel_pytree(
-            started(scheme, oscillator(damping_ratio), start[0], start[1], 2 * jnp.pi * dt_over_period)[0]
+            started(scheme, oscillator(damping_ratio), start[0], start[1], 2 * jnp.pi * step_size_over_period)[0]
         )[0]
 
     return jax.vmap(state)(jnp.eye(2))
 
 
 @partial(jit, compiler=eqx.filter_jit)
-def _at_each(function, scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: jax.Array) -> jax.Array:
-    return jax.vmap(partial(function, scheme, damping_ratio=damping_ratio))(dt_over_period)
+def _at_each(function, scheme: Scheme, step_size_over_period: np.ndarray, damping_ratio: jax.Array) -> jax.Array:
+    return jax.vmap(partial(function, scheme, damping_ratio=damping_ratio))(step_size_over_period)
 
 
 class NumericalMotion(NamedTuple):
@@ -155,7 +155,7 @@ class LinearTheory:
     ----------
     scheme
         A name in ``study.schemes``, or your own scheme.
-    dt_over_period
+    step_size_over_period
         Step sizes over the undamped period, Δt/T, ascending, of shape (points,). The first must be small, because the
         principal roots are followed from Ω = 0.
     damping_ratio
@@ -190,9 +190,9 @@ class LinearTheory:
     roots: Roots
     spectral_radius: Points
 
-    def __init__(self, scheme: str | Scheme, dt_over_period: PointsLike, damping_ratio: float = 0.0):
+    def __init__(self, scheme: str | Scheme, step_size_over_period: PointsLike, damping_ratio: float = 0.0):
         scheme = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
-        parts = np.asarray(dt_over_period)
+        parts = np.asarray(step_size_over_period)
         if (
             parts.dtype.kind not in "fiu"
             or parts.ndim != 1
@@ -201,7 +201,8 @@ class LinearTheory:
             or np.isinf(parts[-1])
         ):
             raise ValueError(
-                f"dt_over_period must be positive and ascending, of shape (points,), not {dt_over_period}."
+                "step_size_over_period must be positive and ascending, of shape (points,), not "
+                f"{step_size_over_period}."
             )
         if not (is_number(damping_ratio) and 0 <= damping_ratio < 1):
             raise ValueError(f"damping_ratio must be at least 0 and less than 1, not {damping_ratio}.")
@@ -210,19 +211,19 @@ class LinearTheory:
         self.roots = eigenvalues(self.matrices)
         self.spectral_radius = np.abs(self.roots).max(axis=-1)
 
-    def _of_each(self, function, dt_over_period) -> np.ndarray:
+    def _of_each(self, function, step_size_over_period) -> np.ndarray:
         """Values of a function at every step size, computed in tiles of the same length.
 
         One compiled program then serves any number of step sizes. It serves all damping ratios too: zero damping adds
         exact zeros, which change no bit.
         """
         damping = jnp.asarray(float(self._damping_ratio))
-        points = len(dt_over_period)
-        tiles = np.pad(np.asarray(dt_over_period, float), (0, -points % TILE), mode="edge").reshape(-1, TILE)
+        points = len(step_size_over_period)
+        tiles = np.pad(np.asarray(step_size_over_period, float), (0, -points % TILE), mode="edge").reshape(-1, TILE)
         return np.concatenate([_at_each(function, unlabelled(self._scheme), tile, damping) for tile in tiles])[:points]
 
-    def _radius(self, dt_over_period: Points) -> Points:
-        return np.abs(eigenvalues(self._of_each(_matrix, dt_over_period))).max(axis=-1)
+    def _radius(self, step_size_over_period: Points) -> Points:
+        return np.abs(eigenvalues(self._of_each(_matrix, step_size_over_period))).max(axis=-1)
 
     def _first_unstable(self, omega: Points) -> int | None:
         """Index of the first unstable Ω, searched tile by tile; None if all are stable."""
@@ -327,8 +328,9 @@ class LinearTheory:
         -------
         xarray.Dataset
             ``spectral_radius``, the quantities of :meth:`motion` and the overshoot of displacement and velocity, over
-            ``dt_over_period``. ``stability_limit``, ``infinite_frequency_radius``, ``linear_order`` (:meth:`order`),
-            the four exponents of :meth:`growth` and ``memory``, the size of the matrices, are single numbers.
+            ``step_size_over_period``. ``stability_limit``, ``infinite_frequency_radius``, ``linear_order``
+            (:meth:`order`), the four exponents of :meth:`growth` and ``memory``, the size of the matrices, are single
+            numbers.
         """
         motion, (displacement, velocity) = self.motion(), self.overshoot()
         (u_from_u, v_from_u), (u_from_v, v_from_v) = self.growth().tolist()
@@ -346,14 +348,18 @@ class LinearTheory:
             "growth_v_from_v": v_from_v,
             "memory": self.matrices.shape[-1],
         }
-        dims = ("dt_over_period",)
+        dims = ("step_size_over_period",)
         return xr.Dataset(
             {
                 name: (dims[: np.ndim(value)], value, {"long_name": _LONG_NAMES[name], "units": "1"})
                 for name, value in values.items()
             },
             {
-                "dt_over_period": (dims, self._dt_over_period, {"long_name": "step size over period", "units": "1"}),
+                "step_size_over_period": (
+                    dims,
+                    self._dt_over_period,
+                    {"long_name": "step size over period", "units": "1"},
+                ),
                 "damping_ratio": (
                     (),
                     self._damping_ratio,

@@ -13,8 +13,8 @@ from study.registry import UnknownName, did_you_mean
 from study.words import number, percent, step_size, step_with_unit, text_of, typed
 
 #: Columns of step sizes, which are never printed larger than they are, and columns of whole numbers.
-STEP_SIZES = ("step_size", "largest_step", "step_of_runs")
-WHOLE = ("number_of_steps", "force_evaluations", "steps_tried", "controlled_steps", "controlled_force_evaluations")
+STEP_SIZES = ("step_size", "largest_step_size", "step_size_of_runs")
+WHOLE = ("steps", "force_evaluations", "steps_tried", "controlled_steps", "controlled_force_evaluations")
 
 
 class Recommended(pd.DataFrame):
@@ -74,43 +74,45 @@ def chosen(
     limits = dataset.allowed_error.values
     if not np.isclose(limits, error, rtol=1e-9, atol=0).any():
         raise ValueError(
-            f"error must be one that was assessed, {', '.join(f'{one:g}' for one in limits)}, not {error:g}; assess "
-            "with errors=[...] for others."
+            f"allowed_error must be one that was assessed, {', '.join(f'{one:g}' for one in limits)}, not {error:g}; "
+            "assess with allowed_errors=[...] for others."
         )
     return quantity, dataset.sel(quantity=quantity).sel(allowed_error=error, method="nearest")
 
 
 def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = None) -> pd.DataFrame:
     """The table of :func:`study.recommend` for a dataset of :func:`study.assess`."""
-    if "recommended_dt" not in assessed:
+    if "recommended_step_size" not in assessed:
         raise ValueError("recommend takes a dataset of study.assess.")
     quantity, one = chosen(assessed, assessed.quantity.values.tolist(), error, quantity)
     words = np.array([word.replace("_", " ") for word in one.verdict.flag_meanings.split()])
-    steps = np.floor(assessed.attrs["duration"] / one.recommended_dt * (1 + 1e-9))
-    found = one.recommended_dt.dropna("scheme").reset_coords(drop=True)
-    errors = assessed.error.sel(scheme=found.scheme, dt=found).to_pandas()
+    steps = np.floor(assessed.attrs["duration"] / one.recommended_step_size * (1 + 1e-9))
+    found = one.recommended_step_size.dropna("scheme").reset_coords(drop=True)
+    errors = assessed.error.sel(scheme=found.scheme, step_size=found).to_pandas()
     table = pd.DataFrame(
         {
             "kind": one.kind,
-            "step_size": one.recommended_dt,
-            "largest_step": one.largest_dt,
-            "omega_step": one.recommended_dt * assessed.highest_frequency.item(),
-            "number_of_steps": steps,
+            "step_size": one.recommended_step_size,
+            "largest_step_size": one.largest_step_size,
+            "omega_step": one.recommended_step_size * assessed.highest_frequency.item(),
+            "steps": steps,
             "error": one.recommended_error,
-            "time": one.time,
-            "time_spread": one.time_spread,
+            "seconds": one.seconds,
+            "seconds_spread": one.seconds_spread,
             "force_evaluations": one.force_evaluations,
-            "forces_per_time": one.force_evaluations / (steps * one.recommended_dt),
+            "force_evaluations_per_time": one.force_evaluations / (steps * one.recommended_step_size),
             "steps_tried": one.steps_tried,
             "worst_error": one.worst_error,
             "verdict": words[one.verdict.values],
         },
         index=pd.Index(one.scheme.values, name="scheme"),
     )
-    slower_by = table["time"] - table["time"].min()
-    fastest = table["time"].idxmin() if slower_by.notna().any() else None
-    ties = slower_by <= (table["time_spread"] + (table["time_spread"][fastest] if fastest is not None else 0.0)) / 2
-    table.insert(table.columns.get_loc("time_spread") + 1, "ties_with_fastest", ties)
+    slower_by = table["seconds"] - table["seconds"].min()
+    fastest = table["seconds"].idxmin() if slower_by.notna().any() else None
+    ties = (
+        slower_by <= (table["seconds_spread"] + (table["seconds_spread"][fastest] if fastest is not None else 0.0)) / 2
+    )
+    table.insert(table.columns.get_loc("seconds_spread") + 1, "ties_with_fastest", ties)
     table = table.loc[_ranked(table)]
     if "tolerance" in assessed:
         table["tolerance"] = one.tolerance.to_series()
@@ -131,16 +133,16 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
 def _counts(table: pd.DataFrame) -> pd.Series:
     """Number of forces of each scheme, or of steps if forces are not counted for all."""
     forces = table["force_evaluations"][table["step_size"].notna()]
-    return table["force_evaluations"] if forces.notna().all() else table["number_of_steps"]
+    return table["force_evaluations"] if forces.notna().all() else table["steps"]
 
 
 def _ranked(table: pd.DataFrame) -> list:
     """Names of the schemes, the fastest first; within the spread of times, the number of forces or steps decides."""
-    left, ranked, counts = table.sort_values("time", kind="stable"), list[object](), _counts(table)
+    left, ranked, counts = table.sort_values("seconds", kind="stable"), list[object](), _counts(table)
     while len(left):
         first = left.iloc[0]
-        ties = ~(left["time"] - first.time > (left["time_spread"] + first.time_spread) / 2)
-        together = left[ties & (left["time"].notna() | np.isnan(first.time))]
+        ties = ~(left["seconds"] - first.seconds > (left["seconds_spread"] + first.seconds_spread) / 2)
+        together = left[ties & (left["seconds"].notna() | np.isnan(first.seconds))]
         ranked += counts[together.index].sort_values(kind="stable").index.tolist()
         left = left.drop(together.index)
     return ranked
@@ -154,7 +156,8 @@ def over_duration(
     Parameters
     ----------
     table
-        Table with the columns ``kind``, ``step_size``, ``omega_step`` and ``forces_per_time`` of runs over ``known``.
+        Table with the columns ``kind``, ``step_size``, ``omega_step`` and ``force_evaluations_per_time`` of runs over
+        ``known``.
     dataset
         Dataset of the table, with the titles, the orders and ``keeps_energy`` of the schemes.
     known, duration
@@ -172,10 +175,10 @@ def over_duration(
             "kind": table.kind,
             "step_size": rounded,
             "omega_step": table.omega_step * finer,
-            "number_of_steps": np.ceil(duration / rounded * (1 - 1e-9)),
-            "force_evaluations": table.forces_per_time / finer * duration,
+            "steps": np.ceil(duration / rounded * (1 - 1e-9)),
+            "force_evaluations": table.force_evaluations_per_time / finer * duration,
             "exponent": law,
-            "step_of_runs": table.step_size,
+            "step_size_of_runs": table.step_size,
             "verdict": np.where(rounded.notna(), "extrapolated", table.verdict),
         }
     ).sort_values("force_evaluations", kind="stable")

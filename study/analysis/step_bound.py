@@ -210,7 +210,9 @@ def largest_omega_step(coefficients: np.ndarray, error: float, scheme: Scheme) -
         return np.minimum(np.sqrt(error / coefficients), limit)
 
 
-def step_bound(problem: str | Problem, scheme: str | Scheme, error: float = 0.01, periods: float = 100) -> xr.Dataset:
+def step_bound(
+    problem: str | Problem, scheme: str | Scheme, allowed_error: float = 0.01, periods: float = 100
+) -> xr.Dataset:
     r"""The step that keeps the energy, the period and the displacement of a free oscillation within an error.
 
     A scheme of second order that is (conjugate to) a symplectic one conserves a modified energy
@@ -238,7 +240,7 @@ def step_bound(problem: str | Problem, scheme: str | Scheme, error: float = 0.01
         A free oscillator of one unknown with a potential, or the name of one.
     scheme
         A Newmark method with γ = ½, the implicit midpoint rule, or the name of one.
-    error
+    allowed_error
         Allowed error, a fraction.
     periods
         Number n of periods after which the displacement is within the error.
@@ -257,20 +259,21 @@ def step_bound(problem: str | Problem, scheme: str | Scheme, error: float = 0.01
         If there is no problem or scheme of that name.
     ValueError
         If the problem is not a free oscillator of one unknown with a potential, rests, does not oscillate or is too
-        near to a separatrix; if the scheme has no modified energy; or if ``error`` or ``periods`` is not positive.
+        near to a separatrix; if the scheme has no modified energy; or if ``allowed_error`` or ``periods`` is not
+        positive.
 
     References
     ----------
     E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, chapter IX.
     """
-    for name, value in (("error", error), ("periods", periods)):
+    for name, value in (("allowed_error", allowed_error), ("periods", periods)):
         if not (value > 0 and math.isfinite(value)):
             raise ValueError(f"{name} must be a positive number, not {value!r}.")
     problem = problems[problem] if isinstance(problem, str) else problem
     scheme = schemes[scheme] if isinstance(scheme, str) else scheme
     modified, motion = modified_energy(scheme), orbit(problem)
     coefficients, omega = motion.coefficients(modified, periods), motion.highest_frequency
-    omega_step = largest_omega_step(coefficients, error, scheme)
+    omega_step = largest_omega_step(coefficients, allowed_error, scheme)
     return xr.Dataset(
         {
             "coefficient": ("quantity", coefficients, {"long_name": "error over (ω Δt)²", "units": "1"}),
@@ -305,7 +308,7 @@ def step_bound(problem: str | Problem, scheme: str | Scheme, error: float = 0.01
         },
         attrs={
             "title": f"Step bound of '{scheme.title}' on '{problem.title}'",
-            "error": error,
+            "allowed_error": allowed_error,
             "periods": periods,
         },
     )

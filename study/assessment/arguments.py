@@ -74,11 +74,13 @@ def checked_errors(allowed: Sequence[float]) -> list[float]:
     """The distinct allowed errors, the largest first."""
     values = np.atleast_1d(np.asarray(allowed))
     if values.dtype.kind not in "fiu" or not values.size or not np.all((values > 0) & (values < 1)):
-        raise ValueError(f"errors must be fractions between zero and one, such as 0.01 for one percent, not {allowed}.")
+        raise ValueError(
+            f"allowed_errors must be fractions between 0 and 1, such as 0.01 for one percent, not {allowed}."
+        )
     if values.min() < LEAST_ERROR:
         raise ValueError(
-            f"errors must be at least {LEAST_ERROR:g}, not {values.min():g}: no reference in double precision is "
-            "accurate enough for smaller errors."
+            f"allowed_errors must be at least {LEAST_ERROR:g}, not {values.min():g}: no reference in double precision "
+            "is accurate enough for smaller errors."
         )
     return sorted(set(values.tolist()), reverse=True)
 

@@ -46,7 +46,7 @@ def assess(
     *,
     duration: float | None = None,
     quantities: Mapping[str, Quantity] | None = None,
-    errors: Sequence[float] = (0.1, 0.01, 0.001),
+    allowed_errors: Sequence[float] = (0.1, 0.01, 0.001),
     maps: bool = True,
     controller: str | Controller | None = None,
     seconds: float = math.inf,
@@ -56,13 +56,13 @@ def assess(
     Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, octave by octave,
     from a quarter of the slowest period of small motions down to a twentieth of the largest step that keeps the
     smallest allowed error, or to a limit on the number of steps. An octave has up to 128 runs, the octave below a
-    recommended step up to 500; both have fewer if the runs have many steps. All steps tried up to ``largest_dt`` keep
-    an error, and ``largest_dt`` itself keeps it with a margin for the scatter of the errors below it. The recommended
-    step is the largest step with two digits up to ``largest_dt``. If the load is a record with equal spacing of the
-    samples, the step is an integer fraction or multiple of this spacing. The recommended step must keep the error with
-    the given initial values and load, and with values one percent smaller and larger. If none of n random finer steps
-    exceeds the error, at most 3/n of all finer steps do, with 95 % confidence. Every recommended step was run; neither
-    the step nor its error is interpolated.
+    recommended step up to 500; both have fewer if the runs have many steps. All steps tried up to ``largest_step_size``
+    keep an error, and ``largest_step_size`` itself keeps it with a margin for the scatter of the errors below it. The
+    recommended step is the largest step with two digits up to ``largest_step_size``. If the load is a record with equal
+    spacing of the samples, the step is an integer fraction or multiple of this spacing. The recommended step must keep
+    the error with the given initial values and load, and with values one percent smaller and larger. If none of n
+    random finer steps exceeds the error, at most 3/n of all finer steps do, with 95 % confidence. Every recommended
+    step was run; neither the step nor its error is interpolated.
 
     A run ends with the last step that fits into the duration. Quantities along time are compared with the reference at
     every step.
@@ -92,7 +92,7 @@ def assess(
         is left out because the energy at the start is too small to scale its errors. For a problem of more than 1,000
         unknowns, or with an unknown without mass, the default is displacement and velocity of at most 256 unknowns,
         all with a mass.
-    errors
+    allowed_errors
         Allowed errors, as fractions of the value to which the errors of a quantity are relative: its largest value
         along time, or the peak, the final value or the root mean square itself (``scale`` of :class:`study.Quantity`).
         The error of the balance of energies is a fraction of the energy put in, those of period and phase are fractions
@@ -115,25 +115,26 @@ def assess(
     Returns
     -------
     xarray.Dataset
-        Over ``scheme``, ``dt`` and ``quantity``: ``error``. Over ``scheme`` and ``dt``: ``status``,
-        ``energy_imbalance`` and ``newton_iterations``. Where a step was not tried, ``status`` is ``not_tried`` and the
-        other variables are NaN. Over ``scheme``, ``quantity`` and ``allowed_error``: ``verdict``, ``largest_dt`` and
-        ``recommended_dt``; ``recommended_error``, ``time``, ``time_spread`` and ``force_evaluations`` of the run with
-        the recommended step; ``steps_tried``, the number of steps tried from a twentieth of the recommended step up to
-        it, and ``worst_error``, their largest error as a fraction of the allowed one. Over ``quantity``:
-        ``reference_uncertainty``, and the coordinates ``relative_to``, the value to which errors are relative, and
-        ``quantity_units``. Over ``quantity`` and ``component``: ``reference_value``, the reduced value of the reference
-        or its largest value along time, ``reference_value_uncertainty`` in the same unit, and ``reference_time``, at
-        which the value is reached. Over ``quantity`` and ``reference_t``, parts of the duration: ``reference_low`` and
-        ``reference_high``, the lowest and highest value of the reference in the part, of the component with the largest
-        value. ``highest_frequency`` is the highest circular frequency of small motions about points of the reference.
+        Over ``scheme``, ``step_size`` and ``quantity``: ``error``. Over ``scheme`` and ``step_size``: ``status``,
+        ``energy_imbalance`` and ``newton_iterations_per_step``. Where a step was not tried, ``status`` is ``not_tried``
+        and the other variables are NaN. Over ``scheme``, ``quantity`` and ``allowed_error``: ``verdict``,
+        ``largest_step_size`` and ``recommended_step_size``; ``recommended_error``, ``seconds``, ``seconds_spread`` and
+        ``force_evaluations`` of the run with the recommended step; ``steps_tried``, the number of steps tried from a
+        twentieth of the recommended step up to it, and ``worst_error``, their largest error as a fraction of the
+        allowed one. Over ``quantity``: ``reference_uncertainty``, and the coordinates ``relative_to``, the value to
+        which errors are relative, and ``quantity_units``. Over ``quantity`` and ``component``: ``reference_value``, the
+        reduced value of the reference or its largest value along time, ``reference_value_uncertainty`` in the same
+        unit, and ``reference_time``, at which the value is reached. Over ``quantity`` and ``reference_t``, parts of the
+        duration: ``reference_low`` and ``reference_high``, the lowest and highest value of the reference in the part,
+        of the component with the largest value. ``highest_frequency`` is the highest circular frequency of small
+        motions about points of the reference.
 
         With a controller: ``tolerance``, the largest round tolerance (1, 2 or 5 times a power of ten) that keeps the
         error, as all smaller tolerances tried do, down to a hundredth of it; ``tolerance_error``, ``controlled_steps``
         and ``controlled_force_evaluations`` of the run with this tolerance.
 
-        For a program: ``reason`` and ``run_time`` of each run; ``repeated``, the relative difference between a run of
-        each scheme and its repetition. Variables that have no value for a program are NaN.
+        For a program: ``reason`` and ``seconds_per_run`` of each run; ``repeated``, the relative difference between a
+        run of each scheme and its repetition. Variables that have no value for a program are NaN.
 
         The attributes have the names of the solvers or schemes that gave the reference. They also have the ``model`` in
         two lines (unknowns, periods of small motions, duration; damping ratios and record), the ``remarks``, the time
@@ -152,7 +153,7 @@ def assess(
     --------
     >>> import study
     >>> ds = study.assess("softening", ["average_acceleration", "rk4"])  # doctest: +SKIP
-    >>> study.recommend(ds, error=0.01, quantity="displacement")  # doctest: +SKIP
+    >>> study.recommend(ds, allowed_error=0.01, quantity="displacement")  # doctest: +SKIP
     """
     if not (is_number(seconds) and seconds >= 0):
         raise ValueError(f"seconds must be a time in s, zero or more, not {seconds!r}.")
@@ -162,10 +163,12 @@ def assess(
                 "a program has its own quantities, duration and steps; leave quantities, duration and controller out."
             )
         selection = narrowed(problem, schemes)  # type: ignore[arg-type]
-        return assess_program(selection, checked_errors(errors), seconds, Progress(len(selection.schemes)).report)
+        return assess_program(
+            selection, checked_errors(allowed_errors), seconds, Progress(len(selection.schemes)).report
+        )
     # scaled by one, so that it shares a compiled program with the same problem scaled by 0.99 and 1.01
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
-    chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
+    chosen, allowed = chosen_schemes(schemes), checked_errors(allowed_errors)
     selected = wanted_quantities(quantities, equation)
     with_energy = quantities is None and equation.potential is not None and not equation.dissipative
     length = requested = length_of(equation, duration)
@@ -291,8 +294,8 @@ def assess(
         "duration_requested": requested,
         "free_vibration": int(equation.conservative and not equation.kinked),
         "problem": equation.title,
-        "command": f"study.assess(problem, {list(chosen)}, duration={requested:.17g}, errors={allowed}, maps={maps}"
-        + (", quantities=quantities)" if quantities else ")"),
+        "command": f"study.assess(problem, {list(chosen)}, duration={requested:.17g}, "
+        f"allowed_errors={allowed}, maps={maps}" + (", quantities=quantities)" if quantities else ")"),
         "processor": processor(),
         "not_fit": "; ".join(str(chosen[name].refusal(equation)) for name in chosen if name not in fit),
         **({} if spacing is None else {"spacing": spacing}),

@@ -20,7 +20,7 @@ def percent(fraction: float) -> str:
 
 def confirmation(assessed: xr.Dataset) -> str:
     """Sentences on the steps that confirm recommended steps, and on the confidence; empty if no step is recommended."""
-    tried = assessed.steps_tried.values[assessed.recommended_dt.notnull().values]
+    tried = assessed.steps_tried.values[assessed.recommended_step_size.notnull().values]
     if not tried.size:
         return ""
     fewest, most = tried.min(), tried.max()

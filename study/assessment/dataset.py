@@ -38,24 +38,24 @@ ATTRIBUTES = {
     "error": {"long_name": "error, relative to the value that relative_to states", "units": "1"},
     "status": flags("how the run ended", ENDS, np.int8),
     "energy_imbalance": {"long_name": "error of the balance of energies", "units": "1"},
-    "newton_iterations": {"long_name": "Newton iterations per step", "units": "1"},
-    "recommended_dt": {
+    "newton_iterations_per_step": {"long_name": "Newton iterations per step", "units": "1"},
+    "recommended_step_size": {
         "long_name": "recommended step: the largest round step that keeps the error, as all finer ones do",
         "units": "s",
     },
-    "largest_dt": {"long_name": "largest step tried that keeps the error, as all finer ones do", "units": "s"},
+    "largest_step_size": {"long_name": "largest step tried that keeps the error, as all finer ones do", "units": "s"},
     "recommended_error": {"long_name": "error at the recommended step", "units": "1"},
     "steps_tried": {"long_name": "steps tried from a twentieth of the recommended one up to it", "units": "1"},
     "worst_error": {"long_name": "largest error of the steps tried over the allowed one", "units": "1"},
     "verdict": flags("how the search for the step ended", VERDICTS, np.int8),
-    "time": {"long_name": "median time of all steps of the recommended run", "units": "s"},
-    "time_spread": {"long_name": "interquartile range of this time", "units": "s"},
+    "seconds": {"long_name": "median time of all steps of the recommended run", "units": "s"},
+    "seconds_spread": {"long_name": "interquartile range of this time", "units": "s"},
     "force_evaluations": {"long_name": "internal forces evaluated in the recommended run", "units": "1"},
-    "time_per_step": {"long_name": "time of a step", "units": "s"},
+    "seconds_per_step": {"long_name": "time of a step", "units": "s"},
     "scheme": {"long_name": "time integration scheme"},
     "scheme_title": {"long_name": "name of the scheme"},
     "kind": {"long_name": "explicit or implicit"},
-    "dt": {"long_name": "step size", "units": "s"},
+    "step_size": {"long_name": "step size", "units": "s"},
     "steps": {"long_name": "number of steps", "units": "1"},
     "quantity": {"long_name": "quantity whose error is measured"},
     "allowed_error": {"long_name": "largest allowed error", "units": "1"},
@@ -129,8 +129,11 @@ def dataset_of(
 ) -> xr.Dataset:
     """Results of all schemes, with the times of the recommended steps, as a dataset."""
     times_by_scheme = _times(problem, schemes, results, end)
-    runs = {name: result.runs[result.runs.start == 1.0].set_index("dt") for name, result in results.items()}
-    tried = pd.concat(runs, names=["scheme"]).to_xarray().sel(scheme=list(results)).sortby("dt", ascending=False)
+    runs = {
+        name: result.runs[result.runs.start == 1.0].set_index("dt").rename_axis("step_size")
+        for name, result in results.items()
+    }
+    tried = pd.concat(runs, names=["scheme"]).to_xarray().sel(scheme=list(results)).sortby("step_size", ascending=False)
     rows = []
     for name, result in results.items():
         times = times_by_scheme.get(name, {})
@@ -143,15 +146,22 @@ def dataset_of(
                 forces, error = run.forces, run[limit[0]]
             rows.append((name, *limit, *verdict, error, seconds, spread, forces))
     index = ["scheme", "quantity", "allowed_error"]
-    variables = ["verdict", "largest_dt", "recommended_dt", "steps_tried", "worst_error", "recommended_error"]
-    verdicts = pd.DataFrame(rows, columns=[*index, *variables, "time", "time_spread", "force_evaluations"])
+    variables = [
+        "verdict",
+        "largest_step_size",
+        "recommended_step_size",
+        "steps_tried",
+        "worst_error",
+        "recommended_error",
+    ]
+    verdicts = pd.DataFrame(rows, columns=[*index, *variables, "seconds", "seconds_spread", "force_evaluations"])
     ds = verdicts.set_index(index).to_xarray().sel(scheme=list(results), quantity=names, allowed_error=allowed)
     ds = ds.assign(verdict=ds.verdict.astype(np.int8), steps_tried=ds.steps_tried.astype(np.int32))
-    ds["error"] = tried[names].to_dataarray("quantity").transpose("scheme", "dt", "quantity")
+    ds["error"] = tried[names].to_dataarray("quantity").transpose("scheme", "step_size", "quantity")
     ds["status"] = tried.status.fillna(NOT_TRIED).astype(np.int8)
-    ds["energy_imbalance"], ds["newton_iterations"] = tried.imbalance, tried.iterations
+    ds["energy_imbalance"], ds["newton_iterations_per_step"] = tried.imbalance, tried.iterations
     finest = {name: min(times_by_scheme.get(name, {}), default=np.nan) for name in results}
-    ds["time_per_step"] = (
+    ds["seconds_per_step"] = (
         "scheme",
         [times_by_scheme[n][dt][0] / runs[n].steps[dt] if dt > 0 else np.nan for n, dt in finest.items()],
     )

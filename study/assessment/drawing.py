@@ -49,8 +49,8 @@ def figure_of(svg: str, caption: str) -> str:
 
 
 def times_of_runs(assessed: xr.Dataset) -> xr.DataArray:
-    """Times of all runs: ``run_time`` if the dataset has it, otherwise the number of steps times the time of a step."""
-    return assessed.run_time if "run_time" in assessed else assessed.time_per_step * assessed.steps
+    """Times of all runs: ``seconds_per_run``, or the number of steps times the time of a step if it is missing."""
+    return assessed.seconds_per_run if "seconds_per_run" in assessed else assessed.seconds_per_step * assessed.steps
 
 
 def motion(quantity: xr.Dataset) -> str:
@@ -160,17 +160,17 @@ def maps(assessed: xr.Dataset) -> str:
                 code, middle = row[first], (first + end - 1) / 2
                 axes.text(middle, e, LETTERS[code], color=INK[code], ha="center", va="center", fontsize=8)
         # the steps of a map descend in geometric progression; a limit of zero or infinity is not drawn
-        stable = assessed.stable_dt.sel(scheme=name)
+        stable = assessed.stable_step_size.sel(scheme=name)
         log_limits = -np.log(stable.where((stable > 0) & np.isfinite(stable)).values)
-        steps = np.arange(assessed.sizes["map_dt"])
-        place = np.interp(log_limits, -np.log(assessed.map_dt.values), steps, left=np.nan, right=np.nan)
+        steps = np.arange(assessed.sizes["map_step_size"])
+        place = np.interp(log_limits, -np.log(assessed.map_step_size.values), steps, left=np.nan, right=np.nan)
         for e, x in enumerate(place):
             axes.plot([x, x], [e - 0.5, e + 0.5], color="black", lw=1.2, ls="--")
         axes.set_title(str(assessed.scheme_title.sel(scheme=name).values), fontsize=9)
     for axes in panels[assessed.sizes["scheme"] :]:
         axes.remove()
-    ticks = range(0, assessed.sizes["map_dt"], max(1, assessed.sizes["map_dt"] // 4))
-    panels[0].set_xticks(list(ticks), [f"{assessed.map_dt.values[i]:.2g}" for i in ticks])
+    ticks = range(0, assessed.sizes["map_step_size"], max(1, assessed.sizes["map_step_size"] // 4))
+    panels[0].set_xticks(list(ticks), [f"{assessed.map_step_size.values[i]:.2g}" for i in ticks])
     panels[0].set_yticks(range(assessed.sizes["excitation"]), [f"{x:g}" for x in assessed.excitation.values])
     figure.supxlabel("step size, s", fontsize=10)
     figure.supylabel("multiple of start and load", fontsize=10)

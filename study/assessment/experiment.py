@@ -29,7 +29,7 @@ class _Assessment(TypedDict):
     periods: NotRequired[Count]
     quantities: NotRequired[Place]
     schemes: NotRequired[Schemes]
-    errors: NotRequired[Tolerances]
+    allowed_errors: NotRequired[Tolerances]
     maps: NotRequired[bool]
 
 
@@ -96,7 +96,7 @@ def assessment(
     periods: int | None = None,
     quantities: Place | None = None,
     schemes: Schemes | None = None,
-    errors: Sequence[float] = (0.1, 0.01, 0.001),
+    allowed_errors: Sequence[float] = (0.1, 0.01, 0.001),
     maps: bool = True,
 ) -> xr.Dataset:
     """Assess which scheme and which step a problem of the study, or one in a file, needs for an error.
@@ -113,7 +113,7 @@ def assessment(
         schemes,
         duration=duration,
         quantities=load(quantities, (dict,)) if quantities else None,
-        errors=errors,
+        allowed_errors=allowed_errors,
         maps=maps,
     )
     for name in ("date_created", "history"):  # the pipeline adds reproducible ones

@@ -50,16 +50,16 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
         ``coarsest`` are left out if their runs have more than ``MOST_STEPS`` steps.
     recommended
         Recommended steps. Runs with recommended steps coarser than the finest step of the map count for
-        ``largest_safe_dt``, but the map does not show them.
+        ``largest_safe_step_size``, but the map does not show them.
 
     Returns
     -------
     xarray.Dataset
-        ``outcome``, ``lyapunov_exponent``, ``max_newton_iterations`` over ``excitation`` and ``map_dt``;
-        ``stable_dt`` over ``excitation``, the largest step within the stability limit for small motions about the start
-        (:mod:`study.marching.stability`), infinite if all steps of the map are, zero for a scheme that is unstable at
-        every step;
-        ``largest_safe_dt``, NaN if no step is safe; and ``failure``, which states the cause of this limit.
+        ``outcome``, ``lyapunov_exponent``, ``max_newton_iterations`` over ``excitation`` and ``map_step_size``;
+        ``stable_step_size`` over ``excitation``, the largest step within the stability limit for small motions about
+        the start (:mod:`study.marching.stability`), infinite if all steps of the map are, zero for a scheme that is
+        unstable at every step; ``largest_safe_step_size``, NaN if no step is safe; and ``failure``, which states the
+        cause of this limit.
     """
     drawn = coarsest * STEPS[STEPS >= min(1.0, duration / (coarsest * MOST_STEPS))]
     dt = np.unique(np.append(recommended[recommended > drawn[-1]], drawn))[::-1]
@@ -88,7 +88,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
         ends = outcome[np.array(EXCITATIONS) <= 1, last]
         cause = _cause(problem, scheme, ends.max(), dt[last], motions[ends.argmax()])
     shown = np.isin(dt, drawn)
-    dims = ("excitation", "map_dt")
+    dims = ("excitation", "map_step_size")
     return xr.Dataset(
         {
             "outcome": (dims, outcome[:, shown], BALANCE_ATTRIBUTES),
@@ -98,17 +98,21 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
                 iterations[:, shown],
                 {"long_name": "most Newton iterations in a step", "units": "1"},
             ),
-            "stable_dt": (
+            "stable_step_size": (
                 "excitation",
                 stable,
                 {"long_name": "largest step within the stability limit at the start", "units": "s"},
             ),
-            "largest_safe_dt": ((), largest, {"long_name": "largest step up to which no run fails", "units": "s"}),
+            "largest_safe_step_size": (
+                (),
+                largest,
+                {"long_name": "largest step up to which no run fails", "units": "s"},
+            ),
             "failure": ((), cause, {"long_name": "cause of the limit of the step, and remedies"}),
         },
         {
             "excitation": ("excitation", list(EXCITATIONS), {"long_name": "multiple of start and load", "units": "1"}),
-            "map_dt": ("map_dt", dt[shown], {"long_name": "step size of the map", "units": "s"}),
+            "map_step_size": ("map_step_size", dt[shown], {"long_name": "step size of the map", "units": "s"}),
         },
     )
 
@@ -117,5 +121,7 @@ def failed_runs(assessed: xr.Dataset) -> list[tuple[str, str, str]]:
     """Scheme, step and reason of each failed run; empty if the dataset has no variable ``reason``."""
     if "reason" not in assessed:
         return []
-    reasons = assessed.reason.stack(run=["scheme", "dt"])
-    return [(reason.scheme.item(), f"{reason.dt.item():.4g}", reason.item()) for reason in reasons if reason.item()]
+    reasons = assessed.reason.stack(run=["scheme", "step_size"])
+    return [
+        (reason.scheme.item(), f"{reason.step_size.item():.4g}", reason.item()) for reason in reasons if reason.item()
+    ]

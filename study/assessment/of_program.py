@@ -28,14 +28,22 @@ from study.words import relative_to
 OWN = {
     "status": flags("how the run ended", STATUSES, np.int8),
     "reason": {"long_name": "reason why the run failed"},
-    "run_time": {"long_name": "wall time of the run", "units": "s"},
+    "seconds_per_run": {"long_name": "wall time of the run", "units": "s"},
     "reference_uncertainty": {"long_name": "relative difference of the two reference schemes", "units": "1"},
     "repeated": {"long_name": "relative difference of a repeated run", "units": "1"},
     "highest_frequency": {"long_name": "highest circular frequency of small motions, unknown", "units": "s-1"},
 }
 
 #: Names of the variables of a verdict that are NaN if the verdict gives no number.
-NUMBERS = "largest_dt recommended_dt recommended_error worst_error time time_spread force_evaluations".split()
+NUMBERS = (
+    "largest_step_size",
+    "recommended_step_size",
+    "recommended_error",
+    "worst_error",
+    "seconds",
+    "seconds_spread",
+    "force_evaluations",
+)
 
 
 def narrowed(program: Program, schemes: str | Sequence[str] | None) -> Program:
@@ -73,7 +81,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
     ds = ds.assign_coords(
         scheme_title=("scheme", [scheme.title if scheme else name for name, scheme in known.items()]),
         kind=("scheme", kinds),
-        steps=("dt", np.floor(program.duration / np.array(dts) * (1 + 1e-9)).astype(int)),
+        steps=("step_size", np.floor(program.duration / np.array(dts) * (1 + 1e-9)).astype(int)),
         quantity_title=("quantity", names, {"long_name": "description of the quantity"}),
     )
     ds["reference_uncertainty"] = "quantity", list(search.truth.uncertainty.values())
@@ -92,7 +100,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
         "duration": program.duration,
         "duration_requested": program.duration,
         "problem": program.title,
-        "command": f"study.assess(program, {list(program.schemes)}, errors={allowed})",
+        "command": f"study.assess(program, {list(program.schemes)}, allowed_errors={allowed})",
         "processor": processor(),
         "remarks": remarks,
         "folder": str(program.place),
@@ -159,7 +167,7 @@ def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
     if not search.certain(scheme, limit):
         return row
     if search.unfinished(scheme, limit):
-        return row | {"verdict": OUT_OF_TIME, "largest_dt": search.largest(scheme, limit)[0] or np.nan}
+        return row | {"verdict": OUT_OF_TIME, "largest_step_size": search.largest(scheme, limit)[0] or np.nan}
     needed = search.needed(scheme, limit)
     if not needed.largest:
         return row | {"verdict": FINEST_FAILS}
@@ -168,13 +176,13 @@ def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
     low, high = np.quantile(around, [0.25, 0.75])
     return row | {
         "verdict": COARSEST_KEEPS if needed.largest == max(runs) else FOUND,
-        "largest_dt": needed.largest,
-        "recommended_dt": needed.recommended,
+        "largest_step_size": needed.largest,
+        "recommended_step_size": needed.recommended,
         "steps_tried": needed.tried,
         "worst_error": needed.worst,
         "recommended_error": search.errors[scheme, needed.recommended][limit[0]],
-        "time": seconds,
-        "time_spread": (high - low) / needed.recommended,
+        "seconds": seconds,
+        "seconds_spread": (high - low) / needed.recommended,
     }
 
 
@@ -194,16 +202,16 @@ def _runs(search: Search, names: list[str], dts: list[float]) -> xr.Dataset:
             status[index], reason[index], seconds[index] = STATUSES.index(run.status), run.reason, run.seconds
         finest = next((run for run in reversed(runs) if run.completed), None)
         per_step.append(finest.seconds * finest.dt / search.program.duration if finest else np.nan)
-    dims = ("scheme", "dt")
+    dims = ("scheme", "step_size")
     return xr.Dataset(
         {
             "error": ((*dims, "quantity"), error),
             "status": (dims, status),
             "reason": (dims, reason.astype(str)),
-            "run_time": (dims, seconds),
+            "seconds_per_run": (dims, seconds),
             "energy_imbalance": (dims, np.full(shape, np.nan)),
-            "newton_iterations": (dims, np.full(shape, np.nan)),
-            "time_per_step": ("scheme", per_step),
+            "newton_iterations_per_step": (dims, np.full(shape, np.nan)),
+            "seconds_per_step": ("scheme", per_step),
         },
-        {"scheme": list(schemes), "dt": dts, "quantity": names},
+        {"scheme": list(schemes), "step_size": dts, "quantity": names},
     )

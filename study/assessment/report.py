@@ -37,7 +37,7 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     titles = dict(zip(assessed.scheme.values, assessed.scheme_title.values, strict=True))
     best = [
         f"{titles[row.Index]} ({row.kind}) with Δt = {step_size(row.step_size, assessed.attrs.get('spacing'))} s "
-        f"({row.number_of_steps:.0f} steps{f', {time_in_words(row.time)}' if row.time > 0 else ''})"
+        f"({row.steps:.0f} steps{f', {time_in_words(row.seconds)}' if row.seconds > 0 else ''})"
         f"{caveats(assessed, row)}"
         for row in firsts(table).itertuples()
     ]
@@ -50,8 +50,8 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
 def caveats(assessed: xr.Dataset, row) -> str:
     """What limits the use of a recommended step, a row of ``recommend``, as the end of a sentence; may be empty."""
     text = ""
-    if "largest_safe_dt" in assessed and row.step_size >= assessed.map_dt.min():
-        safe = assessed.largest_safe_dt.sel(scheme=row.Index)
+    if "largest_safe_step_size" in assessed and row.step_size >= assessed.map_step_size.min():
+        safe = assessed.largest_safe_step_size.sel(scheme=row.Index)
         text += "" if row.step_size <= safe else ", beyond its largest step without failure (see how it fails)"
     text += ", the coarsest step tried" if row.verdict == "already the coarsest step" else ""
     if row.most_wrong_error > assessed.allowed_error.max():
@@ -92,11 +92,11 @@ def _quantity_section(assessed: xr.Dataset, quantity: str, titles: dict[str, str
         f"Worst error of {quantity} around each step, {assessed.relative_to.sel(quantity=quantity).item()}. Dashed: "
         f"allowed errors. In colour: {'your own, and ' * bool(asked_for(assessed))}the best of each kind."
     )
-    stable = assessed.stable_dt.sel(excitation=1.0) if "stable_dt" in assessed else None
-    against_step = curves(assessed, assessed.dt, "step size, s", values, "error", limits, strong, stable)
+    stable = assessed.stable_step_size.sel(excitation=1.0) if "stable_step_size" in assessed else None
+    against_step = curves(assessed, assessed.step_size, "step size, s", values, "error", limits, strong, stable)
     times = times_of_runs(assessed)
     against_time = curves(assessed, times, "time of a run, s", values, "error", limits, strong)
-    time_note = "." if "run_time" in assessed else ", which is its number of steps times the time of a step."
+    time_note = "." if "seconds_per_run" in assessed else ", which is its number of steps times the time of a step."
     parts = [
         f"<h2>Error of {text_of(quantity)}</h2>",
         f'<div class="pair">{figure_of(against_step, caption)}',
@@ -115,12 +115,12 @@ def _failures(assessed: xr.Dataset, titles: dict[str, str]) -> list[str]:
     used = np.unique(assessed.outcome)
     legend = "; ".join(f"{LETTERS[outcome] or 'white'}: {names[outcome].replace('_', ' ')}" for outcome in used)
     limited = ""
-    if (np.isfinite(assessed.stable_dt) & (assessed.stable_dt > 0)).any():
+    if (np.isfinite(assessed.stable_step_size) & (assessed.stable_step_size > 0)).any():
         limited = " Dashed: stability limit for small motions about the start."
     rows = [
         (
             titles[n],
-            number(assessed.largest_safe_dt.sel(scheme=n).item(), 4),
+            number(assessed.largest_safe_step_size.sel(scheme=n).item(), 4),
             str(assessed.failure.sel(scheme=n).values),
         )
         for n in assessed.scheme.values
@@ -154,7 +154,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     for quantity in quantities:
         parts += _quantity_section(assessed, quantity, titles)
     if np.isfinite(assessed.energy_imbalance).any():
-        drawn = curves(assessed, assessed.dt, "step size, s", assessed.energy_imbalance, "imbalance of energies")
+        drawn = curves(assessed, assessed.step_size, "step size, s", assessed.energy_imbalance, "imbalance of energies")
         caption = "Largest error of the balance of energy, dissipation and work, relative to the energy put in."
         parts += ["<h2>Energy</h2>", figure_of(drawn, caption)]
     if "outcome" in assessed:
@@ -181,7 +181,7 @@ def made_by(attributes: dict) -> list[str]:
 
 def page(assessed: xr.Dataset) -> str:
     """The page of an assessment as HTML."""
-    if not isinstance(assessed, xr.Dataset) or "recommended_dt" not in assessed:
+    if not isinstance(assessed, xr.Dataset) or "recommended_step_size" not in assessed:
         raise ValueError("report takes a dataset of study.assess.")
     return document(assessed.attrs["title"], [*judgement(assessed), *made_by(assessed.attrs)], STYLE)
 

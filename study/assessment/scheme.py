@@ -32,7 +32,7 @@ PARTS = np.logspace(-3, 1, 161)
 
 
 class SchemeAssessment(NamedTuple):
-    """Linear theory over ``scheme`` and ``dt_over_period``, and an assessment for each problem."""
+    """Linear theory over ``scheme`` and ``step_size_over_period``, and an assessment for each problem."""
 
     linear: xr.Dataset
     problems: dict[str, xr.Dataset]
@@ -53,7 +53,7 @@ def assess_scheme(
     *,
     compare_with: str | Sequence[str] = COMPARED,
     problems: Sequence[str] | Mapping[str, float | None] = ON,  # type: ignore[assignment]
-    errors: Sequence[float] = (0.1, 0.01),
+    allowed_errors: Sequence[float] = (0.1, 0.01),
 ) -> SchemeAssessment:
     """Compare a scheme with schemes of the study, in linear theory and on problems of the study.
 
@@ -66,7 +66,7 @@ def assess_scheme(
     problems
         Names of problems, or a mapping from names to durations in s; the duration None means ten periods. The default
         is three springs and two stiff systems.
-    errors
+    allowed_errors
         Allowed errors.
 
     Returns
@@ -90,7 +90,7 @@ def assess_scheme(
     linear.attrs = io.provenance(f"{candidate.title} compared with other schemes", "study.assess_scheme", io.now())
     linear.attrs["processor"] = processor()
     datasets = {
-        problem: assess(problem, chosen, duration=duration, errors=errors).assign_attrs(asked_for=name)
+        problem: assess(problem, chosen, duration=duration, allowed_errors=allowed_errors).assign_attrs(asked_for=name)
         for problem, duration in durations.items()
     }
     return SchemeAssessment(linear, datasets)
@@ -104,7 +104,7 @@ def _curve(linear: xr.Dataset, variable: str, label: str, limits: tuple[float, f
     for s, name in enumerate(linear.scheme.values):
         selected = linear.sel(scheme=name)
         axes.plot(
-            selected.dt_over_period,
+            selected.step_size_over_period,
             selected[variable],
             color=COLOURS[s % len(COLOURS)],
             marker=MARKERS[s % len(MARKERS)],

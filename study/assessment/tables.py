@@ -52,12 +52,14 @@ def needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
         rows = [
             (
                 titles[row.Index],
-                f"{step_size(row.step_size, spacing)} ({step_size(row.largest_step)})",
+                f"{step_size(row.step_size, spacing)} ({step_size(row.largest_step_size)})",
                 number(row.omega_step, 2),
-                f"{row.number_of_steps:.0f}",
+                f"{row.steps:.0f}",
                 percent(row.error),
-                "–" if np.isnan(row.time) else f"{time_in_words(row.time)} ± {time_in_words(row.time_spread / 2)}",
-                number(row.forces_per_time),
+                "–"
+                if np.isnan(row.seconds)
+                else f"{time_in_words(row.seconds)} ± {time_in_words(row.seconds_spread / 2)}",
+                number(row.force_evaluations_per_time),
                 row.steps_tried,
                 row.verdict,
             )
@@ -109,7 +111,7 @@ def answers(assessed: xr.Dataset, tables: list[pd.DataFrame], quantity: str, tit
 def _cells(table: pd.DataFrame, name: str, counts: str) -> tuple[str, str, str]:
     """Step, number of forces or steps, and time of a scheme."""
     row = table.loc[name]
-    time = "–" if np.isnan(row.time) else time_in_words(row.time)
+    time = "–" if np.isnan(row.seconds) else time_in_words(row.seconds)
     return step_size(row.step_size, table.attrs.get("spacing")), number(row[counts], 4), time
 
 
@@ -119,7 +121,7 @@ def summary(tables: list[pd.DataFrame], limits: Iterable[float], titles: dict[st
     Where forces are not counted, the number of steps stands in their place. A sentence states why steps are missing.
     """
     counted = any(table["force_evaluations"].notna().any() for table in tables)
-    counts, label = ("force_evaluations", "forces") if counted else ("number_of_steps", "steps")
+    counts, label = ("force_evaluations", "forces") if counted else ("steps", "steps")
     head = [heading for limit in limits for heading in (f"{percent(limit)}: Δt, s", label, "time")]
     rows = [
         [titles[name], kind, *(cell for table in tables for cell in _cells(table, name, counts))]

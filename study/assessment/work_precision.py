@@ -34,13 +34,13 @@ def work_precision(
     quantity
         Quantity of the diagram, by default the first quantity of the assessment.
     **options
-        Further parameters of :func:`study.assess`, such as ``duration`` and ``errors``.
+        Further parameters of :func:`study.assess`, such as ``duration`` and ``allowed_errors``.
 
     Returns
     -------
     xarray.Dataset
-        Over ``scheme``, ``dt`` and ``quantity``: ``error``, NaN where a step was not tried or a run failed; over
-        ``scheme`` and ``dt``: ``status`` and ``time`` in s, and for a program ``reason``.
+        Over ``scheme``, ``step_size`` and ``quantity``: ``error``, NaN where a step was not tried or a run failed; over
+        ``scheme`` and ``step_size``: ``status`` and ``seconds``, and for a program ``reason``.
 
     Raises
     ------
@@ -55,12 +55,12 @@ def work_precision(
     """
     assessed = assess(problem, schemes, maps=False, **options)
     names = ["error", "status", *(["reason"] if "reason" in assessed else [])]
-    ds = assessed[names].assign(time=times_of_runs(assessed))
-    ds.time.attrs = {"long_name": "time of a run", "units": "s"}
+    ds = assessed[names].assign(seconds=times_of_runs(assessed))
+    ds.seconds.attrs = {"long_name": "time of a run", "units": "s"}
     if figure is not None:
         known = assessed.quantity.values.tolist()
         if quantity is not None and quantity not in known:
             raise UnknownName(f"the assessment has no quantity {quantity!r}; {did_you_mean(quantity, known)}")
         error = assessed.error.sel(quantity=quantity or known[0])
-        write(curves(assessed, ds.time, "time of a run, s", error, f"error of {error.quantity.item()}"), figure)
+        write(curves(assessed, ds.seconds, "time of a run, s", error, f"error of {error.quantity.item()}"), figure)
     return ds

@@ -28,8 +28,8 @@ def less_than_a_step(key: str, duration: float, dt: float) -> str | None:
     return f"{key}, {duration}, is less than one step, {dt}." if duration < dt else None
 
 
-def step_beyond_run(dt_over_period: float, periods: float) -> str | None:
+def step_beyond_run(step_size_over_period: float, periods: float) -> str | None:
     """Refuse a step size, in periods, that exceeds the duration of the run, ``periods``."""
-    if dt_over_period > periods:
-        return f"dt_over_period: a step is longer than the {periods} periods of the run."
+    if step_size_over_period > periods:
+        return f"step_size_over_period: a step is longer than the {periods} periods of the run."
     return None

@@ -29,7 +29,7 @@ class _Growth(TypedDict):
     periods: RisingCounts
     known: Count
     extrapolated: Count
-    error: Tolerance
+    allowed_error: Tolerance
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
@@ -68,9 +68,10 @@ def accuracy(
     -------
     accuracy, error_growth : xarray.Dataset
         The same measures of fewer steps and longer runs in the second dataset. Also in the second, of shape (problem,
-        scheme): ``needed``, the fewest steps per period that keep the error over ``known`` periods, as all finer steps
-        do; and ``run``, the steps per period over ``extrapolated`` periods by :mod:`study.analysis.duration`, at the
-        next number of which the reference has the phases, with its ``extrapolated_error``.
+        scheme): ``fewest_steps_per_period``, the fewest steps per period that keep the error over ``known`` periods, as
+        all finer steps do; and ``extrapolated_steps_per_period``, the steps per period over ``extrapolated`` periods by
+        :mod:`study.analysis.duration`, at the next number of which the reference has the phases, with its
+        ``extrapolated_error``.
 
     Raises
     ------
@@ -82,7 +83,7 @@ def accuracy(
     finest = steps_per_period[-1]
     measured = _measured(problems, schemes, steps_per_period, periods, finest)
     longer = _measured(problems, schemes, growth["steps_per_period"], growth["periods"], finest)
-    needed = _needed(measured.sel(periods=growth["known"]), growth["error"])
+    needed = _needed(measured.sel(periods=growth["known"]), growth["allowed_error"])
     exponents = np.array([step_exponent(schemes_by_name[n].order, schemes_by_name[n].keeps_energy) for n in schemes])
     wanted = needed * (growth["extrapolated"] / growth["known"]) ** exponents
     sampled = np.array(steps_per_period)
@@ -92,10 +93,14 @@ def accuracy(
         one = _measured([problems[p]], [schemes[s]], [int(run[p, s])], [growth["extrapolated"]], finest)
         error[p, s] = one.max_trajectory_error.item()
     along = ("problem", "scheme")
-    allowed = f"{100 * growth['error']:g} % of the displacement"
+    allowed = f"{100 * growth['allowed_error']:g} % of the displacement"
     longer = longer.assign(
-        needed=(along, needed, {"long_name": f"fewest steps that keep {allowed}, as all finer ones do", "units": "1"}),
-        run=(along, run, {"long_name": "extrapolated steps per period", "units": "1"}),
+        fewest_steps_per_period=(
+            along,
+            needed,
+            {"long_name": f"fewest steps that keep {allowed}, as all finer ones do", "units": "1"},
+        ),
+        extrapolated_steps_per_period=(along, run, {"long_name": "extrapolated steps per period", "units": "1"}),
         extrapolated_error=(
             along,
             error,
@@ -105,7 +110,7 @@ def accuracy(
         exponent=("scheme", exponents, {"long_name": "a in: step size proportional to periods^(-a)", "units": "1"}),
         known=((), growth["known"], {"long_name": "periods of the runs that are extrapolated", "units": "1"}),
         extrapolated=((), growth["extrapolated"], {"long_name": "periods that are extrapolated to", "units": "1"}),
-        allowed_error=((), growth["error"], {"long_name": "allowed error of the displacement", "units": "1"}),
+        allowed_error=((), growth["allowed_error"], {"long_name": "allowed error of the displacement", "units": "1"}),
     )
     return (
         measured.assign_attrs(title="Accuracy of the schemes against the exact solution"),

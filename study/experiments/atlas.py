@@ -35,7 +35,7 @@ def _column(runs: xr.Dataset, dt: np.ndarray, period: np.ndarray, beyond: np.nda
     return {
         "outcome": outcome,
         "at_step": np.where(runs.status > 0, runs.failed_at_step, step).astype(np.int32),
-        "max_energy_error": _single(100 * runs.max_height_error.values),
+        "max_energy_error": _single(runs.max_height_error.values),
         "period_error": _single(np.abs(runs.mean_period.values / period - 1)),
         "max_newton_iterations": _single(runs.max_newton_iterations.values),
         "lyapunov_exponent": _single(runs.lyapunov_exponent.values),
@@ -47,14 +47,14 @@ class _Atlas(TypedDict):
     problems: Springs
     schemes: Schemes
     amplitudes: PowersOfTen
-    dt_over_period: PowersOfTen
+    step_size_over_period: PowersOfTen
     periods: Count
     tiles: Count
 
 
 def _jobs(options: Options) -> dict[str, Options]:
     """The options of one job for each scheme and tile."""
-    shared = {key: options[key] for key in ("problems", "dt_over_period", "periods", "tiles")}
+    shared = {key: options[key] for key in ("problems", "step_size_over_period", "periods", "tiles")}
     return {
         f"{scheme}_{tile}": {"scheme": scheme, "tile": tile, **shared}
         for scheme in options["schemes"]
@@ -70,7 +70,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     tiles, amplitudes = options["tiles"], _number_of_amplitudes(configuration)
     if tiles > amplitudes:
         return f"tiles: {tiles} tiles are more than the {amplitudes} amplitudes."
-    return step_beyond_run(10 ** options["dt_over_period"]["last"], options["periods"])
+    return step_beyond_run(10 ** options["step_size_over_period"]["last"], options["periods"])
 
 
 @experiment(
@@ -86,7 +86,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 def atlas(
     scheme: SchemeName,
     problems: Springs,
-    dt_over_period: dict[str, float],
+    step_size_over_period: dict[str, float],
     periods: int,
     tile: int,
     tiles: int,
@@ -97,7 +97,7 @@ def atlas(
 
     Parameters
     ----------
-    dt_over_period
+    step_size_over_period
         ``count`` values of Δt/T, from 10 to the power ``first`` to 10 to the power ``last``; T is the exact period at
         each amplitude.
     periods
@@ -108,7 +108,7 @@ def atlas(
     Returns
     -------
     xarray.Dataset
-        Variables of shape (scheme, problem, amplitude, dt_over_period).
+        Variables of shape (scheme, problem, amplitude, step_size_over_period).
 
     Raises
     ------
@@ -122,7 +122,9 @@ def atlas(
     exact = io.open_dataset("reference/amplitudes").sel(problem=list(problems))
     own = np.array_split(np.arange(exact.sizes["amplitude"]), tiles)[tile]
     exact = exact.isel(amplitude=own)
-    parts = np.logspace(dt_over_period["first"], dt_over_period["last"], int(dt_over_period["count"]))
+    parts = np.logspace(
+        step_size_over_period["first"], step_size_over_period["last"], int(step_size_over_period["count"])
+    )
     maps: dict[str, list] = {}
     limit = schemes_by_name[scheme].stability_limit or np.inf  # a limit of zero is that of a weak instability
     for problem in problems:
@@ -141,7 +143,7 @@ def atlas(
             )
             for variable, column in _column(runs, part * period, period, part * period > longest).items():
                 maps.setdefault(variable, []).append(column)
-    dims = ("problem", "amplitude", "dt_over_period")
+    dims = ("problem", "amplitude", "step_size_over_period")
     attributes = {
         "outcome": {**OUTCOME_ATTRIBUTES, "flag_explanations": "; ".join(EXPLANATIONS)},
         "at_step": {
@@ -150,7 +152,7 @@ def atlas(
         },
         "max_energy_error": {
             "long_name": "largest error of the energy over its height above rest, NaN where the run failed",
-            "units": "percent",
+            "units": "1",
         },
         "period_error": {
             "long_name": "relative error of the mean period, NaN where the run has no period",
@@ -172,7 +174,11 @@ def atlas(
                 "u0": exact.u0,
                 "period": exact.period,
                 "highest_frequency": exact.highest_frequency,
-                "dt_over_period": ("dt_over_period", parts, {"long_name": "step size over period", "units": "1"}),
+                "step_size_over_period": (
+                    "step_size_over_period",
+                    parts,
+                    {"long_name": "step size over period", "units": "1"},
+                ),
                 "periods": ((), periods, {"long_name": "length of the runs in periods", "units": "1"}),
             },
             attrs={"title": f"Outcome of {periods} periods with every scheme, over step size and amplitude"},

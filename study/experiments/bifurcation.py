@@ -71,13 +71,13 @@ def bifurcation(
     return xr.Dataset(
         {
             "u": (
-                ("dt", "iterate"),
+                ("step_size", "iterate"),
                 shown_u.astype(np.float32),
                 {"long_name": "displacement", "units": "1"},
             ),
-            "lyapunov_exponent": ("dt", growth.lyapunov_exponent.values, growth.lyapunov_exponent.attrs),
+            "lyapunov_exponent": ("step_size", growth.lyapunov_exponent.values, growth.lyapunov_exponent.attrs),
             "steps_until_apart": (
-                "dt",
+                "step_size",
                 np.where(apart.any(axis=1), apart.argmax(axis=1), -1),
                 {
                     "long_name": f"steps until a perturbation of {perturbation:g} grows to {ORDER_ONE}, -1 if never",
@@ -86,13 +86,13 @@ def bifurcation(
             ),
             "perturbation": ((), perturbation, {"long_name": "initial distance of two runs", "units": "1"}),
             "order_one": ((), ORDER_ONE, {"long_name": "distance that counts as of order one", "units": "1"}),
-            "newton_restarts": ("dt", pairs.newton_restarts.values[::2], pairs.newton_restarts.attrs),
-            "status": ("dt", status, STATUS_ATTRIBUTES),
-            "failed_at_step": ("dt", failed_at_step, FAILED_AT_STEP_ATTRIBUTES),
+            "newton_restarts": ("step_size", pairs.newton_restarts.values[::2], pairs.newton_restarts.attrs),
+            "status": ("step_size", status, STATUS_ATTRIBUTES),
+            "failed_at_step": ("step_size", failed_at_step, FAILED_AT_STEP_ATTRIBUTES),
             "steps": ((), steps, {"long_name": "steps of a run that does not fail", "units": "1"}),
         },
         coords={
-            "dt": ("dt", step_sizes, {"long_name": "step size", "units": "s"}),
+            "step_size": ("step_size", step_sizes, {"long_name": "step size", "units": "s"}),
             "iterate": (
                 "iterate",
                 np.arange(1 - shown, 1),

@@ -53,8 +53,10 @@ def control_cost(
     (problem, scheme, steps_per_sample).
     """
     shape = len(problems), len(schemes)
-    controlled = {name: np.full((*shape, len(tolerances)), np.nan) for name in ("error", "forces", "steps", "rejected")}
-    equal = {name: np.full((*shape, len(steps_per_sample)), np.nan) for name in ("error", "forces")}
+    controlled = {
+        name: np.full((*shape, len(tolerances)), np.nan) for name in ("error", "force_evaluations", "steps", "rejected")
+    }
+    equal = {name: np.full((*shape, len(steps_per_sample)), np.nan) for name in ("error", "force_evaluations")}
     for one in (controlled, equal):
         one["status"] = np.full(one["error"].shape, NOT_RUN, np.int8)
     uncertainty, used = np.empty(len(problems)), np.full(shape, "", object)
@@ -83,12 +85,12 @@ def control_cost(
     return xr.Dataset(
         {
             "error": (dims, controlled["error"], error),
-            "forces": (dims, controlled["forces"], forces),
+            "force_evaluations": (dims, controlled["force_evaluations"], forces),
             "steps": (dims, controlled["steps"], {"long_name": "number of steps", "units": "1"}),
             "rejected": (dims, controlled["rejected"], {"long_name": "trial steps that were rejected", "units": "1"}),
             "status": (dims, controlled["status"], flags("how the run ended", STATUSES, np.int8)),
             "equal_error": (of_equal, equal["error"], error | {"comment": "with equal steps"}),
-            "equal_forces": (of_equal, equal["forces"], forces | {"comment": "with equal steps"}),
+            "equal_force_evaluations": (of_equal, equal["force_evaluations"], forces | {"comment": "with equal steps"}),
             "equal_status": (of_equal, equal["status"], flags("how the run ended", STATUSES, np.int8)),
             "estimator_title": (dims[:2], used.astype(str), {"long_name": "estimator of the error of a step"}),
             "uncertainty": (
@@ -121,7 +123,7 @@ def _equal(problem: Problem, scheme: Scheme, exact: Known, parts: int) -> dict[s
     ds = sweep(problem, scheme, dt=exact.t[-1] / steps, steps=steps, every=parts, observe=OBSERVED)
     return {
         "error": exact.error(ds.u.values[1:]),
-        "forces": ds.force_evaluations.item(),
+        "force_evaluations": ds.force_evaluations.item(),
         "status": ds.status.item(),
     }
 
@@ -151,7 +153,7 @@ def _controlled(
     completed = ds.status == ENDS.index("completed")
     return {
         "error": exact.error(ds.u.sel(t=exact.t, method="nearest").values) if completed else np.nan,
-        "forces": ds.force_evaluations.item(),
+        "force_evaluations": ds.force_evaluations.item(),
         "steps": steps,
         "rejected": rejected,
         "status": ds.status.item(),

@@ -97,11 +97,11 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
             halved[p, k] = ds.max_energy_error / whole.max_energy_error
     of_sciml = [_error_in_tolerances(tolerance) for tolerance in SCIML]
     dims = ("problem", "code", "class")
-    percent = {"long_name": "largest relative error of the total energy, eq. (17) of Xie (1996)", "units": "percent"}
+    largest = {"long_name": "largest relative error of the total energy, eq. (17) of Xie (1996)", "units": "1"}
     return xr.Dataset(
         {
             "steps_per_period": (dims, steps, {"long_name": "steps in a period", "units": "1"}),
-            "max_energy_error": (dims, energy, percent),
+            "max_energy_error": (dims, energy, largest),
             "tolerance": (
                 dims[1:],
                 [rule.tolerances for rule in RULES.values()],

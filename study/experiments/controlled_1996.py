@@ -27,7 +27,7 @@ def controlled_1996(
 
     The steps are controlled by the estimator of 1991. 64 tolerances are tried, and then 64 near the best tolerances.
     The result is from the completed run whose number of steps per period is nearest to N = ``steps_per_period``.
-    ``max_energy_error`` is eq. (17), in percent, of the shape (problem, controller, steps_per_period, scheme). It is
+    ``max_energy_error`` is eq. (17), of the shape (problem, controller, steps_per_period, scheme). It is
     NaN if the number of steps of every run differs from the number of equal steps by more than a tenth. It is also NaN
     for schemes to which the estimator does not apply.
     """
@@ -70,7 +70,7 @@ def controlled_1996(
                 error,
                 {
                     "long_name": f"largest relative error of the energy over {periods} periods, eq. (17) of Xie (1996)",
-                    "units": "percent",
+                    "units": "1",
                 },
             ),
             "steps": (dims, taken, {"long_name": "number of steps", "units": "1"}),

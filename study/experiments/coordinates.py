@@ -78,11 +78,11 @@ def estimator_coordinates(names: Sequence[str]) -> dict:
 
 
 def control_coordinates(names: Sequence[str]) -> dict:
-    """Names of controllers along ``control``, with their titles."""
+    """Names of controllers along ``controller``, with their titles."""
     titles = [controllers[name].title if name in controllers else Reversible.title for name in names]
     return {
-        "control": ("control", list(names), {"long_name": "controller of the step"}),
-        "control_title": ("control", titles, {"long_name": "title of the controller"}),
+        "controller": ("controller", list(names), {"long_name": "controller of the step"}),
+        "controller_title": ("controller", titles, {"long_name": "title of the controller"}),
     }
 
 
@@ -95,7 +95,7 @@ def steps_per_period_coordinate(values: Iterable[float]) -> dict:
 def of_energy_error(periods: int) -> dict[str, str]:
     """Attributes of the largest energy error over a number of periods."""
     of = f"largest relative error of the total energy over {periods} periods, eq. (17) of Xie (1996)"
-    return {"long_name": of, "units": "percent"}
+    return {"long_name": of, "units": "1"}
 
 
 def periods(problem: str) -> dict[str, float]:

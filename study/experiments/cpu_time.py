@@ -39,26 +39,30 @@ def cpu_time(
     # no program may come from the cache of an earlier process, because the compile time is measured too
     jax.config.update("jax_enable_compilation_cache", False)
     shape = (len(problems), len(schemes))
-    compile_time, elapsed = np.empty(shape), np.empty((*shape, repeats))
+    seconds_to_compile, elapsed = np.empty(shape), np.empty((*shape, repeats))
     for p, problem in enumerate(problems):
         progress(f"timing on {problem}")
         timed = [Timed(problems_by_name[problem], schemes_by_name[scheme], (MaxEnergyError(),)) for scheme in schemes]
-        compile_time[p] = [one.compile_time for one in timed]
+        seconds_to_compile[p] = [one.seconds_to_compile for one in timed]
         for repeat in range(repeats):
             for s, one in enumerate(timed):
                 elapsed[p, s, repeat], _ = one.run(approximate_periods[problem] / steps_per_period, steps)
-    per_step = 1e9 * elapsed / steps
+    per_step = elapsed / steps
     quartiles = np.quantile(per_step, [0.25, 0.5, 0.75], axis=-1)
     ratio = np.quantile(per_step / per_step[:, [list(schemes).index(BASELINE)]], [0.25, 0.5, 0.75], axis=-1)
     dims = ("problem", "scheme")
     return xr.Dataset(
         {
-            "time_per_step": ((*dims, "repeat"), per_step, {"long_name": "time of one step, by repeat", "units": "ns"}),
-            "median_time_per_step": (dims, quartiles[1], {"long_name": "median time of one step", "units": "ns"}),
-            "spread_of_time_per_step": (
+            "seconds_per_step": (
+                (*dims, "repeat"),
+                per_step,
+                {"long_name": "time of one step, by repeat", "units": "s"},
+            ),
+            "median_seconds_per_step": (dims, quartiles[1], {"long_name": "median time of one step", "units": "s"}),
+            "spread_of_seconds_per_step": (
                 dims,
                 quartiles[2] - quartiles[0],
-                {"long_name": "interquartile range of the time of one step", "units": "ns"},
+                {"long_name": "interquartile range of the time of one step", "units": "s"},
             ),
             "ratio": (
                 dims,
@@ -67,7 +71,7 @@ def cpu_time(
             ),
             "ratio_low": (dims, ratio[0], {"long_name": "lower quartile of these ratios", "units": "1"}),
             "ratio_high": (dims, ratio[2], {"long_name": "upper quartile of these ratios", "units": "1"}),
-            "compile_time": (dims, compile_time, {"long_name": "time to trace and compile", "units": "s"}),
+            "seconds_to_compile": (dims, seconds_to_compile, {"long_name": "time to trace and compile", "units": "s"}),
         },
         coords={
             "repeat": ("repeat", np.arange(repeats), {"long_name": "repeat", "units": "1"}),

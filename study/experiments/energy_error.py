@@ -14,7 +14,7 @@ from study.marching.run import sweep
 def energy_error(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """Compute the largest energy error of every scheme on every problem at every step size.
 
-    The error is max |E − E₀|/|E₀| over ``periods`` periods, in percent, eq. (17) of Xie (1996). The step size is T/N,
+    The error is max |E − E₀|/|E₀| over ``periods`` periods, eq. (17) of Xie (1996). The step size is T/N,
     with N = ``steps_per_period`` and T the printed or the exact period. ``max_energy_error`` has the shape
     (period_used, problem, steps_per_period, scheme).
 

@@ -15,7 +15,7 @@ from study.scheme.houbolt import Houbolt, starts
 def houbolt_start(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """Compute the largest energy error of Houbolt's method for every way to start it.
 
-    The error is max |E − E₀|/|E₀| over ``periods`` printed periods, in percent, of shape
+    The error is max |E − E₀|/|E₀| over ``periods`` printed periods, of shape
     (problem, steps_per_period, start). ``study.scheme.houbolt.starts`` lists the ways to start.
     """
     error = np.empty((len(problems), len(steps_per_period), len(starts)))

@@ -129,7 +129,7 @@ def kinks(
                 {"long_name": "largest error of the balance of energies", "units": "1"},
             ),
             "status": (dims, status, flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8)),
-            "iterations_per_step": (dims, iterations, {"long_name": "Newton iterations per step", "units": "1"}),
+            "newton_iterations_per_step": (dims, iterations, {"long_name": "Newton iterations per step", "units": "1"}),
             "force_evaluations_per_step": (dims, forces, {"long_name": "forces evaluated per step", "units": "1"}),
             "observed_order": (dims[:2], order, {"long_name": "observed order of the errors", "units": "1"}),
             "dividing_order": (

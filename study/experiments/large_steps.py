@@ -15,26 +15,26 @@ from study.problem.named import approximate_periods
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    return step_beyond_run(max(options["dt_over_period"]), options["periods"])
+    return step_beyond_run(max(options["step_size_over_period"]), options["periods"])
 
 
 @experiment("large_steps", check=_check)
-def large_steps(problems: Springs, schemes: Schemes, dt_over_period: Sizes, periods: Count) -> xr.Dataset:
+def large_steps(problems: Springs, schemes: Schemes, step_size_over_period: Sizes, periods: Count) -> xr.Dataset:
     """Compute energy error and failure of every scheme from small steps to steps as long as the period.
 
-    The largest error is max |E − E₀|/|E₀| over ``periods`` printed periods, in percent, eq. (17) of Xie (1996). The
+    The largest error is max |E − E₀|/|E₀| over ``periods`` printed periods, eq. (17) of Xie (1996). The
     drift is (E − E₀)/|E₀| at the end. The late gain is the largest (E − E₀)/|E₀| in the second half, so that an
-    overshoot of the first steps does not count. Drift and late gain are fractions. All variables have the shape
-    (problem, scheme, dt_over_period).
+    overshoot of the first steps does not count. All variables have the shape
+    (problem, scheme, step_size_over_period).
     """
-    dims = ("problem", "scheme", "dt_over_period")
-    shape = (len(problems), len(schemes), len(dt_over_period))
+    dims = ("problem", "scheme", "step_size_over_period")
+    shape = (len(problems), len(schemes), len(step_size_over_period))
     error, drift, late = (np.empty(shape) for _ in range(3))
     status, failed_at_step = np.zeros(shape, np.int32), np.empty(shape, int)
     for p, problem in enumerate(problems):
         progress(f"large steps on {problem}")
         for s, scheme in enumerate(schemes):
-            for r, part in enumerate(dt_over_period):
+            for r, part in enumerate(step_size_over_period):
                 ds = sweep(
                     problem,
                     scheme,
@@ -43,7 +43,7 @@ def large_steps(problems: Springs, schemes: Schemes, dt_over_period: Sizes, peri
                     observe="energy_error",
                 )
                 at, along = (p, s, r), ds.energy_error.values  # NaN after a failure, from the failing step on
-                error[at], drift[at], late[at] = 100 * np.abs(along).max(), along[-1], along[len(along) // 2 :].max()
+                error[at], drift[at], late[at] = np.abs(along).max(), along[-1], along[len(along) // 2 :].max()
                 status[at], failed_at_step[at] = ds.status, ds.failed_at_step
     return xr.Dataset(
         {
@@ -64,9 +64,9 @@ def large_steps(problems: Springs, schemes: Schemes, dt_over_period: Sizes, peri
         coords={
             **coordinates.problem_coordinates(problems),
             **coordinates.scheme_coordinates(schemes),
-            "dt_over_period": (
-                "dt_over_period",
-                list(dt_over_period),
+            "step_size_over_period": (
+                "step_size_over_period",
+                list(step_size_over_period),
                 {"long_name": "step size over the printed period", "units": "1"},
             ),
         },

@@ -281,7 +281,7 @@ def later_schemes(
                 error,
             ),
             "auxiliary_peak": (
-                "long_step",
+                "step_size",
                 peaks,
                 {"long_name": "largest displacement of a thousand steps of the auxiliary variable", "units": "1"},
             ),
@@ -303,7 +303,11 @@ def later_schemes(
                 [_radius_of_mixed_pade(terms) for terms in TERMS],
                 {"long_name": "spectral radius of mixed Padé methods at ωΔt = 10⁶", "units": "1"},
             ),
-            "fourth_order_error": (("of_fourth_order", "forces"), [one[displacement] for one in fourth], error),
+            "fourth_order_error": (
+                ("of_fourth_order", "force_evaluations"),
+                [one[displacement] for one in fourth],
+                error,
+            ),
         },
         coords={
             "with_model": ("with_model", list(WITH_MODEL), {"long_name": "scheme with a model of the structure"}),
@@ -313,14 +317,14 @@ def later_schemes(
             "wave_scheme": ("wave_scheme", list(OF_WAVES), {"long_name": "scheme for the wave"}),
             "courant": ("courant", list(courant), {"long_name": "Courant number", "units": "1"}),
             "auxiliary": ("auxiliary", list(auxiliary), {"long_name": "scheme to compare with the auxiliary variable"}),
-            "long_step": ("long_step", list(long_steps), {"long_name": "step", "units": "s"}),
+            "step_size": ("step_size", list(long_steps), {"long_name": "step", "units": "s"}),
             "terms": ("terms", list(TERMS), {"long_name": "order of the Padé expansions", "units": "1"}),
             "long_steps": ("long_steps", list(LONG), {"long_name": "number of steps", "units": "1"}),
             "lagging": ("lagging", list(LAGGING), {"long_name": "scheme whose carried velocity lags"}),
             "lagged_start": ("lagged_start", list(STARTS), {"long_name": "velocity from which a run starts"}),
             "many_steps": ("many_steps", list(MANY), {"long_name": "number of steps", "units": "1"}),
             "of_fourth_order": ("of_fourth_order", list(OF_FOURTH_ORDER), {"long_name": "scheme of fourth order"}),
-            "forces": ("forces", list(forces), {"long_name": "forces evaluated", "units": "1"}),
+            "force_evaluations": ("force_evaluations", list(forces), {"long_name": "forces evaluated", "units": "1"}),
         },
         attrs={
             "title": "Claims of the authors of later schemes that go beyond linear theory",

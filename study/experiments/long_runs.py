@@ -59,7 +59,7 @@ def _step_sizes(step: float, runs: int) -> np.ndarray:
 #: Type and attributes of each variable that is measured on a run.
 _VARIABLES = {
     "energy_error": (np.float64, {"long_name": "signed energy error at the end", "units": "1"}),
-    "max_energy_error": (np.float64, {"long_name": "largest energy error, eq. (17) of Xie (1996)", "units": "percent"}),
+    "max_energy_error": (np.float64, {"long_name": "largest energy error, eq. (17) of Xie (1996)", "units": "1"}),
     "mean_energy_error": (np.float64, {"long_name": "signed energy error, mean over the run", "units": "1"}),
     "phase_error": (np.float64, {"long_name": "delay at the end in periods", "units": "1"}),
     "status": (np.int32, STATUS_ATTRIBUTES),
@@ -208,7 +208,7 @@ def long_runs(
             name: (("scheme", "arithmetic", "step", "periods", "run"), observed[name].astype(kind), attributes)
             for name, (kind, attributes) in _VARIABLES.items()
         }
-        | {"dt": (("step", "run"), dt, {"long_name": "step size", "units": "s"})},
+        | {"step_size": (("step", "run"), dt, {"long_name": "step size", "units": "s"})},
         coords={
             **coordinates.scheme_coordinates(schemes),
             "arithmetic": ("arithmetic", list(arithmetics), {"long_name": "precision, and kind of summation"}),

@@ -86,7 +86,7 @@ def summary(runs: xr.Dataset) -> xr.Dataset:
             "max_energy_error": _described(
                 runs.max_energy_error.max("run", skipna=False),
                 "largest energy error, eq. (17) of Xie (1996)",
-                "percent",
+                "1",
             ),
             "mean_energy_error": _described(
                 mean["mean_energy_error"], "signed energy error, mean over the run and of runs", "1"
@@ -113,7 +113,7 @@ def summary(runs: xr.Dataset) -> xr.Dataset:
             "runs": ((), runs.sizes["run"], {"long_name": "runs with each kind of step size", "units": "1"}),
             "spread_of_steps": (
                 (),
-                (runs.dt.max() - runs.dt.min()).item() / runs.dt.mean().item(),
+                (runs.step_size.max() - runs.step_size.min()).item() / runs.step_size.mean().item(),
                 {"long_name": "spread of the step sizes", "units": "1"},
             ),
         },

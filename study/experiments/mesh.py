@@ -82,7 +82,12 @@ def panel(rows: int, columns: int, stiffening: float) -> tuple[Problem, float, f
 
 @experiment("mesh", timed=True)
 def mesh(
-    panels: Panels, stiffening: Sizes, steps_per_period: RisingCounts, periods: Size, error: Tolerance, repeats: Repeats
+    panels: Panels,
+    stiffening: Sizes,
+    steps_per_period: RisingCounts,
+    periods: Size,
+    allowed_error: Tolerance,
+    repeats: Repeats,
 ) -> xr.Dataset:
     """Measure the time that an explicit and an implicit scheme need for a peak displacement with a given error.
 
@@ -97,7 +102,7 @@ def mesh(
         limit and at two finer steps.
     periods
         Length of the runs in lowest periods.
-    error
+    allowed_error
         Allowed error of the largest displacement of the top.
     repeats
         Number of measurements of a time; the schemes are timed in turns.
@@ -105,8 +110,8 @@ def mesh(
     Returns
     -------
     xarray.Dataset
-        Over (case, scheme): ``steps`` in a period from which on all steps tried keep the error, ``time_per_step``,
-        ``time`` of a period, ``newton_iterations`` of a step; over case: ``mesh_ratio``, ω of the mesh over ω of the
+        Over (case, scheme): ``steps_per_period`` from which on all steps tried keep the error, ``seconds_per_step``,
+        ``seconds_per_period``, ``newton_iterations_per_step``; over case: ``mesh_ratio``, ω of the mesh over ω of the
         motion, and ``crossover``, the ratio at which both schemes take the same time.
     """
     cases = list(product(map(tuple, panels), stiffening))
@@ -128,7 +133,7 @@ def mesh(
         doubt[c] = abs(peaks[1][-1] / truth - 1)
         timed = [Timed(problem, schemes[name], ()) for name in SCHEMES]
         for s, of in enumerate(counts):
-            kept = np.logical_and.accumulate((abs(peaks[s] / truth - 1) <= error)[::-1])[::-1]
+            kept = np.logical_and.accumulate((abs(peaks[s] / truth - 1) <= allowed_error)[::-1])[::-1]
             if kept.any():
                 first = int(np.argmax(kept))
                 steps[c, s], errors[c, s] = of[first], abs(peaks[s][first] / truth - 1)
@@ -143,11 +148,23 @@ def mesh(
     time = steps * per_step
     return xr.Dataset(
         {
-            "steps": (dims, steps, {"long_name": "steps in the lowest period that keep the error", "units": "1"}),
+            "steps_per_period": (
+                dims,
+                steps,
+                {"long_name": "steps in the lowest period that keep the error", "units": "1"},
+            ),
             "error": (dims, errors, {"long_name": "error of the largest displacement at these steps", "units": "1"}),
-            "newton_iterations": (dims, iterations, {"long_name": "Newton iterations in a step", "units": "1"}),
-            "time_per_step": (dims, per_step, {"long_name": "median time of a step", "units": "s"}),
-            "time": (dims, time, {"long_name": "time of a lowest period with the allowed error", "units": "s"}),
+            "newton_iterations_per_step": (
+                dims,
+                iterations,
+                {"long_name": "Newton iterations in a step", "units": "1"},
+            ),
+            "seconds_per_step": (dims, per_step, {"long_name": "median time of a step", "units": "s"}),
+            "seconds_per_period": (
+                dims,
+                time,
+                {"long_name": "time of a lowest period with the allowed error", "units": "s"},
+            ),
             "crossover": (
                 "case",
                 ratio * time[:, 1] / time[:, 0],
@@ -170,7 +187,11 @@ def mesh(
                 ratio,
                 {"long_name": "highest over lowest circular frequency of the elastic panel", "units": "1"},
             ),
-            "allowed_error": ((), error, {"long_name": "allowed error of the largest displacement", "units": "1"}),
+            "allowed_error": (
+                (),
+                allowed_error,
+                {"long_name": "allowed error of the largest displacement", "units": "1"},
+            ),
         },
         attrs={"title": "Time of an explicit and an implicit scheme on panels that yield", "processor": io.processor()},
     )

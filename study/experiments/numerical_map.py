@@ -36,7 +36,7 @@ def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, ste
         progress(f"numerical map of {scheme} on {problem}")
         runs.append(sweep(problem, scheme, u0=of_lanes[0], dt=of_lanes[1], steps=steps))
     shape = (len(schemes), len(dt), len(starts))
-    dims = ("scheme", "dt", "u0")
+    dims = ("scheme", "step_size", "u0")
 
     def iterates(name, units):
         with np.errstate(over="ignore"):  # values of a diverging run may exceed the range of single precision
@@ -51,7 +51,7 @@ def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, ste
         },
         coords={
             **coordinates.scheme_coordinates(schemes),
-            "dt": ("dt", list(dt), {"long_name": "step size", "units": "s"}),
+            "step_size": ("step_size", list(dt), {"long_name": "step size", "units": "s"}),
             "u0": ("u0", starts, {"long_name": "initial displacement", "units": "1"}),
             "iterate": ("iterate", np.arange(steps + 1), {"long_name": "steps taken", "units": "1"}),
         },

@@ -47,7 +47,7 @@ def phase_portrait(problem: Spring, schemes: Schemes, dt: float, duration: float
     marched = partial(sweep, problem, dt=dt, steps=steps, observe=observe, bound=np.inf)
     runs = [marched(scheme=scheme) for scheme in schemes]
     dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(coordinates.scheme_coordinates(schemes))
-    dataset["dt"] = ((), np.float64(dt), {"long_name": "step size", "units": "s"})
+    dataset["step_size"] = ((), np.float64(dt), {"long_name": "step size", "units": "s"})
     dataset.attrs = {
         "title": f"Phase portraits and energy error of the {problems_by_name[problem].title} at one step size",
         "problem": problem,

@@ -99,7 +99,11 @@ def published_numbers(
             "steps": (("problem", "refinement"), steps, {"long_name": "number of steps", "units": "1"}),
             "controlled_error": (of_control, control[0], {"long_name": "error with controlled steps", "units": "1"}),
             "controlled_steps": (of_control, control[1], {"long_name": "number of controlled steps", "units": "1"}),
-            "time": ("problem", [one.time for one in points], {"long_name": "time of the displacement", "units": "s"}),
+            "duration": (
+                "problem",
+                [one.time for one in points],
+                {"long_name": "time of the displacement", "units": "s"},
+            ),
         },
         coords={
             **coordinates.problem_coordinates(names),

@@ -19,10 +19,9 @@ VARIANTS = {"plain": rk4, "relaxed": Relaxed(scheme=rk4)}
 def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """Compute errors of energy and motion of the Runge-Kutta method with and without relaxation.
 
-    The error of the energy is max |E − E₀|/|E₀| over ``periods`` periods, with the period rounded as in Xie (1996). It
-    is in percent, as in Tables 1 and 2 of Xie (1996). The error of the motion is the distance
-    √((u/u₀ − 1)² + u̇²/(2E₀)) from the start after ``periods`` exact periods. Both errors have the shape
-    (problem, steps_per_period, variant).
+    The error of the energy is max |E − E₀|/|E₀| over ``periods`` periods, with the period rounded as in Xie (1996). The
+    error of the motion is the distance √((u/u₀ − 1)² + u̇²/(2E₀)) from the start after ``periods`` exact periods. Both
+    errors have the shape (problem, steps_per_period, variant).
 
     Raises
     ------
@@ -55,7 +54,7 @@ def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> x
     return xr.Dataset(
         {
             "max_energy_error": (dims, energy, coordinates.of_energy_error(periods)),
-            "motion_error": (dims, motion, of_motion),
+            "return_error": (dims, motion, of_motion),
         },
         coords={
             **coordinates.problem_coordinates(problems),

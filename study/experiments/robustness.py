@@ -75,7 +75,7 @@ def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, pe
     Returns
     -------
     xarray.Dataset
-        ``steps_needed`` has the shape (problem, scheme, level, periods).
+        ``fewest_steps_per_period`` has the shape (problem, scheme, allowed_error, periods).
 
     Raises
     ------
@@ -91,8 +91,8 @@ def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, pe
             needed[p, s] = _needed(problem, scheme, lanes, np.asarray(steps_per_period), sorted(periods))
     return xr.Dataset(
         {
-            "steps_needed": (
-                ("problem", "scheme", "level", "periods"),
+            "fewest_steps_per_period": (
+                ("problem", "scheme", "allowed_error", "periods"),
                 needed,
                 {
                     "long_name": "fewest steps per period that keep the energy within the level at all amplitudes of "
@@ -100,12 +100,20 @@ def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, pe
                     "units": "1",
                 },
             ),
-            "most_steps": ((), max(steps_per_period), {"long_name": "most steps per period tried", "units": "1"}),
+            "most_steps_per_period": (
+                (),
+                max(steps_per_period),
+                {"long_name": "most steps per period tried", "units": "1"},
+            ),
         },
         coords={
             **coordinates.problem_coordinates(problems),
             **coordinates.scheme_coordinates(schemes),
-            "level": ("level", list(LEVELS), {"long_name": "error of the energy over its height", "units": "1"}),
+            "allowed_error": (
+                "allowed_error",
+                list(LEVELS),
+                {"long_name": "error of the energy over its height", "units": "1"},
+            ),
             "periods": ("periods", sorted(periods), {"long_name": "length of the run in periods", "units": "1"}),
         },
         attrs={"title": "Steps per period that every scheme needs at all amplitudes"},

@@ -106,7 +106,7 @@ def roots(
     schemes: Schemes,
     dt: StepSizes,
     predictor: Numbers,
-    paper_dt: Size,
+    paper_step_size: Size,
     tolerances: Tolerances,
     steps: RecordedSteps,
 ) -> xr.Dataset:
@@ -120,7 +120,7 @@ def roots(
         Schemes whose step is one effective equation.
     dt, predictor
         ``first``, ``last`` and ``count`` of the step sizes, and of the predictors ũ.
-    paper_dt
+    paper_step_size
         Step size of Xie (1996), at which Newton's iteration is started from every guess.
     tolerances
         Tolerances of Newton's iteration in runs of the average acceleration method.
@@ -130,8 +130,8 @@ def roots(
     Returns
     -------
     xarray.Dataset
-        ``number_of_roots`` has the shape (scheme, dt, predictor). ``root`` and ``newton_iterations`` have the shape
-        (scheme, guess, predictor), and ``steps_together`` has the shape (start, newton_tolerance, dt).
+        ``number_of_roots`` has the shape (scheme, step_size, predictor). ``root`` and ``newton_iterations`` have the
+        shape (scheme, guess, predictor), and ``steps_together`` has the shape (start, newton_tolerance, dt).
 
     Raises
     ------
@@ -144,25 +144,26 @@ def roots(
     kappa = np.array([effective_coefficient(schemes_by_name[name]) for name in schemes])
     count = np.stack([number_of_roots(definition, k * step_sizes**2, predictors) for k in kappa])
     found, iterations = zip(
-        *(map(np.asarray, _newton(definition, k * paper_dt**2, predictors, predictors)) for k in kappa), strict=True
+        *(map(np.asarray, _newton(definition, k * paper_step_size**2, predictors, predictors)) for k in kappa),
+        strict=True,
     )
     along = ("scheme", "guess", "predictor")
     return xr.Dataset(
         {
             "number_of_roots": (
-                ("scheme", "dt", "predictor"),
+                ("scheme", "step_size", "predictor"),
                 count.astype(np.int8),
                 {"long_name": "number of roots of the effective equation", "units": "1"},
             ),
             "root": (
                 along,
                 np.stack(found),
-                {"long_name": f"root that Newton's iteration finds at a step of {paper_dt} s", "units": "1"},
+                {"long_name": f"root that Newton's iteration finds at a step of {paper_step_size} s", "units": "1"},
             ),
             "newton_iterations": (
                 along,
                 np.stack(iterations).astype(np.int32),
-                {"long_name": f"Newton iterations at a step size of {paper_dt} s", "units": "1"},
+                {"long_name": f"Newton iterations at a step size of {paper_step_size} s", "units": "1"},
             ),
             "effective_coefficient": (
                 "scheme",
@@ -170,7 +171,7 @@ def roots(
                 {"long_name": "coefficient of the force in the effective equation over dt squared", "units": "1"},
             ),
             "steps_together": (
-                ("start", "newton_tolerance", "dt"),
+                ("start", "newton_tolerance", "step_size"),
                 _steps_together(problem, step_sizes, steps, tolerances),
                 {
                     "long_name": f"steps of the average acceleration method until a displacement differs by {PARTED} "
@@ -183,11 +184,11 @@ def roots(
                 [unique_up_to(definition, schemes_by_name[name], predictors) for name in schemes],
                 {"long_name": "step size up to which the effective equation has one root", "units": "s"},
             ),
-            "paper_dt": ((), paper_dt, {"long_name": "step size of the paper", "units": "s"}),
+            "paper_step_size": ((), paper_step_size, {"long_name": "step size of the paper", "units": "s"}),
         },
         coords={
             **coordinates.scheme_coordinates(schemes),
-            "dt": ("dt", step_sizes, {"long_name": "step size", "units": "s"}),
+            "step_size": ("step_size", step_sizes, {"long_name": "step size", "units": "s"}),
             "predictor": ("predictor", predictors, {"long_name": "predictor of the displacement", "units": "1"}),
             "guess": ("guess", predictors, {"long_name": "first displacement of Newton's iteration", "units": "1"}),
             "start": ("start", list(GUESSES), {"long_name": "first acceleration of Newton's iteration"}),

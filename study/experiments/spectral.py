@@ -27,15 +27,15 @@ _REDERIVED = (
 )
 
 
-def _order_rederived(scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float) -> float:
+def _order_rederived(scheme: Scheme, step_size_over_period: np.ndarray, damping_ratio: float) -> float:
     if not isinstance(jax.eval_shape(lambda: scheme.start(oscillator(), jnp.ones(()), jnp.zeros(()), 1.0)[0]), Motion):
         return np.nan
-    return LinearTheory(Rederived(scheme=scheme), dt_over_period, damping_ratio).order()
+    return LinearTheory(Rederived(scheme=scheme), step_size_over_period, damping_ratio).order()
 
 
-def _of_scheme(scheme: Scheme, dt_over_period: np.ndarray, damping_ratios: Sequence[float]) -> xr.Dataset:
-    of_ratios = [LinearTheory(scheme, dt_over_period, ratio).dataset() for ratio in damping_ratios]
-    rederived = [_order_rederived(scheme, dt_over_period, ratio) for ratio in damping_ratios]
+def _of_scheme(scheme: Scheme, step_size_over_period: np.ndarray, damping_ratios: Sequence[float]) -> xr.Dataset:
+    of_ratios = [LinearTheory(scheme, step_size_over_period, ratio).dataset() for ratio in damping_ratios]
+    rederived = [_order_rederived(scheme, step_size_over_period, ratio) for ratio in damping_ratios]
     found = xr.concat(of_ratios, "damping_ratio").assign(
         order_rederived=("damping_ratio", rederived, {"long_name": _REDERIVED, "units": "1"})
     )
@@ -70,18 +70,20 @@ def spectral(
     Returns
     -------
     xarray.Dataset
-        Variables of shape (scheme, dt_over_period, damping_ratio) or (scheme, damping_ratio), and ``memory`` of shape
-        (scheme,).
+        Variables of shape (scheme, step_size_over_period, damping_ratio) or (scheme, damping_ratio), and ``memory`` of
+        shape (scheme,).
     """
     decades = exponents["last"] - exponents["first"]
-    dt_over_period = np.logspace(exponents["first"], exponents["last"], round(decades * exponents["per_decade"]) + 1)
+    step_size_over_period = np.logspace(
+        exponents["first"], exponents["last"], round(decades * exponents["per_decade"]) + 1
+    )
     found = []
     for name in schemes:
         progress(f"linear theory of {name}")
-        found.append(_of_scheme(schemes_by_name[name], dt_over_period, damping_ratios))
+        found.append(_of_scheme(schemes_by_name[name], step_size_over_period, damping_ratios))
     return (
         xr.concat(found, "scheme")
         .assign_coords(**coordinates.scheme_coordinates(schemes), **coordinates.forces_coordinates(schemes))
         .assign_attrs(title="Linear theory of the schemes, from the derivative of their steps")
-        .transpose("scheme", "dt_over_period", "damping_ratio")
+        .transpose("scheme", "step_size_over_period", "damping_ratio")
     )

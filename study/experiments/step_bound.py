@@ -42,17 +42,17 @@ SCHEMES = ("central_difference", "average_acceleration")
 
 @section
 class _StepBound(TypedDict):
-    error: Tolerance
+    allowed_error: Tolerance
     periods: Count
 
 
 @experiment("stability/step_bound", section="step_bound", model=_StepBound)
-def step_bound(error: Tolerance, periods: int) -> xr.Dataset:
+def step_bound(allowed_error: Tolerance, periods: int) -> xr.Dataset:
     """Compare the errors of energy and period with those of the modified energy, at the step bound of the energy.
 
     Parameters
     ----------
-    error
+    allowed_error
         Allowed error of the energy, over its height above rest.
     periods
         Length of the runs in exact periods.
@@ -80,7 +80,7 @@ def step_bound(error: Tolerance, periods: int) -> xr.Dataset:
         for s, scheme in enumerate(chosen):
             modified = modified_energy(scheme)
             coefficient[s, there] = [one.coefficients(modified, periods)[:2] for one in orbits]
-            omega_step[s, there] = largest_omega_step(coefficient[s, there, 0], error, scheme)
+            omega_step[s, there] = largest_omega_step(coefficient[s, there, 0], allowed_error, scheme)
             step = omega_step[s, there] / omega
             runs = sweep(
                 definition,
@@ -90,7 +90,7 @@ def step_bound(error: Tolerance, periods: int) -> xr.Dataset:
                 u0=np.array(starts, float),
                 observe=["max_energy_error", Oscillations(rest_at)],
             )
-            measured[s, there, 0] = runs.max_energy_error.values / 100 * np.abs(initial) / height
+            measured[s, there, 0] = runs.max_energy_error.values * np.abs(initial) / height
             measured[s, there, 1] = np.abs(runs.mean_period.values / period[there] - 1)
     dims = ("scheme", "motion")
     return xr.Dataset(
@@ -123,7 +123,7 @@ def step_bound(error: Tolerance, periods: int) -> xr.Dataset:
             "u0": ("motion", [u0 for _, u0 in motions], {"long_name": "initial displacement", "units": "1"}),
             "period": ("motion", period, {"long_name": "exact period", "units": "s"}),
             "quantity": ("quantity", ["energy", "period"], {"long_name": "quantity whose error is measured"}),
-            "allowed_error": ((), error, {"long_name": "allowed error of the energy", "units": "1"}),
+            "allowed_error": ((), allowed_error, {"long_name": "allowed error of the energy", "units": "1"}),
             "periods": ((), periods, {"long_name": "length of the runs in periods", "units": "1"}),
         },
         attrs={"title": f"Step bounds and measured errors over {periods} periods in {len(POTENTIALS)} potentials"},

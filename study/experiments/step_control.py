@@ -15,7 +15,8 @@ from study.marching.run import sweep
 from study.observer.motion import Quantity
 from study.problem.named import problems as problems_by_name
 
-#: Name of reversible control along the dimension ``control``. Name of equal steps along the dimension ``with_equal``.
+#: Name of reversible control along the dimension ``controller``. Name of equal steps along the dimension
+#: ``with_equal``.
 REVERSIBLE, EQUAL = "reversible", "equal"
 
 #: Largest mean number of steps per period of a run. This limit ends runs whose energy grows, because their steps become
@@ -49,7 +50,7 @@ def step_control(
 
     After whole periods the exact motion returns to its start. ``return_error`` is the distance of the numerical motion
     from the start: the larger of the differences of displacement and velocity, each relative to its largest value.
-    ``max_energy_error`` is eq. (17) of Xie (1996), in percent. Reversible control takes about as many steps as the
+    ``max_energy_error`` is eq. (17) of Xie (1996). Reversible control takes about as many steps as the
     first controller at the same tolerance. The histories are the largest energy errors of each period, for the first
     scheme at the middle tolerance. They include a run with equal steps, as many as the first controller took.
     """
@@ -96,9 +97,9 @@ def step_control(
                 steps = round(found["steps"][p, 0, 0, middle])
                 ds = _equal(problem, scheme, period * periods / steps, steps, "energy_error")
                 history[p, -1] = _by_period(ds, period, periods)
-    dims = ("problem", "scheme", "control", "tolerance")
+    dims = ("problem", "scheme", "controller", "tolerance")
     of_equal = ("problem", "scheme", "steps_per_period")
-    energy = {"long_name": "largest relative error of the total energy, eq. (17) of Xie (1996)", "units": "percent"}
+    energy = {"long_name": "largest relative error of the total energy, eq. (17) of Xie (1996)", "units": "1"}
     of_period = {"long_name": "largest relative error of the total energy of each period", "units": "1"}
     distance = {"long_name": "distance from the start after whole periods, over the largest value", "units": "1"}
     return xr.Dataset(
@@ -114,7 +115,7 @@ def step_control(
             "return_error": (dims, found["error"], distance),
             "equal_max_energy_error": (of_equal, equal["max_energy_error"], energy | {"comment": "with equal steps"}),
             "equal_return_error": (of_equal, equal["error"], distance | {"comment": "with equal steps"}),
-            "history": (("problem", "with_equal", "period"), history, of_period),
+            "max_energy_error_of_period": (("problem", "with_equal", "period"), history, of_period),
         },
         coords={
             **coordinates.problem_coordinates(problems),

@@ -71,7 +71,7 @@ def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> 
                 u0=u0.ravel(),
                 observe=["max_energy_error", Oscillations(well.rest_at)],
             )
-            energy[s, p] = runs.max_energy_error.values.reshape(step.shape) / 100 * over_height[:, None]
+            energy[s, p] = runs.max_energy_error.values.reshape(step.shape) * over_height[:, None]
             elongation[s, p] = np.abs(runs.mean_period.values.reshape(step.shape) / period - 1)
     dims = ("scheme", "problem", "amplitude", "omega_step")
     failed = "NaN where the run failed"

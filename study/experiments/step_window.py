@@ -38,26 +38,26 @@ class _LargestGain(Reduction):
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    return step_beyond_run(options["dt_over_period"]["last"], options["periods"])
+    return step_beyond_run(options["step_size_over_period"]["last"], options["periods"])
 
 
 @experiment("step_window", check=_check)
 def step_window(
-    problem: Spring, schemes: Schemes, dt_over_period: StepSizes, perturbation: Tolerance, periods: Count
+    problem: Spring, schemes: Schemes, step_size_over_period: StepSizes, perturbation: Tolerance, periods: Count
 ) -> xr.Dataset:
     """Compute the largest gain of energy over a window of step sizes and many starts, for every scheme.
 
     Every scheme runs at all step sizes from all starts, which are multiples of ``perturbation`` apart, as in
     ``sensitivity``. ``largest_gain`` is max (E − E₀)/|E₀| over ``periods`` printed periods, of shape (scheme,
-    dt_over_period, start).
+    step_size_over_period, start).
     """
     progress(f"a window of steps on {problem}")
-    parts = np.linspace(dt_over_period["first"], dt_over_period["last"], dt_over_period["count"])
+    parts = np.linspace(step_size_over_period["first"], step_size_over_period["last"], step_size_over_period["count"])
     part, start = (one.ravel() for one in np.meshgrid(parts, np.array(STARTS), indexing="ij"))
     u0 = float(problems_by_name[problem].u0) + perturbation * start
     dt, steps = approximate_periods[problem] * part, np.round(periods / part).astype(int)
     runs = [sweep(problem, scheme, dt=dt, steps=steps, u0=u0, observe=_LargestGain()) for scheme in schemes]
-    dims, shape = ("scheme", "dt_over_period", "start"), (len(schemes), len(parts), len(STARTS))
+    dims, shape = ("scheme", "step_size_over_period", "start"), (len(schemes), len(parts), len(STARTS))
     largest, status = (
         np.stack([one[name].values for one in runs]).reshape(shape) for name in ("largest_gain", "status")
     )
@@ -73,8 +73,8 @@ def step_window(
         },
         coords={
             **coordinates.scheme_coordinates(schemes),
-            "dt_over_period": (
-                "dt_over_period",
+            "step_size_over_period": (
+                "step_size_over_period",
                 parts,
                 {"long_name": "step size over the printed period", "units": "1"},
             ),

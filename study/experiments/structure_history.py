@@ -110,7 +110,7 @@ def structure_history(
     dataset = dataset.assign_coords(
         t_reference=("t_reference", reference.t.values, {"long_name": "elapsed time of the reference", "units": "s"})
     )
-    dataset["dt"] = ((), np.float64(dt), {"long_name": "step size", "units": "s"})
+    dataset["step_size"] = ((), np.float64(dt), {"long_name": "step size", "units": "s"})
     dataset["steps_per_period"] = (
         (),
         steps_per_period,

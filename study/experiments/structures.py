@@ -37,7 +37,7 @@ ATTRIBUTES = {
     "max_energy_imbalance": EnergyBalance.variables["max_energy_imbalance"],
     # a support changes the linear momentum, so the error of the linear momentum is NaN for structures that are held
     **MomentumErrors.variables,
-    "iterations_per_step": {"long_name": "Newton iterations per step", "units": "1"},
+    "newton_iterations_per_step": {"long_name": "Newton iterations per step", "units": "1"},
     **{
         f"{name}_per_step": {"long_name": f"{attributes['long_name']} per step", "units": "1"}
         for name, attributes in COUNTS.items()
@@ -95,7 +95,7 @@ def _measured(problem: str, scheme: str, steps_per_period: int, periods: float, 
         f"{name}_error": np.max(_size(values - exact[name])) / _size(exact[name]).max()
         for name, values in _motion(problem, ds.isel(t=slice(1, None))).items()
     } | {
-        "iterations_per_step": ds.newton_iterations / round(periods * steps_per_period),
+        "newton_iterations_per_step": ds.newton_iterations / round(periods * steps_per_period),
         **{f"{name}_per_step": ds[name] / round(periods * steps_per_period) for name in COUNTS},
     }
     return {name: derived.get(name, ds.get(name, np.nan)) for name in ATTRIBUTES}

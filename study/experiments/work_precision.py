@@ -53,7 +53,7 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
 
     The result is the dataset ``accuracy``, which holds the errors, with the costs added. The schemes are timed in
     turns, so that a slow moment of the machine affects all of them. Times of a step have the shape (problem, scheme,
-    steps_per_period, repeat), in nanoseconds; they are NaN for a run that failed.
+    steps_per_period, repeat), in s; they are NaN for a run that failed.
 
     Raises
     ------
@@ -77,19 +77,19 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
             for repeat in range(repeats):
                 for s, one in enumerate(timed):
                     seconds, completed = one.run(dt, steps[s])
-                    per_step[p, s, k, repeat] = 1e9 * seconds / steps[s] if completed else np.nan
+                    per_step[p, s, k, repeat] = seconds / steps[s] if completed else np.nan
     dims = ("problem", "scheme", "steps_per_period")
     steps_of_run = accuracy.steps_per_period * accuracy.periods
     iterations = (accuracy.newton_iterations / steps_of_run).sel(periods=100).transpose(*dims).values
     evaluations = (accuracy.force_evaluations / steps_of_run).sel(periods=100).transpose(*dims).values
     median, quartiles = np.median(per_step, axis=-1), np.quantile(per_step, [0.25, 0.75], axis=-1)
     ds = accuracy.assign(
-        time_per_step=((*dims, "repeat"), per_step, {"long_name": "time of one step, by repeat", "units": "ns"}),
-        median_time_per_step=(dims, median, {"long_name": "median time of one step", "units": "ns"}),
-        spread_of_time_per_step=(
+        seconds_per_step=((*dims, "repeat"), per_step, {"long_name": "time of one step, by repeat", "units": "s"}),
+        median_seconds_per_step=(dims, median, {"long_name": "median time of one step", "units": "s"}),
+        spread_of_seconds_per_step=(
             dims,
             quartiles[1] - quartiles[0],
-            {"long_name": "interquartile range of the time of one step", "units": "ns"},
+            {"long_name": "interquartile range of the time of one step", "units": "s"},
         ),
         newton_iterations_per_step=(
             dims,
@@ -99,7 +99,7 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
         force_evaluations_per_step=(dims, evaluations, {"long_name": "forces evaluated per step", "units": "1"}),
     )
     ds = ds.assign(
-        time_per_run=(1e-9 * ds.median_time_per_step * steps_of_run).assign_attrs(
+        median_seconds=(ds.median_seconds_per_step * steps_of_run).assign_attrs(
             long_name="median time of a step times the number of steps", units="s"
         ),
     )

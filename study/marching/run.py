@@ -233,8 +233,8 @@ def run(
     >>> import study
     >>> run = dict(dt=0.15 / 20, steps=2000, observe=["max_energy_error"])
     >>> ds = study.run("hardening", "average_acceleration", **run)
-    >>> print(f"{ds.max_energy_error.item():.1f} {ds.max_energy_error.units}")
-    4.1 percent
+    >>> print(f"{ds.max_energy_error.item():.1%}")
+    4.1%
     """
     _check_not_traced((problem, dt, u0, v0, over))
     method = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]

@@ -20,14 +20,14 @@ class Timed:
 
     Attributes
     ----------
-    compile_time
+    seconds_to_compile
         Seconds to trace and compile the run, or to load it if JAX's cache holds it.
     """
 
     def __init__(self, problem: Problem, scheme: Scheme, reductions: tuple[Reduction, ...]):
         self._program = Program(March.of(problem, scheme, reductions))
         self._begin = np.asarray(problem.u0), np.asarray(problem.v0)
-        self.compile_time, _ = self.run(1.0, 1)
+        self.seconds_to_compile, _ = self.run(1.0, 1)
         few, _ = self.run(1e-9, 10)
         if few < SLOW:
             self.run(1e-9, 1000)

@@ -24,12 +24,12 @@ def relative_energy_error(problem: Problem, initial, state):
 
 
 class MaxEnergyError(Reduction):
-    """Largest relative error of the energy over the run in percent, Xie (1996), eq. (17)."""
+    """Largest relative error of the energy over the run, Xie (1996), eq. (17)."""
 
     variables = {
         "max_energy_error": {
             "long_name": "largest relative error of the total energy, eq. (17) of Xie (1996)",
-            "units": "percent",
+            "units": "1",
         }
     }
     needs_energy = True
@@ -43,7 +43,7 @@ class MaxEnergyError(Reduction):
 
     def result(self, carried, problem, state):
         reference, largest = carried
-        return {"max_energy_error": 100 * largest / jnp.abs(reference)}
+        return {"max_energy_error": largest / jnp.abs(reference)}
 
 
 class MeanEnergyError(Reduction):

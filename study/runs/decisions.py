@@ -14,7 +14,10 @@ from study.words import listed
 
 
 def _options(configuration: Mapping) -> Options:
-    return {"problems": [*configuration["runs"]["problems"], "records"], "errors": configuration["runs"]["errors"]}
+    return {
+        "problems": [*configuration["runs"]["problems"], "records"],
+        "allowed_errors": configuration["runs"]["allowed_errors"],
+    }
 
 
 @experiment(
@@ -24,14 +27,14 @@ def _options(configuration: Mapping) -> Options:
     options=_options,
     reads=lambda options: [f"runs/{problem}" for problem in options["problems"]],
 )
-def needs_and_decisions(problems: PlainNames, errors: Tolerances) -> tuple[xr.Dataset, xr.Dataset]:
+def needs_and_decisions(problems: PlainNames, allowed_errors: Tolerances) -> tuple[xr.Dataset, xr.Dataset]:
     """Find what each scheme needs on each problem, and the cheapest scheme of each kind.
 
     ``needs`` is over (problem, scheme, quantity, allowed_error, condition), as :func:`study.runs.needs.of_problems`
     returns it; ``decisions`` is over (problem, quantity, allowed_error, kind, filter), as
     :func:`study.runs.needs.decisions` returns it.
     """
-    needed = of_problems([needs(io.open_dataset(f"runs/{problem}"), errors) for problem in problems])
+    needed = of_problems([needs(io.open_dataset(f"runs/{problem}"), allowed_errors) for problem in problems])
     in_codes = {one.scheme for one in names_in_codes() if one.code.startswith(CODES)}
     names = needed.scheme.values.tolist()
     needed = needed.assign_coords(

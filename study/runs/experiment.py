@@ -58,12 +58,12 @@ class _Length(TypedDict):
 class _Runs(TypedDict):
     problems: dict[ProblemName, _Length]
     schemes: Schemes
-    errors: Tolerances
+    allowed_errors: Tolerances
 
 
 def _jobs(options: Options) -> dict[str, Options]:
     """The options of one job for each problem."""
-    shared = {key: options[key] for key in ("schemes", "errors")}
+    shared = {key: options[key] for key in ("schemes", "allowed_errors")}
     return {name: {"problem": name, **length, **shared} for name, length in options["problems"].items()}
 
 
@@ -226,7 +226,7 @@ def between(coarser: float, need: float, multiple: int = 1) -> list[int]:
 def runs(
     problem: ProblemName,
     schemes: Schemes,
-    errors: Tolerances,
+    allowed_errors: Tolerances,
     periods: Lengths,
     decided: float,
     finest: Count,
@@ -258,7 +258,7 @@ def runs(
     motion = Motion.of(problems[problem], max(periods) * scale, scale / COARSEST, sampled)
     others = motion.others(starts)
     uncertainty = {name: motion.uncertainty[name] for name in DECIDED if name in motion.names}
-    limits = [(name, error) for name, own in uncertainty.items() for error in errors if error >= CERTAIN * own]
+    limits = [(name, error) for name, own in uncertainty.items() for error in allowed_errors if error >= CERTAIN * own]
     parts: dict[str, xr.Dataset] = {}
     confirming: set[float] = set()
     for name in schemes:

@@ -21,7 +21,7 @@ _FIRST = ("displacement", "peak drift")
 def recommend(
     what: str | xr.Dataset,
     *,
-    error: float,
+    allowed_error: float,
     quantity: str | None = None,
     duration: float | None = None,
     folder: str | Path = io.RESULTS,
@@ -42,7 +42,7 @@ def recommend(
         Dataset of :func:`study.assess`, its file, ``NAME.nc``, or a name: of a problem of the dataset ``needs``, such
         as ``softening`` or ``records``, of an assessment in the section ``assess`` of the configuration, or of a file
         ``NAME.nc`` in ``folder`` or in the present folder.
-    error
+    allowed_error
         Allowed error as a fraction, 0.01 for one percent, of the value that the coordinate ``relative_to`` of the
         assessment states. It must be one of the errors that were assessed.
     quantity
@@ -76,19 +76,19 @@ def recommend(
             ``implicit`` or ``explicit``; ``unknown`` for a program's own scheme.
         ``step_size``
             The recommended step size, in s.
-        ``largest_step``
+        ``largest_step_size``
             The largest step size tried that keeps the error with a margin for scatter, in s. All smaller step sizes
             tried keep the error. ``step_size`` is this value, rounded down.
         ``omega_step``
             Δt·ω, with the highest circular frequency ω of small motions about points of the reference's motion.
-        ``number_of_steps``
+        ``steps``
             Number of steps of the run with this step size.
         ``error``
             Error of this run.
         ``most_wrong``, ``most_wrong_error``
             The quantity with the largest error in this run, and its error. A run may keep the energy although its
             displacement is wrong.
-        ``time``, ``time_spread``
+        ``seconds``, ``seconds_spread``
             Computing time of all steps of this run, and its interquartile range, in s. A call of
             :func:`study.run` adds less than a millisecond.
         ``ties_with_fastest``
@@ -96,7 +96,7 @@ def recommend(
             times do not decide which scheme is faster.
         ``force_evaluations``
             Number of internal forces evaluated in this run.
-        ``forces_per_time``
+        ``force_evaluations_per_time``
             Number of internal forces evaluated per second of simulated time, in 1/s.
         ``steps_tried``, ``worst_error``
             Number of step sizes tried between a twentieth of ``step_size`` and ``step_size``, which all keep the error.
@@ -110,10 +110,11 @@ def recommend(
 
         For a problem of the study, the rows are those of ``needs`` with steps that divide the spacing of a record, kind
         by kind, and in each kind the cheapest scheme first. The columns are ``kind``, ``step_size``, ``omega_step``,
-        ``steps_per_period``, ``error``, ``forces_per_time``, ``steps_tried``, ``worst_error`` and ``verdict``.
+        ``steps_per_period``, ``error``, ``force_evaluations_per_time``, ``steps_tried``, ``worst_error`` and
+        ``verdict``.
 
         Over a longer duration than that of the runs, the columns are ``kind``, ``step_size``, ``omega_step``,
-        ``number_of_steps``, ``force_evaluations``, ``exponent`` a, ``step_of_runs``, the step size that was run, and
+        ``steps``, ``force_evaluations``, ``exponent`` a, ``step_size_of_runs``, the step size that was run, and
         ``verdict``. The scheme with the fewest evaluations is first.
 
     Raises
@@ -123,17 +124,17 @@ def recommend(
     KeyError
         If the assessment has no such quantity.
     TypeError, ValueError
-        If an argument is invalid, the error is not one that was assessed, or ``duration`` exceeds that of the runs and
-        the law does not hold for the problem.
+        If an argument is invalid, ``allowed_error`` is not one that was assessed, or ``duration`` exceeds that of the
+        runs and the law does not hold for the problem.
 
     Examples
     --------
-    >>> study.recommend("hardening", error=0.01).loc["gauss4", ["kind", "steps_per_period"]]  # doctest: +SKIP
+    >>> study.recommend("hardening", allowed_error=0.01).loc["gauss4", ["kind", "steps_per_period"]]  # doctest: +SKIP
     1 % of displacement, implicit: Gauss, 0.0438 s
     ...
     """
-    if not is_number(error):
-        raise TypeError(f"error must be a number, not {error!r}.")
+    if not is_number(allowed_error):
+        raise TypeError(f"allowed_error must be a number, not {allowed_error!r}.")
     if not isinstance(what, str | xr.Dataset):
         raise TypeError(
             "recommend takes the dataset that study.assess returns, or the name of an assessment in the configuration, "
@@ -143,10 +144,10 @@ def recommend(
         raise ValueError(f"duration must be a positive number of seconds, not {duration!r}.")
     dataset = _opened(what, Path(folder)) if isinstance(what, str) else what
     if "condition" in dataset.dims:
-        table, known = _of_needs(dataset, error, quantity), (dataset.decided * dataset.time_scale).item()
+        table, known = _of_needs(dataset, allowed_error, quantity), (dataset.decided * dataset.time_scale).item()
         free = bool(dataset.free_vibration)
     else:
-        table, known = of_assessment(dataset, error, quantity), dataset.attrs["duration"]
+        table, known = of_assessment(dataset, allowed_error, quantity), dataset.attrs["duration"]
         free = bool(dataset.attrs.get("free_vibration")) and known == dataset.attrs["duration_requested"]
     if duration is None or duration <= known:
         return table
@@ -155,7 +156,7 @@ def recommend(
             f"the runs last {known:.4g} s, and steps are extrapolated to {duration:.4g} s only for {FREE} that is not "
             "chaotic: assess the problem with this duration."
         )
-    return over_duration(table, dataset, table.attrs["quantity"], error, known, duration)
+    return over_duration(table, dataset, table.attrs["quantity"], allowed_error, known, duration)
 
 
 def _opened(name: str, folder: Path) -> xr.Dataset:
@@ -192,7 +193,7 @@ def _of_needs(needed: xr.Dataset, error: float, quantity: str | None) -> pd.Data
             "omega_step": one.omega_step,
             "steps_per_period": one.steps_per_period,
             "error": one.error,
-            "forces_per_time": one.force_evaluations,
+            "force_evaluations_per_time": one.force_evaluations,
             "steps_tried": one.smaller_steps + 1,
             "worst_error": one.largest_error / one.allowed_error,
             "verdict": words[one.verdict.values],

@@ -99,8 +99,8 @@ def spectrum(
     """Measure the error of the peak drift for each step size, and the largest step size that keeps the allowed error.
 
     ``runs/records`` has the largest errors over all oscillators in the form of the runs of other problems.
-    ``step_needed`` is the largest step size that keeps the allowed error, as all smaller step sizes do. It is given
-    among all step sizes tried, and among the step sizes commensurate with the record. It is NaN if not even the
+    ``largest_step_size`` is the largest step size that keeps the allowed error, as all smaller step sizes do. It is
+    given among all step sizes tried, and among the step sizes commensurate with the record. It is NaN if not even the
     smallest step size is enough, or if a scheme refuses the oscillators, for instance because it takes its force from a
     potential. A run ends with the step that reaches or passes the duration. After the duration the ground acceleration
     is zero.
@@ -151,7 +151,7 @@ def spectrum(
         coords={
             **coordinates.scheme_coordinates(schemes),
             "step_size": step_size,
-            "commensurate": (
+            "divides": (
                 "step_size",
                 commensurate.astype(int),
                 {
@@ -171,7 +171,7 @@ def spectrum(
     )
     kept = of_runs.error <= allowed_error
     needed = [largest_size(some, "step_size") for some in (kept, kept[:, commensurate])]
-    tried = xr.IndexVariable("tried", ["all", "commensurate"], {"long_name": "steps tried"})
+    condition = xr.IndexVariable("condition", ["any_step", "practice"], {"long_name": "condition on the steps"})
     size = {"long_name": "largest step that keeps the error, as all finer ones do", "units": "s"}
-    largest = xr.concat(needed, tried)
-    return of_runs.assign(step_needed=largest.where(largest > 0).assign_attrs(size)), as_runs(of_runs)
+    largest = xr.concat(needed, condition)
+    return of_runs.assign(largest_step_size=largest.where(largest > 0).assign_attrs(size)), as_runs(of_runs)

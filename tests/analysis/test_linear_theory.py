@@ -129,8 +129,8 @@ def test_the_dataset_of_central_difference_has_its_closed_forms():
     ds = LinearTheory("central_difference", PARTS).dataset()
     assert ds.stability_limit == pytest.approx(2) and ds.linear_order == pytest.approx(2, abs=0.01) and ds.memory == 3
     # λ = exp(±iω̄Δt) with sin(ω̄Δt/2) = ωΔt/2
-    stable = ds.sel(dt_over_period=slice(1 / np.pi))
-    omega = 2 * np.pi * stable.dt_over_period
+    stable = ds.sel(step_size_over_period=slice(1 / np.pi))
+    omega = 2 * np.pi * stable.step_size_over_period
     exact = omega / (2 * np.arcsin(omega / 2)) - 1
     np.testing.assert_allclose(stable.period_elongation, exact, rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(stable.spectral_radius, 1, atol=1e-7)
@@ -271,12 +271,18 @@ def test_an_overshoot_that_comes_late_is_seen():
 @pytest.mark.parametrize(
     "arguments, sentence",
     [
-        ({"dt_over_period": [0.2, 0.1]}, "dt_over_period must be positive and ascending"),
-        ({"dt_over_period": [0.0, 0.1]}, "dt_over_period must be positive and ascending"),
-        ({"dt_over_period": 0.1}, "of shape (points,), not 0.1"),
-        ({"dt_over_period": "a"}, "dt_over_period must be positive and ascending"),
-        ({"dt_over_period": PARTS, "damping_ratio": "a"}, "damping_ratio must be at least 0 and less than 1, not a"),
-        ({"dt_over_period": PARTS, "damping_ratio": 1.0}, "damping_ratio must be at least 0 and less than 1, not 1.0"),
+        ({"step_size_over_period": [0.2, 0.1]}, "step_size_over_period must be positive and ascending"),
+        ({"step_size_over_period": [0.0, 0.1]}, "step_size_over_period must be positive and ascending"),
+        ({"step_size_over_period": 0.1}, "of shape (points,), not 0.1"),
+        ({"step_size_over_period": "a"}, "step_size_over_period must be positive and ascending"),
+        (
+            {"step_size_over_period": PARTS, "damping_ratio": "a"},
+            "damping_ratio must be at least 0 and less than 1, not a",
+        ),
+        (
+            {"step_size_over_period": PARTS, "damping_ratio": 1.0},
+            "damping_ratio must be at least 0 and less than 1, not 1.0",
+        ),
     ],
 )
 def test_mistakes_get_a_sentence(arguments, sentence):

@@ -46,7 +46,9 @@ def driven():
 
 @pytest.fixture(scope="module")
 def assessed(driven):
-    return study.assess(driven, ["newmark", "rk4"], duration=DURATION, quantities=QUANTITIES, errors=(0.05, 0.01))
+    return study.assess(
+        driven, ["newmark", "rk4"], duration=DURATION, quantities=QUANTITIES, allowed_errors=(0.05, 0.01)
+    )
 
 
 def _by_scipy(t):
@@ -68,10 +70,10 @@ def test_a_recommended_step_keeps_its_error_against_another_solver(driven, asses
         ds = study.run(driven, scheme, dt=dt, steps=steps)
         return np.abs(np.stack([ds.u, ds.v]) - _by_scipy(np.minimum(ds.t.values, DURATION))).max() / largest
 
-    step = row.recommended_dt.item()
-    assert step == float(f"{step:.1e}") <= row.largest_dt and row.steps_tried > 300
+    step = row.recommended_step_size.item()
+    assert step == float(f"{step:.1e}") <= row.largest_step_size and row.steps_tried > 300
     assert error(step) == pytest.approx(row.recommended_error.item(), rel=1e-3)
-    assert row.worst_error <= 1 and error(4 / 3 * row.largest_dt.item()) > allowed
+    assert row.worst_error <= 1 and error(4 / 3 * row.largest_step_size.item()) > allowed
 
 
 @pytest.mark.parametrize("reduce", ["peak", "final", "rms"])
@@ -126,27 +128,27 @@ def test_errors_between_the_points_of_a_reference_are_part_of_its_uncertainty(pr
 
 
 def test_recommend_lists_what_was_run(assessed):
-    table = study.recommend(assessed, error=0.01, quantity="force")
+    table = study.recommend(assessed, allowed_error=0.01, quantity="force")
     assert set(table.index) == {"average_acceleration", "rk4"} and (table.error <= 0.01).all()
-    ends = table.step_size * table.number_of_steps
+    ends = table.step_size * table.steps
     assert ((ends <= DURATION * (1 + 1e-9)) & (ends > DURATION - table.step_size)).all()
     # ω² = 1 + 3 u² at the largest displacement
     largest = np.abs(_by_scipy(np.linspace(0, DURATION, 4001))[0]).max()
     assert (table.omega_step / table.step_size).to_numpy() == pytest.approx(np.sqrt(1 + 3 * largest**2), rel=1e-3)
     assert table.kind.to_dict() == {"average_acceleration": "implicit", "rk4": "explicit"}
-    assert table.forces_per_time["rk4"] == pytest.approx(4 / table.step_size["rk4"])
-    assert table["time"][~table.ties_with_fastest].is_monotonic_increasing and table.ties_with_fastest.iloc[0]
+    assert table.force_evaluations_per_time["rk4"] == pytest.approx(4 / table.step_size["rk4"])
+    assert table["seconds"][~table.ties_with_fastest].is_monotonic_increasing and table.ties_with_fastest.iloc[0]
 
 
 def test_what_there_is_no_time_for_is_said(driven, assessed, monkeypatch):
     # the time of the searches ends after the first runs
     monkeypatch.setattr(search, "time", SimpleNamespace(monotonic=lambda: math.inf, perf_counter=time.perf_counter))
     hurried = study.assess(
-        driven, "newmark", duration=DURATION, quantities=QUANTITIES, errors=(0.05, 0.01), seconds=1000.0
+        driven, "newmark", duration=DURATION, quantities=QUANTITIES, allowed_errors=(0.05, 0.01), seconds=1000.0
     )
     words = np.array(hurried.verdict.flag_meanings.split())[hurried.verdict]
-    assert set(words.ravel()) == {"out_of_time"} and hurried.recommended_dt.isnull().all()
-    assert 0 < hurried.sizes["dt"] < assessed.sizes["dt"] / 3
+    assert set(words.ravel()) == {"out_of_time"} and hurried.recommended_step_size.isnull().all()
+    assert 0 < hurried.sizes["step_size"] < assessed.sizes["step_size"] / 3
     assert "out of time" in answer(hurried, "path", 0.01) and "outcome" not in hurried
 
 
@@ -194,22 +196,22 @@ def test_the_reference_itself_is_part_of_the_answer(driven, assessed):
         "1 unknown, period of small motion 6.28 s, 20 s are 3.18 periods",
         "damping ratios 0.05; a load",
     ]
-    assert "Reference of peak: " in study.recommend(assessed, error=0.01, quantity="peak").to_string()
+    assert "Reference of peak: " in study.recommend(assessed, allowed_error=0.01, quantity="peak").to_string()
 
 
 def test_failures_are_mapped_and_explained(assessed):
     explicit = assessed.sel(scheme="rk4")
     outcome = explicit.outcome.sel(excitation=1.0).values
     assert outcome[0] == study.Outcome.UNBOUNDED and outcome[-1] <= 1
-    assert explicit.largest_safe_dt < explicit.map_dt[0]
+    assert explicit.largest_safe_step_size < explicit.map_step_size[0]
     assert "beyond the limit of stability" in explicit.failure.item()
 
 
 def test_no_recommended_step_contradicts_the_largest_safe_one(assessed):
     for name in assessed.quantity.values:
         for allowed in assessed.allowed_error.values:
-            steps = assessed.recommended_dt.sel(quantity=name, allowed_error=allowed)
-            beyond = bool((steps > assessed.largest_safe_dt).any())
+            steps = assessed.recommended_step_size.sel(quantity=name, allowed_error=allowed)
+            beyond = bool((steps > assessed.largest_safe_step_size).any())
             assert beyond == ("beyond its largest step without failure" in answer(assessed, name, allowed))
 
 
@@ -233,17 +235,17 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     assert row.acceleration == pytest.approx(
         np.abs(forces - expected_forces).max() / np.abs(expected_forces).max(), rel=1e-8
     )
-    assert row.energy == pytest.approx(ds.max_energy_error.item() / 100, rel=1e-12)
+    assert row.energy == pytest.approx(ds.max_energy_error.item(), rel=1e-12)
 
 
 def test_a_free_oscillator_is_judged_by_period_phase_and_amplitude():
     """It alone assesses the quantities of free motion that an assessment adds by itself."""
     pendulum = study.Problem(jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=2.0, title="pendulum")
-    ds = study.assess(pendulum, "bathe", errors=(0.01,), maps=False)
+    ds = study.assess(pendulum, "bathe", allowed_errors=(0.01,), maps=False)
     along, oscillating = ["displacement", "velocity", "acceleration", "energy"], ["period", "phase", "amplitude"]
     assert ds.quantity.values.tolist() == along + oscillating
     assert ds.quantity_title.values[-1].startswith("relative loss of amplitude, geometric mean per oscillation")
-    steps = dict(zip(ds.quantity.values, ds.recommended_dt.values.ravel(), strict=True))
+    steps = dict(zip(ds.quantity.values, ds.recommended_step_size.values.ravel(), strict=True))
     assert steps["displacement"] < steps["phase"] < steps["period"]
     assert ds.attrs["reference"] == "heyoka" and ds.attrs["duration"] == pytest.approx(10 * 8.3498, rel=0.01)
 
@@ -255,7 +257,7 @@ def test_chaos_ends_what_a_reference_can_say():
     """
     problem = study.problems["duffing_chaotic"]
     with pytest.warns(RuntimeWarning, match=r"the references of 'Duffing, chaotic' agree up to t = .* of 200 s"):
-        ds = study.assess(problem, "extrapolation12", duration=200.0, errors=(0.5,), maps=False)
+        ds = study.assess(problem, "extrapolation12", duration=200.0, allowed_errors=(0.5,), maps=False)
     assert 20 < ds.attrs["duration"] < 150 and ds.attrs["duration_requested"] == 200.0
     assert "Beyond t = " in page(ds)
 
@@ -265,7 +267,7 @@ def test_chaos_ends_what_a_reference_can_say():
     [
         ({"duration": None}, "'driven' has no period that gives the length of the runs: give duration="),
         ({"duration": -1.0}, "duration must be a time in seconds greater than zero, not -1.0"),
-        ({"errors": [2.0]}, "errors must be fractions between zero and one"),
+        ({"allowed_errors": [2.0]}, "allowed_errors must be fractions between 0 and 1"),
         ({"schemes": []}, "schemes is empty"),
         ({"schemes": "verle"}, "there is no scheme 'verle'"),
         ({"quantities": {}}, "quantities must be a mapping from names to study.Quantity"),

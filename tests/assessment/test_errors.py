@@ -50,7 +50,7 @@ def test_a_balance_without_energy_to_compare_with_is_left_out_with_a_warning():
     # a mass that hangs on a spring, released from rest at u = 0: the initial energy is zero
     hanging = study.Problem(lambda u: u - 1.0, 0.0, potential=lambda u: u**2 / 2 - u, damping=0.02, title="hanging")
     with pytest.warns(RuntimeWarning, match="the balance of energies of 'hanging' is left out: .* add a constant to"):
-        ds = study.assess(hanging, "rk4", duration=5.0, errors=[0.1], maps=False)
+        ds = study.assess(hanging, "rk4", duration=5.0, allowed_errors=[0.1], maps=False)
     assert ds.quantity.values.tolist() == ["displacement", "velocity", "acceleration"]
     assert ds.starts == "No other start was tried: initial displacement, initial velocity and load are zero."
 

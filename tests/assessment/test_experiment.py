@@ -33,7 +33,12 @@ def _edited(path: Path, old: str, new: str) -> None:
 @pytest.mark.pipeline
 def test_the_pipeline_assesses_a_problem_and_a_scheme_in_files(tmp_path):
     folder = copied(tmp_path)
-    options = {"problem": "examples/driven.py:driven", "duration": 20.0, "schemes": ["rk4", "heun"], "errors": [0.05]}
+    options = {
+        "problem": "examples/driven.py:driven",
+        "duration": 20.0,
+        "schemes": ["rk4", "heun"],
+        "allowed_errors": [0.05],
+    }
     overlay = {
         "own_schemes": ["examples/scheme.py:heun"],
         "assess": {"mine": options, "spring": {"problem": "hardening", "periods": 10, "schemes": ["rk4"]}},

@@ -25,12 +25,12 @@ def mapped():
 
 def test_no_step_beyond_the_stability_limit_counts_as_safe(mapped):
     limit = 2 / OMEGA
-    beyond = mapped.map_dt.values > limit
+    beyond = mapped.map_step_size.values > limit
     assert beyond.sum() > 10 and (~beyond).sum() > 5
     outcome = mapped.outcome.sel(excitation=1.0).values
     # every run completes, since the force is bounded, although its result may be wrong by any factor
     assert (outcome[beyond] == study.Outcome.BEYOND_THE_LIMIT).all()
     assert (outcome[~beyond] != study.Outcome.BEYOND_THE_LIMIT).all()
-    assert mapped.largest_safe_dt.item() <= limit
-    assert mapped.stable_dt.values == pytest.approx(limit, rel=1e-4)
+    assert mapped.largest_safe_step_size.item() <= limit
+    assert mapped.stable_step_size.values == pytest.approx(limit, rel=1e-4)
     assert "at the start exceeds 2, the stability limit of 'Central difference'" in mapped.failure.item()

@@ -13,7 +13,7 @@ from study.program import search
 from study.program.refinement import NoTruth
 
 #: Options of the assessments of the chain, whose slowest period is 25 s.
-OPTIONS = {"duration": 6.0, "errors": (0.1, 0.01), "maps": False}
+OPTIONS = {"duration": 6.0, "allowed_errors": (0.1, 0.01), "maps": False}
 SCHEMES = ["average_acceleration", "central_difference"]
 
 
@@ -34,7 +34,7 @@ def test_steps_and_error_bar_are_those_of_the_certified_reference(damped_chain, 
     assert set(ds.quantity.values) == {"displacement", "velocity"}
     assert ds.reference_uncertainty.max() < 1e-3
     # compared at an error of 1 % only, because at 10 % the search of a large problem is limited by its coarsest step
-    ratio = (ds.largest_dt / certified.largest_dt).sel(quantity=ds.quantity, allowed_error=0.01)
+    ratio = (ds.largest_step_size / certified.largest_step_size).sel(quantity=ds.quantity, allowed_error=0.01)
     assert ((ratio > 0.9) & (ratio < 1.1)).all()
     assert ds.attrs["reference"].startswith(("rk4", "nystrom4"))
 
@@ -45,7 +45,7 @@ def test_quantities_that_are_reduced_are_single_numbers(damped_chain, like_progr
         "both": study.Quantity(lambda u: u[:2], reduce="rms"),
     }
     ds = study.assess(damped_chain(), SCHEMES, quantities=peak, **OPTIONS)
-    assert list(ds.quantity.values) == ["peak", "both"] and (ds.recommended_dt > 0).all()
+    assert list(ds.quantity.values) == ["peak", "both"] and (ds.recommended_step_size > 0).all()
 
 
 def test_what_there_is_no_time_for_is_said(damped_chain, like_programs):
@@ -78,5 +78,5 @@ def test_unknowns_whose_force_is_not_linear_are_compared():
 
 def test_unknowns_that_are_not_compared_are_said(damped_chain, like_programs, monkeypatch):
     monkeypatch.setattr(large, "SHOWN", 2)
-    ds = study.assess(damped_chain(), SCHEMES, **OPTIONS | {"errors": (0.1,)})
+    ds = study.assess(damped_chain(), SCHEMES, **OPTIONS | {"allowed_errors": (0.1,)})
     assert " Errors were compared at 2 of " in ds.attrs["starts"]

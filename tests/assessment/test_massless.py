@@ -58,10 +58,10 @@ def _few_runs(monkeypatch, tmp_path):
 def test_errors_are_those_against_an_independent_solution(make):
     """It alone assesses a model with an unknown without mass, whose reference has no certified route."""
     problem, exact = make()
-    options = {"duration": DURATION, "errors": [0.01], "quantities": DISPLACEMENT}
+    options = {"duration": DURATION, "allowed_errors": [0.01], "quantities": DISPLACEMENT}
     ds = study.assess(problem, "average_acceleration", **options)
     row = ds.sel(scheme="average_acceleration", quantity="drift", allowed_error=0.01)
-    dt, uncertainty = float(row.recommended_dt), float(row.reference_uncertainty)
+    dt, uncertainty = float(row.recommended_step_size), float(row.reference_uncertainty)
     run = study.run(problem, "average_acceleration", dt=dt, steps=int(DURATION / dt * (1 + 1e-9)))
     size = np.abs(exact(np.linspace(0, DURATION, 2001))).max()
     error = np.abs(run.u.values[:, 0] - exact(run.t.values)).max() / size

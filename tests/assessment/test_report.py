@@ -55,7 +55,7 @@ class _Balanced(HTMLParser):
 def assessed(model, tmp_path_factory):
     """Common path without suffix of the dataset and the page that ``study assess`` wrote, and what it printed."""
     swing = tmp_path_factory.mktemp("assessed") / "swing"
-    words = ["assess", f"{model}:swing", "--duration", "12", "--error", "0.05", "--schemes", "rk4", "newmark"]
+    words = ["assess", f"{model}:swing", "--duration", "12", "--allowed-error", "0.05", "--schemes", "rk4", "newmark"]
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         main([*words, "--output", str(swing)])
     return swing, printed.getvalue()
@@ -85,7 +85,9 @@ def test_the_command_writes_a_dataset_and_a_page_of_its_own(assessed):
 def test_your_own_scheme_stands_before_the_best_and_its_curve_is_emphasised(assessed):
     ds = xr.load_dataset(assessed[0].with_suffix(".nc")).assign_attrs(asked_for="newmark")
     # measured times, by which schemes are ranked, may have another order on a busy machine
-    ds = ds.assign(time=ds.time.where(ds.scheme != "rk4", ds.time.min() / 10), time_spread=0 * ds.time_spread)
+    ds = ds.assign(
+        seconds=ds.seconds.where(ds.scheme != "rk4", ds.seconds.min() / 10), seconds_spread=0 * ds.seconds_spread
+    )
     title = ds.scheme_title.sel(scheme="newmark").item()
     assert f'<th>error of displacement</th><th class="text">{title}</th><th class="text">best</th>' in page(ds)
     tables = tables_of(ds, "displacement")

@@ -31,7 +31,7 @@ def test_a_registered_scheme_goes_where_a_name_goes(heun, tmp_path, monkeypatch)
     assert study.schemes["heun"] is heun and "heun" in list(study.schemes)
     exact = amplitudes(["hardening"], {"first": -0.5, "last": 0.0, "count": 3})
     study.io.write(exact.assign_attrs(source=study.io.SOURCE), "results/reference/amplitudes.nc")
-    options = {"dt_over_period": {"first": -2.0, "last": -1.0, "count": 3}, "periods": 5, "tile": 0, "tiles": 1}
+    options = {"step_size_over_period": {"first": -2.0, "last": -1.0, "count": 3}, "periods": 5, "tile": 0, "tiles": 1}
     maps = atlas("heun", ["hardening"], **options)
     assert maps.scheme_title.item() == "Heun" and maps.outcome.size == 9
 

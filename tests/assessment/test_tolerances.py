@@ -19,7 +19,7 @@ def duffing():
 @pytest.fixture(scope="module")
 def assessed(duffing):
     schemes = ["average_acceleration", "dormand_prince6", "houbolt"]
-    return study.assess(duffing, schemes, duration=DURATION, errors=[ALLOWED], maps=False, controller="pi")
+    return study.assess(duffing, schemes, duration=DURATION, allowed_errors=[ALLOWED], maps=False, controller="pi")
 
 
 @pytest.mark.parametrize("scheme", ["average_acceleration", "dormand_prince6"])
@@ -58,7 +58,7 @@ def test_what_needs_equal_steps_has_no_tolerance(assessed):
 
 
 def test_recommend_states_whether_equal_steps_are_cheaper(assessed):
-    table = study.recommend(assessed, error=ALLOWED, quantity="displacement")
+    table = study.recommend(assessed, allowed_error=ALLOWED, quantity="displacement")
     ratio = table.controlled_force_evaluations / table.force_evaluations
     np.testing.assert_array_equal(table.control_over_equal, ratio)
     assert np.isnan(table.tolerance["houbolt"]) and table.tolerance["average_acceleration"] > 0
@@ -71,7 +71,7 @@ def test_the_report_lists_the_tolerances(assessed):
 
 def test_your_own_quantity_may_have_the_name_of_a_default_one(duffing):
     quantities = {"amplitude": study.Quantity(lambda u: u, reduce="peak")}
-    options = {"duration": 10.0, "errors": [0.1], "maps": False, "controller": "pi"}
+    options = {"duration": 10.0, "allowed_errors": [0.1], "maps": False, "controller": "pi"}
     ds = study.assess(duffing, "average_acceleration", quantities=quantities, **options)
     assert (ds.tolerance_verdict <= COARSEST_KEEPS).all() and (ds.tolerance > 0).all()
 

@@ -83,7 +83,7 @@ def _check_one_answer(
             if (title, quantity, "explicit") not in in_article.index:
                 continue
             for k, error in enumerate(decided.allowed_error.values.tolist()):
-                table = study.recommend(problem, error=error, quantity=quantity, folder=folder)
+                table = study.recommend(problem, allowed_error=error, quantity=quantity, folder=folder)
                 for kind in decided.kind.values:
                     decision = decided.sel(problem=problem, quantity=quantity, allowed_error=error, kind=kind)
                     best = decision.sel(filter="all")

@@ -30,7 +30,7 @@ class Empty(dict):
 
     def __missing__(self, name):
         return xr.Dataset(coords={"scheme": [], "problem": ["softening"]}).assign(
-            median_time_per_step=(("problem", "scheme"), np.empty((1, 0)))
+            median_seconds_per_step=(("problem", "scheme"), np.empty((1, 0)))
         )
 
 

@@ -35,7 +35,7 @@ def show(browser, tmp_path):
 @pytest.fixture
 def schemes(show):
     """The table of three schemes, shown in the browser."""
-    times = xr.Dataset({"median_time_per_step": (("problem", "scheme", "steps_per_period"), [[[7.0], [30.0]]])})
+    times = xr.Dataset({"median_seconds_per_step": (("problem", "scheme", "steps_per_period"), [[[7.0], [30.0]]])})
     times = times.assign_coords(problem=["softening"], scheme=["rk4", "houbolt"], steps_per_period=[64])
     library = Library({"work_precision": times}, study.schemes, {"central_difference": ["verlet"]})  # type: ignore[arg-type]
     table = table_of([library.subject(name) for name in ("houbolt", "rk4", "central_difference")], library)

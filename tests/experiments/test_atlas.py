@@ -24,7 +24,7 @@ def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, mon
     """It alone compares a map of several tiles, gathered from files, with a whole one to the bit."""
     monkeypatch.chdir(tmp_path)
     study.io.write(many, "results/reference/amplitudes.nc")
-    arguments = {"problems": ["softening"], "dt_over_period": GRID, "periods": 20}
+    arguments = {"problems": ["softening"], "step_size_over_period": GRID, "periods": 20}
     whole = atlas(scheme, **arguments, tile=0, tiles=1)
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     tiles = [atlas(scheme, **arguments, tile=tile, tiles=3) for tile in range(3)]
@@ -43,7 +43,7 @@ def test_a_map_shows_the_linear_limit_at_small_amplitude(springs):
     fine = {"first": -0.7, "last": -0.3, "count": 41}
     one = atlas("central_difference", ["hardening"], fine, 300, tile=0, tiles=6).squeeze()
     lost = one.outcome.values >= Outcome.GROWING
-    first = one.dt_over_period.values[lost.argmax()]
+    first = one.step_size_over_period.values[lost.argmax()]
     limit = 2 / (one.highest_frequency * one.period).item()
     # the tangent has its highest frequency only at the turning points, so steps slightly above the limit may be stable
     assert limit * 0.9 < first < 1.15 * limit

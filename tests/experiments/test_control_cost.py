@@ -19,7 +19,7 @@ def reference():
 
 def _check_forces(controlled: xr.Dataset, of_step: int) -> None:
     """Each trial step evaluates ``of_step`` forces; the rest is the start and the run that measures the sizes."""
-    rest = controlled.forces - of_step * (controlled.steps + controlled.rejected)
+    rest = controlled.force_evaluations - of_step * (controlled.steps + controlled.rejected)
     assert (rest == rest[0]).all() and rest[0] > 1
 
 
@@ -33,11 +33,11 @@ def test_control_reaches_the_exact_motion_of_a_bouncing_mass(reference, monkeypa
     # each step, accepted or rejected, takes five force evaluations for six stages, because the first stage is known
     # the start takes one more, and the estimate evaluates the force at the end of a step, because its slope may jump
     _check_forces(controlled, 5 + 1)
-    np.testing.assert_array_equal(controlled.equal_forces, 1 + 5 * 16 * ds.steps_per_sample)
+    np.testing.assert_array_equal(controlled.equal_force_evaluations, 1 + 5 * 16 * ds.steps_per_sample)
     assert (controlled.equal_error.diff("steps_per_sample") < 0).all()
     assert (multistep.status == NOT_RUN).all() and np.isfinite(multistep.equal_error).all()
-    needed = fewest(controlled.error, controlled.forces, 1e-3, "tolerance")
-    assert needed < fewest(controlled.equal_error, controlled.equal_forces, 1e-3, "steps_per_sample")
+    needed = fewest(controlled.error, controlled.force_evaluations, 1e-3, "tolerance")
+    assert needed < fewest(controlled.equal_error, controlled.equal_force_evaluations, 1e-3, "steps_per_sample")
 
 
 def test_a_force_with_a_history_counts_what_commits_it(reference, monkeypatch):
@@ -45,7 +45,7 @@ def test_a_force_with_a_history_counts_what_commits_it(reference, monkeypatch):
     ds = control_cost(["hysteretic"], ["rk4"], "pi", [1e-2, 1e-4], [16, 64]).squeeze()
     assert (ds.error < [0.1, 1e-2]).all() and (ds.equal_error < [0.1, 1e-2]).all()
     # four forces and one that commits the history, which the start does too
-    np.testing.assert_array_equal(ds.equal_forces, 1 + 5 * 16 * ds.steps_per_sample)
+    np.testing.assert_array_equal(ds.equal_force_evaluations, 1 + 5 * 16 * ds.steps_per_sample)
     # step doubling takes three steps, and the estimate the force at the end
     _check_forces(ds, 3 * 5 + 1)
 

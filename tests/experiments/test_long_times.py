@@ -91,7 +91,7 @@ def test_failures_are_recorded():
     observed["failed_at_step"][0, 0, 1, 2] = 700, 300
     observed["energy_error"][0, 0, 1, 2] = np.nan
     runs = xr.Dataset(
-        {name: (along, values) for name, values in observed.items()} | {"dt": (along[2::2], ok[0, 0, :, 0])}
+        {name: (along, values) for name, values in observed.items()} | {"step_size": (along[2::2], ok[0, 0, :, 0])}
     )
     ds = summary(runs.assign_coords(periods=[1, 10, 100], arithmetic=list(ARITHMETIC), step=list(BITS)))
     cell = ds.isel(scheme=0, arithmetic=0, step=1, periods=2)

@@ -26,7 +26,7 @@ def test_the_row_is_stiffer_and_the_springs_yield():
 
 def test_the_explicit_scheme_follows_the_mesh_and_the_implicit_one_the_motion():
     ds = mesh([[4, 1]], [1.0, 400.0], [20, 40, 80], 2.0, 0.02, 1)
-    steps = dict(zip(SCHEMES, ds.steps.values.T, strict=True))
+    steps = dict(zip(SCHEMES, ds.steps_per_period.values.T, strict=True))
     assert steps["central_difference"] == pytest.approx(np.ceil(1.02 * np.pi * ds.mesh_ratio.values), abs=1)
     assert steps["average_acceleration"][1] <= 40 and ds.mesh_ratio[1] > 10 * ds.mesh_ratio[0]
     assert (ds.reference_difference < 0.005).all() and (ds.error <= 0.02).all()

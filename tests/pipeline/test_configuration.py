@@ -98,7 +98,7 @@ def test_an_invalid_configuration_is_refused(whole):
         (lambda c: c["sensitivity"].update(dt=1e6), "sensitivity.duration, 2500.0, is less than"),
         (lambda c: c["phase_portrait"]["hardening"].update(dt=75), "phase_portrait.hardening.duration, 15.0, is"),
         (lambda c: c["energy_drift"]["steps_per_period"].update(first=50), "first, 50.0, must be less than last"),
-        (lambda c: c["large_steps"].update(dt_over_period=[0.1, 300.0]), "large_steps.dt_over_period: a step is"),
+        (lambda c: c["large_steps"].update(step_size_over_period=[0.1, 300.0]), "step_size_over_period: a step is"),
         (lambda c: c["cpu_time"].update(schemes=["rk4"]), "cpu_time.schemes lacks 'average_acceleration', with which"),
         (
             lambda c: c["structures"]["lengths"].append({"problem": "fpu_chian", "periods": 1}),
@@ -113,7 +113,7 @@ def test_an_invalid_configuration_is_refused(whole):
         (lambda c: c["structures"].update(steps_per_period=[25]), "25 is not a multiple of samples_per_period, 10."),
         (lambda c: c["large_steps"].update(problems=["pendulum"]), "large_steps.problems.0: there is no spring"),
         (lambda c: c["atlas"].update(tiles=1000), "atlas.tiles: 1000 tiles are more than the"),
-        (lambda c: c["atlas"]["dt_over_period"].update(last=5), "atlas.dt_over_period: a step is longer than the"),
+        (lambda c: c["atlas"]["step_size_over_period"].update(last=5), "step_size_over_period: a step is longer"),
         (lambda c: c["atlas"]["amplitudes"].update(first=2), "atlas.amplitudes: first, 2.0, must be less than last,"),
         (lambda c: c["atlas"]["amplitudes"].update(count=63 * 10**12), "atlas.amplitudes.count must be less than or"),
         (lambda c: c["atlas"]["amplitudes"].update(first=-400), "atlas.amplitudes.first must be greater than or equal"),

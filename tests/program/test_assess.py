@@ -66,7 +66,7 @@ def test_its_steps_are_those_of_the_same_problem(spring):
     problem = study.Problem(lambda u: u + hardening * u**3, u0=1.0, title="spring")
     quantities = {"displacement": study.Quantity(lambda u: u), "velocity": study.Quantity(lambda v: v)}
     expected = study.assess(problem, models.SCHEMES, duration=models.DURATION, quantities=quantities, maps=False)
-    ratio = ds.recommended_dt / expected.recommended_dt
+    ratio = ds.recommended_step_size / expected.recommended_step_size
     assert ((ratio > 1 / 1.25) & (ratio < 1.25)).all()
     assert (ds.recommended_error <= ds.allowed_error).all() and (ds.worst_error <= 1).all()
     assert (ds.steps_tried > 4).all() and ds.kind.values.tolist() == ["implicit", "explicit"]
@@ -74,7 +74,7 @@ def test_its_steps_are_those_of_the_same_problem(spring):
 
 def test_recommend_and_report_take_it(spring, tmp_path):
     _, ds, _ = spring
-    table = study.recommend(ds, error=0.01, quantity="velocity")
+    table = study.recommend(ds, allowed_error=0.01, quantity="velocity")
     explicit, implicit = table.step_size[["central_difference", "average_acceleration"]]
     assert explicit == pytest.approx(2**0.5 * implicit, rel=0.25)
     page = study.report(ds, tmp_path / "page.html").read_text()
@@ -87,8 +87,8 @@ def test_recommend_and_report_take_it(spring, tmp_path):
 def test_error_against_time_is_drawn(spring, tmp_path):
     model, ds, _ = spring
     cost = study.work_precision(model, figure=tmp_path / "work.svg", quantity="velocity")
-    assert cost.error.equals(ds.error) and (cost.time.notnull() == (ds.status == 0)).all()
-    assert (cost.time > 0).any() and "error of velocity" in (tmp_path / "work.svg").read_text()
+    assert cost.error.equals(ds.error) and (cost.seconds.notnull() == (ds.status == 0)).all()
+    assert (cost.seconds > 0).any() and "error of velocity" in (tmp_path / "work.svg").read_text()
     with pytest.raises(KeyError, match="no quantity 'speed'; known are displacement"):
         study.work_precision(model, figure=tmp_path / "work.svg", quantity="speed")
 
@@ -102,11 +102,11 @@ def _two_units(scheme, dt):
 
 def test_components_of_different_units_are_remarked(tmp_path):
     with pytest.warns(RuntimeWarning, match="1 of 2 components of 'motion' stay below .* return them separately"):
-        ds = study.assess(program(_two_units, tmp_path), errors=[0.1])
+        ds = study.assess(program(_two_units, tmp_path), allowed_errors=[0.1])
     assert ds.reference_value.sel(quantity="motion").values == pytest.approx([1.0, 1e-4], rel=1e-3)
     assert ds.reference_value.sel(quantity="last")[0] == pytest.approx(np.cos(models.DURATION), abs=1e-3)
     assert ds.relative_to.sel(quantity="last") == "relative to the value itself"
-    assert "components of 'motion'" in study.recommend(ds, error=0.1).to_string()
+    assert "components of 'motion'" in study.recommend(ds, allowed_error=0.1).to_string()
 
 
 def test_each_component_of_a_quantity_may_have_its_own_scale():
@@ -151,21 +151,21 @@ def _set_hardening(where, value, tmp_path, monkeypatch):
 def test_kept_runs_of_a_program_that_has_changed_are_discarded(where, tmp_path, monkeypatch):
     """The second assessment equals one of a program with the same hardening and an empty folder."""
     model = program(_set_hardening(where, 0.0, tmp_path, monkeypatch), tmp_path / "runs", name=None)
-    study.assess(model, errors=[0.1])
+    study.assess(model, allowed_errors=[0.1])
     # as of its last assessment, the program keeps also runs of another first step
-    study.assess(replace(model, coarsest=0.9), errors=[0.1])
+    study.assess(replace(model, coarsest=0.9), allowed_errors=[0.1])
     _set_hardening(where, 0.5, tmp_path, monkeypatch)
     sentence = (
         r"the kept runs of '\w+' are discarded, because the program has changed or gives other results each time: "
         r"its run with 'average_acceleration' at Δt = [\d.]+ s differs by \d+.% from the kept run\."
     )
     with pytest.warns(RuntimeWarning, match=sentence):
-        ds = study.assess(model, errors=[0.1])
-    expected = study.assess(program(models.hardening, tmp_path / "expected"), errors=[0.1])
+        ds = study.assess(model, allowed_errors=[0.1])
+    expected = study.assess(program(models.hardening, tmp_path / "expected"), allowed_errors=[0.1])
     assert ds.error.equals(expected.error)
-    other = study.assess(replace(model, coarsest=0.9), errors=[0.1])
+    other = study.assess(replace(model, coarsest=0.9), allowed_errors=[0.1])
     assert other.error.equals(
-        study.assess(program(models.hardening, tmp_path / "other", coarsest=0.9), errors=[0.1]).error
+        study.assess(program(models.hardening, tmp_path / "other", coarsest=0.9), allowed_errors=[0.1]).error
     )
 
 
@@ -175,7 +175,7 @@ def test_kept_failures_of_a_program_that_has_changed_are_discarded(tmp_path):
         study.assess(model)
     (tmp_path / "spring.txt").write_text("0.0")
     with pytest.warns(RuntimeWarning, match="which ended with 'it raised FileNotFoundError.*, ends with 'completed'"):
-        ds = study.assess(model, errors=[0.5])
+        ds = study.assess(model, allowed_errors=[0.5])
     assert (ds.verdict <= 1).all()
 
 
@@ -209,13 +209,13 @@ def test_a_small_change_is_noticed_and_the_scatter_of_a_program_is_not(tmp_path)
         return right | {"displacement": right["displacement"] * (factor + 1e-5 * random.random())}
 
     factor, model = 1.0, program(scatters, tmp_path)
-    study.assess(model, errors=[0.1])
+    study.assess(model, allowed_errors=[0.1])
     calls.clear()
-    study.assess(model, errors=[0.1])
+    study.assess(model, allowed_errors=[0.1])
     assert len(calls) == len(models.SCHEMES)
     factor = 1.001
     with pytest.warns(RuntimeWarning, match="differs by 0.1.% from the kept run"):
-        study.assess(model, errors=[0.1])
+        study.assess(model, allowed_errors=[0.1])
 
 
 def test_processes_that_would_read_another_variable_make_no_run(tmp_path, monkeypatch):
@@ -247,7 +247,7 @@ def test_processes_that_would_read_another_variable_make_no_run(tmp_path, monkey
 def test_a_scheme_that_goes_wrong_is_recorded(how, reason, tmp_path):
     model = program(partial(models.fails, how), tmp_path, [*models.SCHEMES, "wrong"])
     with pytest.warns(RuntimeWarning, match="11 of 11 runs of 'wrong' failed: at Δt = 0.001221 s, "):
-        ds = study.assess(model, errors=[0.01])
+        ds = study.assess(model, allowed_errors=[0.01])
     wrong = ds.sel(scheme="wrong")
     assert wrong.status[0] == STATUSES.index(how) and wrong.reason[0] == reason
     assert wrong.verdict[0].item() == 2 and (ds.verdict.sel(scheme=models.SCHEMES) == 0).all()
@@ -256,9 +256,9 @@ def test_a_scheme_that_goes_wrong_is_recorded(how, reason, tmp_path):
 
 def test_a_run_that_ends_its_process_ends_no_other(tmp_path):
     model = program(partial(models.fails, "signal"), tmp_path, [*models.SCHEMES, "wrong"], workers=2)
-    ds = study.assess(model, errors=[0.1])
-    assert ds.status.sel(scheme="wrong", dt=1.25) == STATUSES.index("signal")
-    assert (ds.status.sel(scheme=models.SCHEMES, dt=1.25) == 0).all()
+    ds = study.assess(model, allowed_errors=[0.1])
+    assert ds.status.sel(scheme="wrong", step_size=1.25) == STATUSES.index("signal")
+    assert (ds.status.sel(scheme=models.SCHEMES, step_size=1.25) == 0).all()
     assert (ds.verdict.sel(quantity="velocity") == 0).all()
 
 
@@ -284,10 +284,12 @@ def test_a_run_that_ends_its_process_ends_no_other(tmp_path):
 )
 def test_what_is_wrong_with_all_runs_is_said(run, schemes, sentence, tmp_path):
     with pytest.warns(RuntimeWarning, match=sentence):
-        ds = study.assess(program(run, tmp_path, schemes), errors=[0.001])
+        ds = study.assess(program(run, tmp_path, schemes), allowed_errors=[0.001])
     wrong = ds.verdict.sel(scheme=schemes[-1])
-    assert (wrong == 3).all() and ds.recommended_dt.sel(scheme=schemes[-1]).isnull().all()
-    assert ds.attrs["remarks"] and study.recommend(ds, error=0.001).verdict[schemes[-1]] == "below the reference"
+    assert (wrong == 3).all() and ds.recommended_step_size.sel(scheme=schemes[-1]).isnull().all()
+    assert (
+        ds.attrs["remarks"] and study.recommend(ds, allowed_error=0.001).verdict[schemes[-1]] == "below the reference"
+    )
 
 
 def _largest_error(run, scheme, dt):
@@ -299,11 +301,11 @@ def _largest_error(run, scheme, dt):
 def test_output_at_every_hundredth_step_is_refined_until_it_can_be_followed(tmp_path):
     run = partial(models.sampled, 100)
     with pytest.warns(RuntimeWarning, match="has an output after every 100 steps, and errors between .* are not seen"):
-        ds = study.assess(program(run, tmp_path), errors=[0.01])
+        ds = study.assess(program(run, tmp_path), allowed_errors=[0.01])
     assert (ds.verdict == 0).all()
     for scheme in models.SCHEMES:
         row = ds.sel(scheme=scheme, quantity="displacement", allowed_error=0.01)
-        error = _largest_error(run, scheme, row.recommended_dt.item())
+        error = _largest_error(run, scheme, row.recommended_step_size.item())
         assert error <= 0.01 and row.recommended_error == pytest.approx(error, abs=2e-4)
 
 
@@ -314,7 +316,7 @@ def test_output_too_coarse_to_follow_a_quantity_is_said(tmp_path):
     )
     model = program(partial(models.sampled, 1000), tmp_path, coarsest=0.005, finest=0.00125)
     with pytest.warns(RuntimeWarning, match=sentence):
-        ds = study.assess(model, errors=[0.01])
+        ds = study.assess(model, allowed_errors=[0.01])
     assert (ds.verdict == VERDICTS.index("below_the_reference")).all() and "different problems" not in ds.attrs[
         "remarks"
     ]
@@ -324,17 +326,17 @@ def test_output_at_fixed_times_is_compared_at_these_times(tmp_path):
     run = partial(models.recorded, 2.0)
     sentence = "11 times 2 s apart .* is too coarse to follow it to 0.1.%, .*: its errors hold at these times only"
     with pytest.warns(RuntimeWarning, match=sentence):
-        ds = study.assess(program(run, tmp_path, spacing=2.0), errors=[0.01])
+        ds = study.assess(program(run, tmp_path, spacing=2.0), allowed_errors=[0.01])
     assert (ds.verdict == 0).all() and (ds.reference_uncertainty < 1e-4).all()
     for scheme in models.SCHEMES:
         row = ds.sel(scheme=scheme, quantity="displacement", allowed_error=0.01)
-        error = _largest_error(run, scheme, row.recommended_dt.item())
+        error = _largest_error(run, scheme, row.recommended_step_size.item())
         assert error <= 0.01 and row.recommended_error == pytest.approx(error, abs=1e-4)
 
 
 def test_a_recorder_whose_interval_the_steps_do_not_divide_needs_the_spacing(tmp_path):
     with pytest.warns(RuntimeWarning, match="cannot be compared: write every step, or give the time between outputs"):
-        ds = study.assess(program(partial(models.recorded, 0.5), tmp_path), errors=[0.01])
+        ds = study.assess(program(partial(models.recorded, 0.5), tmp_path), allowed_errors=[0.01])
     assert (ds.verdict == VERDICTS.index("not_even_the_finest_step")).all()
     assert "another motion" not in ds.attrs["remarks"]
 
@@ -358,7 +360,7 @@ def test_times_of_another_unit_or_clock_are_refused(factor, begin, reason, tmp_p
 @pytest.mark.parametrize("kept", [slice(1, None), slice(None, -1)], ids=["from the first step", "to the step before"])
 def test_output_may_lack_its_first_or_last_time(kept, tmp_path):
     model = program(lambda *job: {name: values[kept] for name, values in models.linear(*job).items()}, tmp_path)
-    ds = study.assess(model, errors=[0.01])
+    ds = study.assess(model, allowed_errors=[0.01])
     assert (ds.verdict == 0).all() and (ds.reference_uncertainty < 2e-4).all()
 
 
@@ -391,11 +393,11 @@ def test_ctrl_c_answers_what_is_known_and_loses_no_run(tmp_path):
 
     model = program(partial(interrupted, 0.1), tmp_path)
     with pytest.warns(RuntimeWarning, match="interrupted: no step is recommended where more runs were needed"):
-        ds = study.assess(model, errors=[0.1, 0.001])
+        ds = study.assess(model, allowed_errors=[0.1, 0.001])
     found, out_of_time = VERDICTS.index("found"), VERDICTS.index("out_of_time")
     assert (ds.verdict.sel(allowed_error=0.1) == found).all()
     assert (ds.verdict.sel(allowed_error=0.001) == out_of_time).all()
-    repeated = study.assess(replace(model, run=partial(interrupted, 0.0)), errors=[0.1, 0.001])
+    repeated = study.assess(replace(model, run=partial(interrupted, 0.0)), allowed_errors=[0.1, 0.001])
     assert (repeated.verdict == found).all()
     # one run of each scheme is always repeated, and one kept run of each by the second assessment
     assert len(calls) == len(set(calls)) + 2 * len(models.SCHEMES)
@@ -440,10 +442,10 @@ def _scattered(scheme, dt):
 
 def test_a_cheap_program_confirms_its_steps_by_many(tmp_path, monkeypatch):
     model = program(_scattered, tmp_path, ["a", "b"])
-    dear = study.assess(model, errors=[0.1])
+    dear = study.assess(model, allowed_errors=[0.1])
     monkeypatch.setattr(search, "MOST_CONFIRMING", MOST_CONFIRMING)
-    ds = study.assess(model, errors=[0.1])
-    for step in ds.recommended_dt.values.ravel():
+    ds = study.assess(model, allowed_errors=[0.1])
+    for step in ds.recommended_step_size.values.ravel():
         fresh = step * 2.0 ** -np.random.default_rng(7).random(200)
         exceed = np.array([_scattered("a", dt)["drift"] for dt in fresh]) - 1 - 0.1
         assert (exceed > 0).sum() <= 6 and exceed.max() <= 0.01
@@ -497,5 +499,5 @@ def _on_another_branch(scheme, dt):
 
 def test_a_scheme_that_goes_to_another_motion_says_so(tmp_path):
     with pytest.warns(RuntimeWarning, match="to another motion: halving its steps to .* leaves an error of 50"):
-        ds = study.assess(program(_on_another_branch, tmp_path, ["a", "b", "stray"]), errors=[0.1])
+        ds = study.assess(program(_on_another_branch, tmp_path, ["a", "b", "stray"]), allowed_errors=[0.1])
     assert [VERDICTS[code] for code in ds.verdict.values.ravel()] == ["found", "found", "not_even_the_finest_step"]

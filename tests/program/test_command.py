@@ -150,12 +150,12 @@ def test_the_example_in_c_is_assessed(tmp_path, monkeypatch):
     subprocess.run(["cc", "-O2", "-Wall", "-Werror", "-o", executable, source, "-lm"], check=True)
     words = ["assess", "--command", f"{executable} {WORDS}", "--schemes", ",".join(models.SCHEMES), "--duration", "10"]
     with contextlib.redirect_stdout(io.StringIO()) as printed:
-        main([*words, "--error", "0.01", "--output", str(tmp_path / "assessed")])
+        main([*words, "--allowed-error", "0.01", "--output", str(tmp_path / "assessed")])
     ds = study.io.read(tmp_path / "assessed.nc")
     assert "For 1\u00a0% of velocity: " in printed.getvalue() and (tmp_path / "assessed.html").is_file()
     assert (ds.verdict == 0).all() and ds.attrs["problem"] == "oscillator"
     program = study.Program(models.hardening, models.SCHEMES, 10.0, folder=tmp_path, workers=1, coarsest=0.625)
     monkeypatch.setattr(models, "DURATION", 10.0)
-    expected = study.assess(program, errors=[0.01])
-    assert ds.recommended_dt.values == pytest.approx(expected.recommended_dt.values)
+    expected = study.assess(program, allowed_errors=[0.01])
+    assert ds.recommended_step_size.values == pytest.approx(expected.recommended_step_size.values)
     assert ds.recommended_error.values == pytest.approx(expected.recommended_error.values, rel=1e-6)

@@ -34,24 +34,27 @@ def _errors_against(coarse, finer):
 def test_a_frame_of_fibres_keeps_its_errors_against_steps_ten_times_finer(example):
     program = example("opensees_frame.py", ["hht", "TRBDF2"], 4.0, spacing=0.02)
     assert program.schemes == ["hht_alpha", "bathe"] and program.title == "opensees_frame"
-    ds = study.assess(program, errors=[0.05, 0.01])
+    ds = study.assess(program, allowed_errors=[0.05, 0.01])
     assert (ds.verdict <= 1).all() and (ds.reference_uncertainty <= 1e-3).all()
-    steps = ds.recommended_dt.sel(allowed_error=0.01)
+    steps = ds.recommended_step_size.sel(allowed_error=0.01)
     assert np.allclose(0.02 / steps, np.round(0.02 / steps))
     model = runpy.run_path(str(EXAMPLES / "opensees_frame.py"))
     for scheme in program.schemes:
         step = steps.sel(scheme=scheme, quantity="drift").item()
         coarse, finer = (opensees_run.history(model, scheme, dt, 4.0) for dt in (step, step / 10))
-        error, stated = _errors_against(coarse, finer)["drift"], ds.error.sel(scheme=scheme, dt=step, quantity="drift")
+        error, stated = (
+            _errors_against(coarse, finer)["drift"],
+            ds.error.sel(scheme=scheme, step_size=step, quantity="drift"),
+        )
         assert error <= 0.01 and error == pytest.approx(stated.item(), abs=2e-3)
-        if (coarser := ds.dt[ds.dt > step]).size:
+        if (coarser := ds.step_size[ds.step_size > step]).size:
             coarse = opensees_run.history(model, scheme, float(coarser.min()), 4.0)
             assert max(_errors_against(coarse, finer).values()) > 0.005
 
 
 def test_floors_that_pound_are_assessed(example):
     program = example("opensees_gap.py", ["average_acceleration", "central_difference"], 1.0, coarsest=0.04)
-    ds = study.assess(program, errors=[0.1])
+    ds = study.assess(program, allowed_errors=[0.1])
     assert (ds.verdict == 0).all() and (ds.worst_error <= 1).all()
     beyond = ds.sel(scheme="central_difference", quantity="second floor").error.max()
     assert not float(beyond) <= 1  # steps beyond the stability limit

@@ -20,7 +20,7 @@ def test_errors_of_a_late_and_of_a_damped_solution():
     errors = work_precision.errors(problem, truth, Solution(late.u, late.v, 0, 0.0), 100, period)
     assert errors["phase_error"] == pytest.approx(1e-6, rel=1e-3)
     assert errors["period_elongation"] == pytest.approx(1e-8, rel=1e-3)
-    assert errors["max_energy_error"] < 1e-12
+    assert errors["max_energy_error"] < 1e-14
     smaller = Solution(truth.u * (1 - 1e-6), truth.v, 0, 0.0)
     assert work_precision.errors(problem, truth, smaller, 100, period)["amplitude_decay"] == pytest.approx(
         1e-8, rel=1e-3
@@ -34,7 +34,7 @@ def test_a_solver_that_gives_up_or_takes_too_long_is_left_out(monkeypatch):
 
     monkeypatch.setattr(work_precision, "SOLVERS", {"heyoka": work_precision.SOLVERS["heyoka"], "kvaerno5": slow})
     ds = work_precision.work_precision(["hardening"], [1e-6, 1e-8], [8], [1, 100, 1000], repeats=2, longest=0.5)
-    time = ds.solver_time_per_run.squeeze("problem")
+    time = ds.median_solver_seconds.squeeze("problem")
     assert np.isfinite(time.sel(solver="heyoka")).all()
     slow_one = time.sel(solver="kvaerno5")
     np.testing.assert_allclose(slow_one.isel(tolerance=0), [0.01, 1.0, np.nan])

@@ -16,18 +16,18 @@ def assessed():
 
 
 def test_the_fastest_scheme_is_first_and_those_without_a_step_are_last(assessed):
-    table = study.recommend(assessed, error=0.01)
+    table = study.recommend(assessed, allowed_error=0.01)
     assert table.index.tolist() == ["central_difference", "average_acceleration"]
-    assert table.step_size.tolist() == [0.005, 0.01] and table.number_of_steps.tolist() == [2000, 1000]
-    assert table.largest_step.tolist() == [1.05 * 0.005, 1.05 * 0.01]
+    assert table.step_size.tolist() == [0.005, 0.01] and table.steps.tolist() == [2000, 1000]
+    assert table.largest_step_size.tolist() == [1.05 * 0.005, 1.05 * 0.01]
     assert table.omega_step.tolist() == [0.015, 0.03] and table.kind.tolist() == ["explicit", "implicit"]
-    assert table["time"].tolist() == pytest.approx([10e-6, 50e-6]) and set(table.verdict) == {"found"}
-    without = study.recommend(assessed, error=0.01, quantity="energy")
+    assert table["seconds"].tolist() == pytest.approx([10e-6, 50e-6]) and set(table.verdict) == {"found"}
+    without = study.recommend(assessed, allowed_error=0.01, quantity="energy")
     assert without.verdict.tolist() == ["found", "not even the finest step"] and without.step_size.isna().tolist()[1]
 
 
 def test_the_other_errors_at_a_step_are_stated(assessed):
-    table = study.recommend(assessed, error=0.01, quantity="energy")
+    table = study.recommend(assessed, allowed_error=0.01, quantity="energy")
     assert table.most_wrong.iloc[0] == "displacement" and table.most_wrong.isna().iloc[1]
     assert table.most_wrong_error.iloc[0] == pytest.approx(100 * 0.004)
     assert "with Δt = 0.004 s (2500 steps, 12.5 µs), where displacement is wrong by 40\u00a0%." in answer(
@@ -38,38 +38,42 @@ def test_the_other_errors_at_a_step_are_stated(assessed):
 
 
 def test_times_within_their_spreads_tie(assessed):
-    assert study.recommend(assessed, error=0.01).ties_with_fastest.tolist() == [True, False]
-    assessed.time_spread.loc[{"scheme": "average_acceleration"}] = 90e-6
-    assert study.recommend(assessed, error=0.01).ties_with_fastest.tolist() == [True, True]
+    assert study.recommend(assessed, allowed_error=0.01).ties_with_fastest.tolist() == [True, False]
+    assessed.seconds_spread.loc[{"scheme": "average_acceleration"}] = 90e-6
+    assert study.recommend(assessed, allowed_error=0.01).ties_with_fastest.tolist() == [True, True]
 
 
 def test_times_within_their_spread_are_ranked_by_counts(assessed):
     """48.3 ± 102 µs does not distinguish a scheme from 12.4 µs: the number of forces decides, or of steps."""
-    assessed.time.values[:], assessed.time_spread.values[:] = [[[12.4e-6]], [[48.3e-6]]], [[[1e-6]], [[102e-6]]]
-    assert study.recommend(assessed, error=0.1, quantity="energy").index[0] == "average_acceleration"
+    assessed.seconds.values[:], assessed.seconds_spread.values[:] = [[[12.4e-6]], [[48.3e-6]]], [[[1e-6]], [[102e-6]]]
+    assert study.recommend(assessed, allowed_error=0.1, quantity="energy").index[0] == "average_acceleration"
     assessed.force_evaluations.loc[{"scheme": "central_difference"}] = 10.0
-    table = study.recommend(assessed, error=0.1, quantity="energy")
+    table = study.recommend(assessed, allowed_error=0.1, quantity="energy")
     assert table.index[0] == "central_difference" and table.ties_with_fastest.all()
     assert "do not distinguish it from Average acceleration" in answer(assessed, "energy", 0.1)
     assessed.force_evaluations[:] = float("nan")
-    assert study.recommend(assessed, error=0.01).index[0] == "average_acceleration"  # 1,000 steps instead of 2,000
-    assessed.time_spread[:] = 1e-6
-    assert study.recommend(assessed, error=0.01).index[0] == "average_acceleration"
-    assessed.time.loc[{"scheme": "central_difference"}] = 1e-6
-    assert study.recommend(assessed, error=0.01).index[0] == "central_difference"
+    assert (
+        study.recommend(assessed, allowed_error=0.01).index[0] == "average_acceleration"
+    )  # 1,000 steps instead of 2,000
+    assessed.seconds_spread[:] = 1e-6
+    assert study.recommend(assessed, allowed_error=0.01).index[0] == "average_acceleration"
+    assessed.seconds.loc[{"scheme": "central_difference"}] = 1e-6
+    assert study.recommend(assessed, allowed_error=0.01).index[0] == "central_difference"
 
 
 def _with_step(assessed, step):
     """The assessment with one recommended step for all schemes, quantities and errors."""
-    steps = assessed.recommended_dt.copy(data=np.full(assessed.recommended_dt.shape, step))
-    return assessed.assign(recommended_dt=steps).assign_coords(dt=[step, 1.0, 2.0, 3.0][: assessed.sizes["dt"]])
+    steps = assessed.recommended_step_size.copy(data=np.full(assessed.recommended_step_size.shape, step))
+    return assessed.assign(recommended_step_size=steps).assign_coords(
+        step_size=[step, 1.0, 2.0, 3.0][: assessed.sizes["step_size"]]
+    )
 
 
 def test_what_is_printed_can_be_typed_back(assessed):
     assessed = _with_step(assessed, 3.6e-6).assign_attrs(duration=0.0999972)
-    assessed["highest_frequency"], assessed.largest_dt[:] = float("nan"), 3.8666251e-6
-    table = study.recommend(assessed, error=0.01)
-    text = table[["step_size", "largest_step", "omega_step", "number_of_steps", "time"]].to_string()
+    assessed["highest_frequency"], assessed.largest_step_size[:] = float("nan"), 3.8666251e-6
+    table = study.recommend(assessed, allowed_error=0.01)
+    text = table[["step_size", "largest_step_size", "omega_step", "steps", "seconds"]].to_string()
     row = text.splitlines()[-1].split()
     assert row[1:5] == ["3.6e-06", "3.86e-06", "–", "27777"] and float(row[1]) == 3.6e-6
     assert "NaN" not in text and "nan" not in text
@@ -81,7 +85,7 @@ def test_what_is_printed_can_be_typed_back(assessed):
 
 def test_a_fraction_of_a_spacing_is_printed_as_such(assessed):
     assessed = _with_step(assessed, 0.02 / 3).assign_attrs(spacing=0.02)
-    text = study.recommend(assessed, error=0.01)[["step_size"]].to_string()
+    text = study.recommend(assessed, allowed_error=0.01)[["step_size"]].to_string()
     assert text.splitlines()[0].endswith("20/3 ms") and text.splitlines()[-1].split()[-1] == "0.02/3"
 
 
@@ -89,16 +93,16 @@ def test_a_scheme_that_was_asked_for_is_compared(assessed):
     remark = "Central difference is unstable without damping at every step"
     assessed.attrs |= {"asked_for": "central_difference", "remarks": remark}
     compared = "Central difference: 5\u00a0ms, 2 times the forces of Average acceleration"
-    assert study.recommend(assessed, error=0.01).attrs["answer"][1:] == [remark, compared]
+    assert study.recommend(assessed, allowed_error=0.01).attrs["answer"][1:] == [remark, compared]
     assessed.attrs["asked_for"] = "average_acceleration"
     none = "Average acceleration: no step was found (not even the finest step)"
-    assert study.recommend(assessed, error=0.01, quantity="energy").attrs["answer"][1] == none
+    assert study.recommend(assessed, allowed_error=0.01, quantity="energy").attrs["answer"][1] == none
 
 
 def test_a_name_stands_for_the_dataset_of_that_name(assessed, tmp_path):
     small_results.write_to(tmp_path)
-    by_name = study.recommend("mine", error=0.1, quantity="energy", folder=tmp_path)
-    pd.testing.assert_frame_equal(by_name, study.recommend(assessed, error=0.1, quantity="energy"))
+    by_name = study.recommend("mine", allowed_error=0.1, quantity="energy", folder=tmp_path)
+    pd.testing.assert_frame_equal(by_name, study.recommend(assessed, allowed_error=0.1, quantity="energy"))
 
 
 def test_a_problem_of_the_study_has_the_decisions_as_its_first_rows(tmp_path):
@@ -106,46 +110,48 @@ def test_a_problem_of_the_study_has_the_decisions_as_its_first_rows(tmp_path):
     needed = small_results.needed()
     decided = decisions(needed).sel(problem="softening", filter="all")
     for quantity, error in (("displacement", 0.1), ("displacement", 0.01), ("velocity", 0.1)):
-        table = study.recommend("softening", error=error, quantity=quantity, folder=tmp_path)
+        table = study.recommend("softening", allowed_error=error, quantity=quantity, folder=tmp_path)
         for kind in ("explicit", "implicit"):
             one = decided.sel(quantity=quantity, allowed_error=error, kind=kind)
             first = table[table.kind == kind].iloc[0]
-            assert (first.name, first.step_size, first.forces_per_time) == (
+            assert (first.name, first.step_size, first.force_evaluations_per_time) == (
                 one.scheme.item(),
                 one.step_size.item(),
                 one.force_evaluations.item(),
             )
     # 16 steps of one force and 8 of two tie, and the names stand in the order of their needs
-    table = study.recommend("softening", error=0.1, folder=tmp_path)
+    table = study.recommend("softening", allowed_error=0.1, folder=tmp_path)
     assert table.index.tolist() == ["cheap", "dear", "stiff"] and table.steps_per_period.tolist() == [16, 8, 16]
     text = str(table)
     assert text.startswith("10 % of displacement, explicit: Cheap, 0.125 s\n10 % of displacement, implicit: Stiff")
     assert "Runs on the softeninging thing last 10 times 2 s, from one start." in text
-    assert study.recommend("softening", error=0.01, folder=tmp_path).verdict["dear"] == "not even the finest step"
-    pd.testing.assert_frame_equal(table, study.recommend(needed.sel(problem="softening"), error=0.1))
+    assert (
+        study.recommend("softening", allowed_error=0.01, folder=tmp_path).verdict["dear"] == "not even the finest step"
+    )
+    pd.testing.assert_frame_equal(table, study.recommend(needed.sel(problem="softening"), allowed_error=0.1))
 
 
 def test_a_longer_duration_extrapolates_the_steps_of_a_free_vibration(assessed):
     """The step of both schemes, of second order, falls with the root of the duration, from 10 s to 90 s."""
     assessed.attrs |= {"free_vibration": 1, "duration_requested": 10.0}
-    known = study.recommend(assessed, error=0.01)
-    table = study.recommend(assessed, error=0.01, duration=90)
+    known = study.recommend(assessed, allowed_error=0.01)
+    table = study.recommend(assessed, allowed_error=0.01, duration=90)
     assert table.step_size.to_dict() == {"average_acceleration": 0.0033, "central_difference": 0.0016}
-    assert table.step_of_runs.to_dict() == known.step_size.to_dict() and set(table.verdict) == {"extrapolated"}
-    assert table.number_of_steps.tolist() == [27273, 56250] and table.exponent.tolist() == [0.5, 0.5]
+    assert table.step_size_of_runs.to_dict() == known.step_size.to_dict() and set(table.verdict) == {"extrapolated"}
+    assert table.steps.tolist() == [27273, 56250] and table.exponent.tolist() == [0.5, 0.5]
     assert table.force_evaluations["central_difference"] == pytest.approx(200 * 0.005 / 0.0016 * 90)
     assert str(table).startswith(
         "1 % of displacement over 90 s, implicit: Average acceleration, 3.3 ms (extrapolated)\n"
     )
     assert "No run of 90 s confirms them." in str(table)
-    pd.testing.assert_frame_equal(study.recommend(assessed, error=0.01, duration=5), known)
-    energy = study.recommend(assessed, error=0.1, quantity="energy", duration=90)
-    assert energy.step_size.to_dict() == energy.step_of_runs.to_dict()
+    pd.testing.assert_frame_equal(study.recommend(assessed, allowed_error=0.01, duration=5), known)
+    energy = study.recommend(assessed, allowed_error=0.1, quantity="energy", duration=90)
+    assert energy.step_size.to_dict() == energy.step_size_of_runs.to_dict()
 
 
 def test_a_problem_of_the_study_is_extrapolated_if_it_is_a_spring():
     needed = small_results.needed().sel(problem="softening")
-    table = study.recommend(needed, error=0.1, duration=80)
+    table = study.recommend(needed, allowed_error=0.1, duration=80)
     # 4 times the 20 s of the runs: 4^(2/5) with a dissipative scheme of fourth order, 4^(2/3) with one of second order
     assert table.step_size.to_dict() == {
         "cheap": np.floor(1000 * 0.125 / 4**0.4) / 1000,
@@ -153,22 +159,30 @@ def test_a_problem_of_the_study_is_extrapolated_if_it_is_a_spring():
         "stiff": np.floor(1000 * 0.125 / 4 ** (2 / 3)) / 1000,
     }
     with pytest.raises(ValueError, match="the runs last 20 s, and steps are extrapolated to 80 s only for free vib"):
-        study.recommend(needed.assign_coords(free_vibration=0), error=0.1, duration=80)
+        study.recommend(needed.assign_coords(free_vibration=0), allowed_error=0.1, duration=80)
 
 
 def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):
     small_results.write_to(tmp_path)
     with pytest.raises(KeyError, match="no assessment and no problem 'softning' in .*; did you mean 'softening'?"):
-        study.recommend("softning", error=0.1, folder=tmp_path)
+        study.recommend("softning", allowed_error=0.1, folder=tmp_path)
 
 
 @pytest.mark.parametrize(
     "arguments, error, sentence",
     [
         ({"quantity": "energi"}, KeyError, "the assessment has no quantity 'energi'; did you mean 'energy'?"),
-        ({"error": 0.05}, ValueError, "error must be one that was assessed, 0.1, 0.01, not 0.05; assess"),
-        ({"error": float("nan")}, ValueError, "error must be one that was assessed, 0.1, 0.01, not nan; assess"),
-        ({"error": "0.1"}, TypeError, "error must be a number, not '0.1'."),
+        (
+            {"allowed_error": 0.05},
+            ValueError,
+            "allowed_error must be one that was assessed, 0.1, 0.01, not 0.05; assess",
+        ),
+        (
+            {"allowed_error": float("nan")},
+            ValueError,
+            "allowed_error must be one that was assessed, 0.1, 0.01, not nan; assess",
+        ),
+        ({"allowed_error": "0.1"}, TypeError, "allowed_error must be a number, not '0.1'."),
         ({"duration": 0}, ValueError, "duration must be a positive number of seconds, not 0."),
         (
             {"duration": 11},
@@ -181,5 +195,5 @@ def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):
 )
 def test_mistakes_get_a_sentence(assessed, arguments, error, sentence):
     with pytest.raises(error) as caught:
-        study.recommend(**{"what": assessed, "error": 0.01} | arguments)
+        study.recommend(**{"what": assessed, "allowed_error": 0.01} | arguments)
     assert sentence in str(caught.value)

@@ -50,11 +50,11 @@ def found(reference, monkeypatch):
 
 
 def test_the_step_that_is_needed_keeps_the_error_as_all_finer_ones(found):
-    assert found.step_needed.sel(scheme="energy_momentum").isnull().all()  # the force dissipates
+    assert found.largest_step_size.sel(scheme="energy_momentum").isnull().all()  # the force dissipates
     ours = found.sel(scheme="average_acceleration")
-    assert ours.step_needed.notnull().all() and (ours.factorisations_per_step >= 1).all()
-    for tried, some in (("all", ours), ("commensurate", ours.isel(step_size=np.flatnonzero(ours.commensurate)))):
-        fine = some.step_size <= some.step_needed.sel(tried=tried)
+    assert ours.largest_step_size.notnull().all() and (ours.factorisations_per_step >= 1).all()
+    for condition, some in (("any_step", ours), ("practice", ours.isel(step_size=np.flatnonzero(ours.divides)))):
+        fine = some.step_size <= some.largest_step_size.sel(condition=condition)
         assert (some.error.where(fine, 0) <= 0.01).all()
         # the next coarser step does not keep the error
         next_coarser = np.maximum(fine.argmax("step_size") - 1, 0)
@@ -89,7 +89,7 @@ def test_records_take_the_place_of_starts():
         {
             "scheme": ["rk4", "energy_momentum"],
             "step_size": [0.1, 0.03, 0.02],
-            "commensurate": ("step_size", [0, 0, 1]),
+            "divides": ("step_size", [0, 0, 1]),
             "period": [0.2, 1.0],
             "duration": 20.0,
             "spacing": 0.02,

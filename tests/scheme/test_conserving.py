@@ -14,9 +14,9 @@ def test_energy_of_a_quartic_is_conserved_to_round_off(name, problem, dt):
     """The energy is kept at step sizes at which the energy error of average acceleration exceeds one per cent."""
     ds = study.run(problem, name, dt=dt, steps=20_000, observe=["max_energy_error"])
     assert ds.status == 0
-    assert ds.max_energy_error < 1e-8
+    assert ds.max_energy_error < 1e-10
     average = study.run(problem, "average_acceleration", dt=dt, steps=20_000, observe=["max_energy_error"])
-    assert average.max_energy_error > 1
+    assert average.max_energy_error > 0.01
 
 
 def test_energy_of_any_potential_is_conserved_by_the_discrete_gradient_alone():
@@ -24,7 +24,7 @@ def test_energy_of_any_potential_is_conserved_by_the_discrete_gradient_alone():
         study.run("softening", name, dt=1.14 / 8, steps=20_000, observe=["max_energy_error"]).max_energy_error
         for name in ("energy_momentum", "average_vector_field")
     )
-    assert gradient < 1e-8 < 1e-3 < quadrature
+    assert gradient < 1e-10 < 1e-5 < quadrature
 
 
 def test_conservation_of_two_masses_on_a_spring():

@@ -46,7 +46,7 @@ def against_c(folder: str) -> Iterator[Case]:
             u0, dt = float(study.problems[spring].u0), step_size(spring)
             _, error = peer.single(spring, name, u0, dt, STEPS, folder)
             ds = study.run(spring, name, dt=dt, steps=STEPS, observe=["max_energy_error"])
-            np.testing.assert_allclose(ds.max_energy_error / 100, error, rtol=1e-4, err_msg=f"{name} in C differs")
+            np.testing.assert_allclose(ds.max_energy_error, error, rtol=1e-4, err_msg=f"{name} in C differs")
             yield Case(
                 f"{name}, {spring} : C",
                 lambda ours=ours, dt=dt: ours.run(dt, STEPS)[0],

@@ -12,18 +12,25 @@ def filled(value, **coordinates) -> xr.DataArray:
 
 
 def energy_error(order=2.0, **errors) -> xr.Dataset:
-    """A dataset like energy_error.nc; other schemes than the given ones have 1 % at T/15 and the order ``order``."""
+    """A dataset like energy_error.nc; ``errors`` are in percent.
+
+    Other schemes than the given ones have 1 % at T/15 and the order ``order``.
+    """
     error = filled(1.0, period_used=["printed"], problem=PROBLEMS, steps_per_period=STEPS, scheme=SCHEMES)
     error = error * (15 / error.steps_per_period) ** order
     for scheme, value in errors.items():
         error.loc[{"scheme": scheme}] = value if np.ndim(value) == 0 else np.reshape(value, (-1, len(STEPS)))
-    return error.transpose("period_used", "problem", "steps_per_period", "scheme").to_dataset(name="max_energy_error")
+    return (
+        (error / 100)
+        .transpose("period_used", "problem", "steps_per_period", "scheme")
+        .to_dataset(name="max_energy_error")
+    )
 
 
 def accuracy(energy=1.0, displacement=1.0, drift=0.0) -> xr.Dataset:
     """A dataset like accuracy.nc, in which all runs have the same errors; the arguments are in percent."""
     along = {"problem": PROBLEMS, "scheme": SCHEMES, "steps_per_period": [16, 32], "periods": [100]}
-    values = {"max_energy_error": energy, "max_trajectory_error": displacement / 100, "energy_drift": drift / 100}
+    values = {"max_energy_error": energy / 100, "max_trajectory_error": displacement / 100, "energy_drift": drift / 100}
     return xr.Dataset({name: filled(value, **along) for name, value in values.items()})
 
 
@@ -32,4 +39,4 @@ def times(**of_schemes) -> xr.Dataset:
     time = filled(10.0, problem=PROBLEMS, scheme=SCHEMES, repeat=[0, 1, 2, 3])
     for scheme, values in of_schemes.items():
         time.loc[{"scheme": scheme}] = np.broadcast_to(values, (len(PROBLEMS), 4))
-    return time.to_dataset(name="time_per_step")
+    return time.to_dataset(name="seconds_per_step")

@@ -14,8 +14,8 @@ from tests.paper.claims.made_up import filled
     [(0.051, 75, True, "0.05"), (0.049, 75, False, "0.05"), (0.1, -1, False, "0.10")],
 )
 def test_a_map_is_chaotic_by_its_exponent_and_its_perturbation(a_step, apart, holds, ours):
-    variables = {"lyapunov_exponent": ("dt", [a_step / 2.5]), "steps_until_apart": ("dt", [apart])}
-    finding = stability.chaos_of_average_acceleration(xr.Dataset(variables, {"dt": [2.5]}))
+    variables = {"lyapunov_exponent": ("step_size", [a_step / 2.5]), "steps_until_apart": ("step_size", [apart])}
+    finding = stability.chaos_of_average_acceleration(xr.Dataset(variables, {"step_size": [2.5]}))
     assert (finding.holds, finding.ours) == (holds, ours)
 
 
@@ -30,9 +30,11 @@ def test_a_map_is_chaotic_by_its_exponent_and_its_perturbation(a_step, apart, ho
 )
 def test_a_twentieth_is_reasonable_where_twenty_steps_suffice(steps, holds, reason):
     problems = ["hardening", "softening", "double_well"]
-    needed = filled(99.0, problem=problems, scheme=["average_acceleration"], level=[0.01, 0.1], periods=[10, 100])
-    needed.loc[{"level": 0.1, "periods": 100}] = np.reshape(steps, (3, 1))
-    data = xr.Dataset({"steps_needed": needed, "most_steps": 128})
+    needed = filled(
+        99.0, problem=problems, scheme=["average_acceleration"], allowed_error=[0.01, 0.1], periods=[10, 100]
+    )
+    needed.loc[{"allowed_error": 0.1, "periods": 100}] = np.reshape(steps, (3, 1))
+    data = xr.Dataset({"fewest_steps_per_period": needed, "most_steps_per_period": 128})
     finding = stability.a_twentieth_at_every_amplitude(data)
     assert (finding.holds, finding.qualification) == (holds, reason)
     assert ("more than 128" in finding.ours) == bool(np.isnan(steps).any())
@@ -98,10 +100,15 @@ def test_a_balance_that_is_kept_by_a_wrong_motion_is_no_verdict(imbalance, error
 def test_twenty_steps_are_enough_where_no_oscillator_needs_more(step, holds):
     needed = xr.DataArray(
         [[[[[0.1, step]]]]],
-        dims=("tried", "record", "scheme", "period", "reduction"),
-        coords={"tried": ["all"], "scheme": ["average_acceleration"], "period": [1.0], "reduction": [1.0, 4.0]},
+        dims=("condition", "record", "scheme", "period", "reduction"),
+        coords={
+            "condition": ["any_step"],
+            "scheme": ["average_acceleration"],
+            "period": [1.0],
+            "reduction": [1.0, 4.0],
+        },
     )
-    assert materials.twenty_steps_for_the_peak(needed.to_dataset(name="step_needed")).holds == holds
+    assert materials.twenty_steps_for_the_peak(needed.to_dataset(name="largest_step_size")).holds == holds
 
 
 @pytest.mark.parametrize("between, holds", [([0.5, 0.5], False), ([0.001, 0.5], True), ([0.001, 0.001], True)])
@@ -112,7 +119,7 @@ def test_a_finer_step_is_better_where_fewer_runs_are_beyond_the_error(between, h
         coords={
             "scheme": ["average_acceleration"],
             "step_size": [0.02, 0.015, 0.01],
-            "commensurate": ("step_size", [1, 0, 1]),
+            "divides": ("step_size", [1, 0, 1]),
             "period": [1.0],
             "reduction": [1.0, 4.0],
             "spacing": 0.02,

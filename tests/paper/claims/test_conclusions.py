@@ -17,13 +17,13 @@ def _large_steps(**worst):
     Faithful schemes have 1 % below T/20, except central difference at 0.04 T; ``worst`` gives this error by problem.
     """
     schemes = ["average_acceleration", "central_difference", "houbolt"]
-    dims = ["problem", "scheme", "dt_over_period"]
+    dims = ["problem", "scheme", "step_size_over_period"]
     error = xr.DataArray(99.0, dict(zip(dims, (list(worst), schemes, PARTS), strict=True)), dims).copy()
     for problem, value in worst.items():
         faithful = {"problem": problem, "scheme": ["average_acceleration", "central_difference"]}
-        error.loc[faithful | {"dt_over_period": [0.01, 0.04]}] = 1.0
-        error.loc[{"problem": problem, "scheme": "central_difference", "dt_over_period": 0.04}] = value
-    return xr.Dataset({"max_energy_error": error})
+        error.loc[faithful | {"step_size_over_period": [0.01, 0.04]}] = 1.0
+        error.loc[{"problem": problem, "scheme": "central_difference", "step_size_over_period": 0.04}] = value
+    return xr.Dataset({"max_energy_error": error / 100})
 
 
 @pytest.mark.parametrize(
@@ -82,10 +82,10 @@ def test_results_vary_greatly_and_one_is_far_better_by_the_same_factor(ratio, ve
 
 def _beyond(failing=(), error=1.0):
     """Runs at Δt = 0.1 T and 0.3 T; the schemes ``failing`` fail at 0.3 T on the hardening spring."""
-    along = {"problem": ["hardening", "softening"], "scheme": SCHEMES, "dt_over_period": [0.1, 0.3]}
+    along = {"problem": ["hardening", "softening"], "scheme": SCHEMES, "step_size_over_period": [0.1, 0.3]}
     status = filled(0, **along)
-    status.loc[{"problem": "hardening", "scheme": list(failing), "dt_over_period": 0.3}] = 1
-    return xr.Dataset({"status": status, "max_energy_error": filled(error, **along)})
+    status.loc[{"problem": "hardening", "scheme": list(failing), "step_size_over_period": 0.3}] = 1
+    return xr.Dataset({"status": status, "max_energy_error": filled(error / 100, **along)})
 
 
 @pytest.mark.parametrize("failing, holds", [(["central_difference", "rk4"], True), (["rk4"], False), ([], False)])
@@ -99,8 +99,8 @@ def test_both_explicit_schemes_fail_somewhere_at_large_steps(failing, holds):
 
 def test_runs_that_fail_below_a_fifth_of_the_period_are_stated():
     data = _beyond(["central_difference", "rk4"])
-    data.status.loc[{"scheme": "rk4", "dt_over_period": 0.1}] = 1
-    data.status.loc[{"dt_over_period": 0.3, "scheme": "rk4"}] = 1
+    data.status.loc[{"scheme": "rk4", "step_size_over_period": 0.1}] = 1
+    data.status.loc[{"step_size_over_period": 0.3, "scheme": "rk4"}] = 1
     assert conclusions.explicit_schemes_at_large_steps(data).qualification == "runs of rk4 already fail below T/5"
 
 

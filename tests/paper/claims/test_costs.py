@@ -31,6 +31,6 @@ def test_what_costs_more_is_decided_in_most_cells(dearer, verdict):
 def test_twice_the_time_is_compared_repeat_by_repeat():
     data = times()
     assert not costs.softening_costs_twice(data).holds
-    data.time_per_step.loc[{"problem": "softening"}] = [25.0, 50.0, 25.0, 25.0]
-    data.time_per_step.loc[{"problem": "hardening", "repeat": 1}] = 20.0
+    data.seconds_per_step.loc[{"problem": "softening"}] = [25.0, 50.0, 25.0, 25.0]
+    data.seconds_per_step.loc[{"problem": "hardening", "repeat": 1}] = 20.0
     assert costs.softening_costs_twice(data).holds

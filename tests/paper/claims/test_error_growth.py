@@ -16,11 +16,11 @@ def _growth(kept=1.0, lost=2.0, error=0.09):
     powers = xr.DataArray([kept, lost], dims="scheme")
     data = filled(1e-4, **along, periods=[1, 10, 100, 1000]).to_dataset(name="phase_error")
     data["phase_error"] = data.phase_error * data.periods**powers
-    data["max_energy_error"] = xr.full_like(data.phase_error, 1.0)
-    data["max_energy_error"][0, 1, :, -1] = 90.0
+    data["max_energy_error"] = xr.full_like(data.phase_error, 0.01)
+    data["max_energy_error"][0, 1, :, -1] = 0.9
     data["flagged"] = xr.zeros_like(data.phase_error).expand_dims(measure=["phase_error"])
     data["extrapolated_error"] = ("problem", "scheme"), [[0.05, error]]
-    data["run"] = ("problem", "scheme"), [[200.0, 300.0]]
+    data["extrapolated_steps_per_period"] = ("problem", "scheme"), [[200.0, 300.0]]
     return data.assign_coords(
         keeps_energy=("scheme", [1, 0]), allowed_error=0.1, scheme_title=data.scheme, problem_title=data.problem
     )
@@ -43,4 +43,5 @@ def test_extrapolated_steps_keep_the_error_or_not():
     beyond = claims.extrapolated_steps_keep(_growth(error=0.107))
     assert not beyond.holds and beyond.ours == "1 of 2; 1.07" and beyond.qualification.endswith("bathe on hardening")
     assert not claims.extrapolated_steps_keep(_growth(error=np.nan)).holds
-    assert not claims.extrapolated_steps_keep(_growth().assign(run=_growth().run * np.nan)).holds
+    none = {"extrapolated_steps_per_period": _growth().extrapolated_steps_per_period * np.nan}
+    assert not claims.extrapolated_steps_keep(_growth().assign(none)).holds

@@ -27,7 +27,7 @@ def _spectral(variables):
     over_steps = ["algorithmic_damping", "displacement_overshoot", "period_elongation"]
     along = {"scheme": SCHEMES, "damping_ratio": [0.0, 0.1]}
     data = filled(1.0, **along).to_dataset(name="memory").assign({name: filled(1.0, **along) for name in names})
-    data = data.assign({name: filled(1.0, **along, dt_over_period=[0.01, 0.1]) for name in over_steps})
+    data = data.assign({name: filled(1.0, **along, step_size_over_period=[0.01, 0.1]) for name in over_steps})
     for name, values in variables.items():
         for scheme, value in values.items():
             data[name].loc[{"scheme": scheme}] = value
@@ -98,9 +98,9 @@ def test_order_stability_and_dissipation_at_once(order, limit, radius, holds):
                          [(1e-11, 0.05, True, False), (1e-11, 0.9, True, True), (1e-3, 0.1, False, False)])  # fmt: skip
 def test_energy_by_relaxation(energy, motion, holds, qualified):
     along = {"problem": ["hardening"], "steps_per_period": [15, 20], "variant": ["plain", "relaxed"]}
-    data = filled(99.0, **along).to_dataset(name="max_energy_error").assign(motion_error=filled(99.0, **along))
+    data = filled(99.0, **along).to_dataset(name="max_energy_error").assign(return_error=filled(99.0, **along))
     data.max_energy_error.loc[{"variant": "relaxed"}] = energy
-    data.motion_error.loc[{"variant": "relaxed"}] = motion
+    data.return_error.loc[{"variant": "relaxed"}] = motion
     finding = later_schemes.energy_by_relaxation(data)
     assert (finding.holds, bool(finding.qualification)) == (holds, qualified)
 

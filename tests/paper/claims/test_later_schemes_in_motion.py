@@ -19,8 +19,8 @@ def _later(**parts):
         "trigonometric_error": {"member": MEMBERS, "steps": [16, 32, 64]},
         "wave_error": {"wave_scheme": WAVES, "courant": [0.5, 1.0]},
         "auxiliary_error": {"auxiliary": ["auxiliary_variable", "average_acceleration"], "steps": [16, 32, 64]},
-        "auxiliary_peak": {"long_step": [0.5, 8.0]},
-        "fourth_order_error": {"of_fourth_order": FOURTH, "forces": [192, 384]},
+        "auxiliary_peak": {"step_size": [0.5, 8.0]},
+        "fourth_order_error": {"of_fourth_order": FOURTH, "force_evaluations": [192, 384]},
     }
     data = xr.Dataset({name: filled(1.0, **dims) for name, dims in along.items()})
     for name, values in parts.items():
@@ -184,7 +184,7 @@ def _relaxation(plain, relaxed):
     data = filled(1.0, **along)
     for variant, values in (("plain", plain), ("relaxed", relaxed)):
         data.loc[{"variant": variant}] = values
-    return data.to_dataset(name="motion_error")
+    return data.to_dataset(name="return_error")
 
 
 def test_relaxation_in_motion():

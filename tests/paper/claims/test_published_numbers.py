@@ -15,7 +15,7 @@ def _errors(error):
     data = filled(1.0, **along).to_dataset(name="error")
     data["error"][:] = error
     data["steps"] = ("problem", "refinement"), [[20_000, 200_000, 2_000_000], [32, 128, 512]]
-    data["time"] = "problem", [2.0, 2.0]
+    data["duration"] = "problem", [2.0, 2.0]
     return data.assign_coords(explicit=("scheme", [0, 1]))
 
 

@@ -20,8 +20,8 @@ def test_every_cell_is_drawn_in_its_place():
     outcome = np.random.default_rng(0).integers(0, len(OUTCOME_STYLES), (12, 8))
     ones = ("amplitude", np.ones(12))
     one = xr.Dataset(
-        {"outcome": (("amplitude", "dt_over_period"), outcome), "highest_frequency": ones, "period": ones},
-        {"amplitude": amplitudes, "dt_over_period": parts},
+        {"outcome": (("amplitude", "step_size_over_period"), outcome), "highest_frequency": ones, "period": ones},
+        {"amplitude": amplitudes, "step_size_over_period": parts},
     )
     figure, ax = plt.subplots(dpi=100)
     outcome_map(ax, one, np.inf)

@@ -79,14 +79,14 @@ def test_panels_are_lettered_beyond_the_alphabet(index, title):
 
 def _spectral(number):
     """Made-up linear theory of ``number`` schemes of one family."""
-    dims = ("scheme", "dt_over_period", "damping_ratio")
+    dims = ("scheme", "step_size_over_period", "damping_ratio")
     values = (dims, np.linspace(0, 0.1, number * 20).reshape(number, 20, 1))
     return _members(number).assign(
         {
             "period_elongation": values,
             "algorithmic_damping": values,
             "stability_limit": (dims[::2], np.ones((number, 1))),
-            "dt_over_period": np.linspace(0.01, 0.4, 20),
+            "step_size_over_period": np.linspace(0.01, 0.4, 20),
             "damping_ratio": [0.0],
         }
     )

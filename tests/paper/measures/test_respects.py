@@ -23,7 +23,7 @@ def _spectral(radii, limits=(np.inf, np.inf)):
     data = xr.Dataset({name: filled(0.0, **along) for name in names})
     data["infinite_frequency_radius"] = filled(1.0, **along) * [[radii[0]], [radii[1]]]
     data["stability_limit"] = filled(1.0, **along) * [[limits[0]], [limits[1]]]
-    return data.assign(algorithmic_damping=filled(0.01, **along, dt_over_period=[0.05]))
+    return data.assign(algorithmic_damping=filled(0.01, **along, step_size_over_period=[0.05]))
 
 
 def test_a_scheme_dominates_if_it_is_worse_in_nothing_and_better_in_something():

@@ -19,14 +19,20 @@ def atlas() -> xr.Dataset:
     outcome[0, 1, 1] = [0, 0, 0, 2]
     meanings = " ".join([*NAMES, "unbounded"])
     return xr.Dataset(
-        {"outcome": (("scheme", "problem", "amplitude", "dt_over_period"), outcome, {"flag_meanings": meanings})},
+        {
+            "outcome": (
+                ("scheme", "problem", "amplitude", "step_size_over_period"),
+                outcome,
+                {"flag_meanings": meanings},
+            )
+        },
         coords={
             "scheme": ["own"],
             "scheme_title": ("scheme", ["Own"]),
             "family": ("scheme", ["Own"]),
             "problem": ["hardening", "softening"],
             "amplitude": [0.1, 1.0, 2.0],
-            "dt_over_period": [0.01, 0.1, 0.2, 0.5],
+            "step_size_over_period": [0.01, 0.1, 0.2, 0.5],
         },
     )
 
@@ -50,15 +56,15 @@ def test_the_longest_runs_count_and_the_most_steps_stand_for_failure():
     needed = np.array([[[20.0, 40.0], [10.0, np.nan]]])  # steps by problem, level and length of runs
     steps = xr.Dataset(
         {
-            "steps_needed": (("problem", "scheme", "level", "periods"), needed[:, None]),
-            "most_steps": ((), 256),
+            "fewest_steps_per_period": (("problem", "scheme", "allowed_error", "periods"), needed[:, None]),
+            "most_steps_per_period": ((), 256),
         },
         coords={
             "problem": ["softening"],
             "problem_title": ("problem", ["softening spring"]),
             "scheme": ["own"],
             "scheme_title": ("scheme", ["Own"]),
-            "level": [0.05, 0.01],
+            "allowed_error": [0.05, 0.01],
             "periods": [10, 100],
         },
     )
