@@ -71,7 +71,7 @@ class Assessed(NamedTuple):
     tolerances: dict[Limit, Tolerance] | None = None
 
 
-def _timed(problem: Problem, scheme: Scheme, steps_by_dt: dict[float, int]) -> dict[float, tuple]:
+def times_of_steps(problem: Problem, scheme: Scheme, steps_by_dt: dict[float, int]) -> dict[float, tuple]:
     """Median and interquartile range of the time in s of all steps of a run, by step size.
 
     ``steps_by_dt`` maps each step size to the number of steps of its run. A timed run has this number, but at most
@@ -110,7 +110,7 @@ def _times(
         steps = result.runs.groupby("dt").steps.first()
         steps_by_dt = {v.recommended: int(steps[v.recommended]) for v in result.verdicts.values() if v.recommended > 0}
         try:
-            times[name] = _timed(problem, schemes[name], steps_by_dt) if steps_by_dt else {}
+            times[name] = times_of_steps(problem, schemes[name], steps_by_dt) if steps_by_dt else {}
         except KeyboardInterrupt:
             untimed = [other for other in results if other not in times]
             warnings.warn(f"interrupted: {', '.join(untimed)} have no times.", RuntimeWarning, stacklevel=4)

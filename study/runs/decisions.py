@@ -2,14 +2,18 @@
 
 from collections.abc import Mapping
 
+import numpy as np
 import xarray as xr
 
 from study import io
-from study.declaration.experiment import Options, experiment
+from study.assessment.dataset import times_of_steps
+from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import PlainNames, Tolerances
 from study.experiments import coordinates
+from study.problem.named import problems as problems_by_name
 from study.runs.needs import ATTRIBUTES, CODES, decisions, needs, of_problems
 from study.scheme.codes import names_in_codes
+from study.scheme.named import schemes as schemes_by_name
 from study.words import listed
 
 
@@ -20,10 +24,32 @@ def _options(configuration: Mapping) -> Options:
     }
 
 
+def computing_times(needed: xr.Dataset) -> xr.DataArray:
+    """Computing time over simulated time with each step size, NaN for problems with another ``cost``."""
+    times = needed.seconds.copy(deep=True)
+    for problem in needed.problem.values[needed.cost.values == "seconds"].tolist():
+        one = needed.step_size.sel(problem=problem)
+        duration = (one.decided * one.time_scale).item()
+        for scheme in one.scheme.values.tolist():
+            step_sizes = np.unique(one.sel(scheme=scheme).values)
+            wanted = {
+                dt: max(int(duration / dt * (1 + 1e-9)), 1) for dt in step_sizes[np.isfinite(step_sizes)].tolist()
+            }
+            if not wanted:
+                continue
+            progress(f"time of {scheme} on {problem}")
+            measured = times_of_steps(problems_by_name[problem], schemes_by_name[scheme], wanted)
+            for dt, steps in wanted.items():
+                place = {"problem": problem, "scheme": scheme}
+                times.loc[place] = times.loc[place].where(one.sel(scheme=scheme) != dt, measured[dt][0] / (steps * dt))
+    return times
+
+
 @experiment(
     "needs",
     "decisions",
     section="runs",
+    timed=True,
     options=_options,
     reads=lambda options: [f"runs/{problem}" for problem in options["problems"]],
 )
@@ -31,10 +57,11 @@ def needs_and_decisions(problems: PlainNames, allowed_errors: Tolerances) -> tup
     """Find what each scheme needs on each problem, and the cheapest scheme of each kind.
 
     ``needs`` is over (problem, scheme, quantity, allowed_error, condition), as :func:`study.runs.needs.of_problems`
-    returns it; ``decisions`` is over (problem, quantity, allowed_error, kind, filter), as
-    :func:`study.runs.needs.decisions` returns it.
+    returns it, with the computing times of the problems whose ``cost`` is ``seconds``; ``decisions`` is over (problem,
+    quantity, allowed_error, kind, filter), as :func:`study.runs.needs.decisions` returns it.
     """
     needed = of_problems([needs(io.open_dataset(f"runs/{problem}"), allowed_errors) for problem in problems])
+    needed["seconds"] = computing_times(needed)
     in_codes = {one.scheme for one in names_in_codes() if one.code.startswith(CODES)}
     names = needed.scheme.values.tolist()
     needed = needed.assign_coords(

@@ -15,6 +15,9 @@ COSTS = {
     "tangent_evaluations": {"long_name": "tangents of the internal force evaluated", "units": "s-1"},
     "factorisations": {"long_name": "linear systems with a new matrix", "units": "s-1"},
 }
+#: Number of unknowns from which on the computing time decides which scheme is the cheapest, because implicit
+#: schemes then spend most of it on factorisations.
+LARGE = 100
 #: Power of the duration with which an error may grow: a phase grows linearly, and quadratically if the period drifts.
 GROWTH = 2
 #: Bounds of the error of each quantity in a run whose whole motion is right. The bounds of velocity and acceleration
@@ -30,7 +33,7 @@ CONDITIONS = {
 #: Outcomes for a scheme, quantity and allowed error.
 FOUND, COARSEST, NONE, UNCERTAIN, NO_VALUE = range(5)
 VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "below_the_reference", "no_value")
-#: Number of force evaluations, as a multiple of the least, up to which a scheme ties with the cheapest.
+#: Cost as a multiple of the least, up to which a scheme ties with the cheapest.
 TIED = 1.1
 #: Kinds of schemes.
 KINDS = ("explicit", "implicit")
@@ -59,6 +62,8 @@ ATTRIBUTES = {
     "exponent_misfit": {"long_name": "largest ratio of a step size to the fitted power law", "units": "1"},
     "verdict": flags("how the search for the step ended", VERDICTS, np.int8),
     **COSTS,
+    "seconds": {"long_name": "computing time over simulated time, NaN if it is not the cost", "units": "1"},
+    "cost": {"long_name": "variable that decides which scheme is the cheapest"},
     "scheme": {"long_name": "time integration scheme"},
     "scheme_title": {"long_name": "title of the scheme"},
     "ties": {"long_name": "number of schemes that cost as much", "units": "1"},
@@ -201,10 +206,14 @@ def of_problems(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     """The needs of several problems over (problem, scheme, quantity, allowed_error, condition), each for its duration.
 
     ``exponent`` is p in the power law Δt ∝ n^(-p) that fits the step sizes over n periods, NaN with fewer than three.
+    ``cost`` is the variable that decides: ``seconds`` from ``LARGE`` unknowns on, otherwise ``force_evaluations``.
+    Times are NaN until they are measured.
     """
     found = []
     for one in parts:
         own = one.assign(_power_law(one.step_size)).sel(periods=one.decided, drop=True)
+        own = own.assign(seconds=own.step_size * np.nan)
+        own = own.assign_coords(cost="seconds" if one.unknowns >= LARGE else "force_evaluations")
         of_scheme = [name for name in own.coords if name != "scheme" and "scheme" in own[name].dims]
         found.append(own.drop_vars(of_scheme).expand_dims("problem"))
     ds = xr.concat(found, "problem", join="outer", coords="all", compat="override", data_vars="all")
@@ -226,12 +235,17 @@ def _power_law(steps: xr.DataArray) -> dict[str, xr.DataArray]:
     }
 
 
+def cost(needed: xr.Dataset) -> xr.DataArray:
+    """The cost by which schemes are compared, over the dimensions of the needs."""
+    return needed.seconds.where(needed.cost == "seconds", needed.force_evaluations)
+
+
 def decisions(needed: xr.Dataset) -> xr.Dataset:
     """The cheapest scheme of each kind, over (problem, quantity, allowed_error, kind, filter).
 
     ``scheme`` is its name, empty where no scheme of the kind keeps the error, and ``ties`` the number of schemes that
-    cost as much. The other variables are those of the needs. Schemes with up to ``TIED`` times the fewest force
-    evaluations tie, and the smallest error decides among them.
+    cost as much. The other variables are those of the needs. Schemes with up to ``TIED`` times the least
+    ``cost`` tie, and the smallest error decides among them.
     """
     parts = []
     for condition, of_codes in FILTERS.values():
@@ -245,7 +259,7 @@ def decisions(needed: xr.Dataset) -> xr.Dataset:
 
 def _decided(needed: xr.Dataset) -> xr.Dataset:
     """The decision among the schemes of a dataset of needs."""
-    ties = needed.force_evaluations <= TIED * needed.force_evaluations.min("scheme")
+    ties = cost(needed) <= TIED * cost(needed).min("scheme")
     error = needed.largest_error.fillna(needed.error).where(ties).fillna(np.inf)
     place, exists = error.argmin("scheme"), ties.any("scheme")
     kept = needed.drop_vars([str(name) for name in needed.coords if "scheme" in needed[name].dims])
@@ -270,8 +284,8 @@ def ranked(needed: xr.Dataset) -> list[str]:
             names.append(_decided(left).scheme.item())
             left = left.drop_sel(scheme=names[-1])
         kinds.append(names)
-    cost = needed.force_evaluations.to_series()
-    return sum(sorted(filter(None, kinds), key=lambda names: cost[names].min()), list[str]())
+    costs = cost(needed).to_series()
+    return sum(sorted(filter(None, kinds), key=lambda names: costs[names].min()), list[str]())
 
 
 def dominated(measures: xr.DataArray, scheme: str, equal: float = 1e-6) -> list[str]:

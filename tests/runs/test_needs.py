@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from study.runs.needs import VERDICTS, decisions, dominated, keeps, needs, of_problems
+from study.runs.needs import VERDICTS, decisions, dominated, keeps, needs, of_problems, ranked
 from tests.runs.made_up import runs, with_kinds
 
 NAN = np.nan
@@ -82,6 +82,17 @@ def test_a_decision_is_the_fewest_forces_of_its_kind(decided):
     nobody = decided.sel(one | {"problem": "mov", "kind": "implicit"})
     assert nobody.scheme == "" and np.isnan(nobody.step_size)
     assert VERDICTS[nobody.verdict.item()] == "not_even_the_finest_step"
+
+
+def test_computing_time_decides_for_many_unknowns():
+    """The cheap scheme needs the fewest forces at equal steps, and the dear one the shortest time."""
+    needed = of_problems([needs(runs(FINE).assign_coords(unknowns=unknowns), [0.1]) for unknowns in (99, 100)])
+    assert needed.cost.values.tolist() == ["force_evaluations", "seconds"]
+    needed["seconds"] = needed.seconds.fillna(xr.DataArray([3.0, 2.0, 1.0], dims="scheme"))
+    decided = decisions(with_kinds(needed)).sel(quantity="displacement", kind="explicit", filter="all")
+    assert decided.scheme.squeeze().values.tolist() == ["cheap", "dear"]
+    one = with_kinds(needed).sel(condition="practice", quantity="displacement").squeeze("allowed_error")
+    assert [ranked(one.isel(problem=k)) for k in (0, 1)] == [["cheap", "dear", "stiff"], ["stiff", "dear", "cheap"]]
 
 
 def test_the_law_of_the_duration_is_fitted():
