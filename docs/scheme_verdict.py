@@ -14,7 +14,7 @@ from docs.text import definitions, table
 from docs.theory import PERIODS, ROUND_OFF, STEPS, TRIED
 from paper.measures.orders import lost as loses_order
 from paper.tables.decision import steps_of
-from study.runs.needs import NO_VALUE, TIED
+from study.runs.needs import NO_VALUE, TIED, cost
 from study.words import listed, number, percent
 
 if TYPE_CHECKING:
@@ -46,9 +46,10 @@ def _in_theory(library: "Library", error: float) -> pd.DataFrame:
                 _kind(subject.scheme),
                 f"{steps:,}",
                 steps * subject.theory.forces,
+                steps * subject.theory.forces,
                 subject.theory.error[kept - 1],
             ]
-    return pd.DataFrame.from_dict(rows, orient="index", columns=["kind", "steps", "forces", "error"])
+    return pd.DataFrame.from_dict(rows, orient="index", columns=["kind", "steps", "forces", "cost", "error"])
 
 
 def needs(library: "Library") -> dict[str, dict[float, pd.DataFrame]]:
@@ -80,13 +81,14 @@ def _table_of_runs(needed: xr.Dataset) -> pd.DataFrame:
             "explicit" if row.explicit == 1 else "implicit",
             steps_of(row),
             row.force_evaluations * row.time_scale,
+            cost(row),
             row.error,
         ]
         for row in (kept.isel(scheme=k) for k in range(kept.sizes["scheme"]))
     ]
-    columns = ["kind", "steps", "forces", "error"]
+    columns = ["kind", "steps", "forces", "cost", "error"]
     frame = pd.DataFrame(rows, kept.scheme.values, columns)
-    return frame.astype({"forces": float, "error": float})
+    return frame.astype({"forces": float, "cost": float, "error": float})
 
 
 def tried(library: "Library") -> dict[str, set[str]]:
@@ -106,9 +108,9 @@ def _lost(structures: xr.Dataset) -> xr.DataArray:
 
 
 def _best(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
-    """Rows of the schemes of a kind that tie for the fewest forces, in the order of the table of decisions."""
+    """Rows of the schemes of a kind that tie for the least cost, in the order of the table of decisions."""
     rows = rows[rows.kind == kind]
-    return rows[rows.forces <= TIED * rows.forces.min()].sort_values("error", kind="stable")
+    return rows[rows.cost <= TIED * rows.cost.min()].sort_values("error", kind="stable")
 
 
 def _link(name: str, library: "Library") -> str:
@@ -120,7 +122,7 @@ def _kind(scheme: study.Scheme) -> str:
 
 
 def _steps(subject: "Subject", library: "Library") -> str:
-    """Table of steps by problem and error, and of the scheme of the same kind with the fewest forces."""
+    """Table of steps by problem and error, and of the cheapest scheme of the same kind."""
     rows, name = [], subject.name
     for title, tables in library.needs.items():
         if name not in library.tried[title]:
@@ -135,7 +137,7 @@ def _steps(subject: "Subject", library: "Library") -> str:
             first = best.iloc[0]
             least = f"[{library.schemes[best.index[0]].title}]({best.index[0]}.md): {first.steps} ({first.forces:,.0f})"
         rows.append([title, *cells, least])
-    head = ["problem", *(f"{100 * error:g} %" for error in ERRORS), f"fewest forces for {100 * COMPARED:g} %"]
+    head = ["problem", *(f"{100 * error:g} %" for error in ERRORS), f"cheapest for {100 * COMPARED:g} %"]
     runs = (
         "The other rows are results of runs. On the hardening and the softening spring the error is the largest over a "
         "hundred periods, in which the phase error grows. ≤ marks the coarsest step that was tried, and † marks the "
