@@ -9,7 +9,10 @@ from study.problem import trusses
 
 
 def test_conservation_in_a_spinning_truss(small_truss):
-    """The energy-momentum method conserves the energy and both momenta, the midpoint rule only the momenta."""
+    """The energy-momentum method conserves the energy and both momenta, the midpoint rule only the momenta.
+
+    Only this test catches wrong momenta of many masses with a tangent in bands.
+    """
     problem = trusses.spinning_truss()
     conserving, midpoint = (
         study.run(problem, name, dt=0.1, steps=100, observe=["max_energy_error", "momentum_errors"])
@@ -22,7 +25,10 @@ def test_conservation_in_a_spinning_truss(small_truss):
 
 
 def test_momenta_in_space_are_those_in_the_plane():
-    """Two masses on a spring, in a plane and rotated in space; Houbolt's method does not conserve angular momentum."""
+    """Two masses on a spring, in a plane and rotated in space; Houbolt's method does not conserve angular momentum.
+
+    Only this test catches a wrong angular momentum in space.
+    """
     places, speeds = np.array([[-1.0, 0.0], [1.0, 0.0]]), np.array([[0.3, -1.0], [0.1, 1.0]])
     turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0][:, :2].T
 

@@ -73,6 +73,7 @@ def test_its_steps_are_those_of_the_same_problem(spring):
 
 
 def test_recommend_and_report_take_it(spring, tmp_path):
+    """Only this test catches a report or a table that cannot show the assessment of a program."""
     _, ds, _ = spring
     table = study.recommend(ds, allowed_error=0.01, quantity="velocity")
     explicit, implicit = table.step_size[["central_difference", "average_acceleration"]]
@@ -255,6 +256,7 @@ def test_a_scheme_that_goes_wrong_is_recorded(how, reason, tmp_path):
 
 
 def test_a_run_that_ends_its_process_ends_no_other(tmp_path):
+    """Only this test catches a crash of one process that takes the runs of others with it."""
     model = program(partial(models.fails, "signal"), tmp_path, [*models.SCHEMES, "wrong"], workers=2)
     ds = study.assess(model, allowed_errors=[0.1])
     assert ds.status.sel(scheme="wrong", step_size=1.25) == STATUSES.index("signal")

@@ -71,6 +71,7 @@ def test_a_step_that_a_resonance_favours_is_no_answer(monkeypatch):
 
 
 def test_a_scheme_that_refuses_a_problem_has_no_value():
+    """Only this test catches a scheme without runs that ends the experiment or counts as tried."""
     ds = runs("yielding", ["energy_momentum", "rk4"], [0.1], [1.0], 1.0, 16, 2)
     assert not ds.tried.sel(scheme="energy_momentum").any() and ds.tried.sel(scheme="rk4").any()
 
@@ -94,6 +95,7 @@ def test_the_bouncing_mass_returns_after_its_period():
 
 
 def test_errors_of_several_unknowns_are_those_at_samples():
+    """Only this test catches errors over a wrong axis, scale or set of instants if there are several unknowns."""
     ds = runs("fpu_chain", ["central_difference"], [0.1], [0.4, 0.6, 0.8], 0.6, 200, 1)
     tried = ds.isel(size=np.flatnonzero(ds.tried.isel(scheme=0)))
     assert (tried.steps_per_period % SAMPLES == 0).all() and tried.starts == 2
@@ -105,7 +107,10 @@ def test_errors_of_several_unknowns_are_those_at_samples():
 
 
 def test_a_record_decides_among_steps_that_divide_its_spacing_and_its_starts_are_its_later_samples():
-    """Two starts of a record: the own one, and one whose first sample is dropped."""
+    """Two starts of a record: the own one, and one whose first sample is dropped.
+
+    Only this test catches other starts that are no later samples, and steps wrongly taken to divide the spacing.
+    """
     ds = runs("shaken", ["average_acceleration"], [0.1], [3.0], 3.0, 100, 1)
     assert ds.spacing == 0.02 and ds.starts == 2
     dividing = np.flatnonzero(ds.divides)
