@@ -16,6 +16,7 @@ from study.algebra.deadline import check_time
 from study.algebra.jit import jit
 from study.control.estimators import Sizes
 from study.io import flags
+from study.marching import kernel
 from study.marching.adaptive import (
     OF_EACH_STEP,
     OF_STEP,
@@ -205,6 +206,8 @@ class Adaptive:
         self._of = _itself if make is None else _Family(make)
         if make is not None:  # a problem that is made again has new functions, which would be compiled again
             self._march = eqx.tree_at(lambda march: march.problem, self._march, None)
+        if self._march.in_kernels:
+            kernel.report("takes equal steps only")
         shape = (lanes, *np.shape(self._problem.u0))
         self._starts = () if make else tuple(np.broadcast_to(x, shape) if lanes else x for x in starts)
         self._labels = Labels(self._problem, scheme, observers)

@@ -97,14 +97,14 @@ class Components:
     @classmethod
     def tree_unflatten(cls, shape: tuple[int, ...], entries: Sequence) -> "Components":
         """The inverse of :meth:`tree_flatten`, for JAX."""
-        return cls(_objects(entries, shape))
+        return cls(objects(entries, shape))
 
 
-class _NoRule(NotImplementedError):
+class NoRule(NotImplementedError):
     """There is no rule for an operation of this name."""
 
 
-class _Whole:
+class Whole:
     """An array of one lane in all lanes, undivided: ``array`` has an axis of lanes in front."""
 
     def __init__(self, array: jax.Array):
@@ -122,10 +122,10 @@ def each(function: Callable) -> Callable:
         leaves, tree = jax.tree.flatten(arguments, is_leaf=_is_components)
         ones = [_of_one_lane(leaf) for leaf in leaves]
         program, result = jax.make_jaxpr(lambda *x: function(*jax.tree.unflatten(tree, x)), return_shape=True)(*ones)
-        lanes = _Lanes(next(len(x) for x in jax.tree.leaves(arguments) if jnp.ndim(x)))
+        lanes = Lanes(next(len(x) for x in jax.tree.leaves(arguments) if jnp.ndim(x)))
         try:
             results = lanes.results(program, [_value(leaf) for leaf in leaves])
-        except _NoRule as error:
+        except NoRule as error:
             LOG.info("Lanes march as whole arrays, because components have no rule for the operation '%s'.", error)
             results = [_value(x) for x in jax.tree.leaves(together(function)(*arguments))]
         packed = map(lanes.packed, results, program.out_avals)
@@ -160,11 +160,11 @@ def where(condition, value, other):
     return jnp.where(condition.reshape(condition.shape + (1,) * (jnp.ndim(value) - 1)), value, other)
 
 
-class _Lanes:
+class Lanes:
     """The evaluation of programs of one lane in a number of lanes.
 
     A *value* of a program is an array that all lanes share, or an array of objects with the components in all lanes, or
-    a :class:`_Whole`. A component is an array (lanes,), or a number that all lanes share.
+    a :class:`Whole`. A component is an array (lanes,), or a number that all lanes share.
     """
 
     def __init__(self, lanes: int):
@@ -173,7 +173,8 @@ class _Lanes:
     def results(self, program: Any, values: Sequence) -> list:
         """Values that a program returns for the values of its arguments."""
         jaxpr, constants = (program.jaxpr, program.consts) if isinstance(program, core.ClosedJaxpr) else (program, ())
-        known = dict(zip(jaxpr.invars, values, strict=True)) | dict(zip(jaxpr.constvars, constants, strict=True))
+        known = dict(zip(jaxpr.invars, values, strict=True))
+        known |= zip(jaxpr.constvars, map(self._constant, constants), strict=True)
 
         def value(of):
             literal = isinstance(of, core.Literal)
@@ -186,11 +187,11 @@ class _Lanes:
 
     def packed(self, value: Any, of: Any) -> Any:
         """A value as arrays with an axis of lanes in front, or as :class:`Components` of such arrays."""
-        if isinstance(value, _Whole):
+        if isinstance(value, Whole):
             return value.array
         if not _is_divisible(of.shape):
             return self._whole(value, of)
-        entries = _objects([self._full(x) for x in _entries(value).flat], of.shape)
+        entries = objects([self._full(x) for x in _entries(value).flat], of.shape)
         return Components(entries) if of.shape else entries[()]
 
     def _full(self, component: Any) -> jax.Array:
@@ -199,12 +200,12 @@ class _Lanes:
 
     def _whole(self, value: Any, of: Any) -> jax.Array:
         """A value as one array with an axis of lanes in front."""
-        if isinstance(value, _Whole):
+        if isinstance(value, Whole):
             return value.array
         if not _varies(value) or not value.size:
             shared = jnp.zeros(of.shape, of.dtype) if _varies(value) else jnp.asarray(value)
             return jnp.broadcast_to(shared, (self._lanes, *of.shape))
-        return _stacked(_objects([self._full(x) for x in value.flat], value.shape))
+        return _stacked(objects([self._full(x) for x in value.flat], value.shape))
 
     def _computed(self, operation: Any, values: list) -> list:
         """Results of one operation of a program."""
@@ -212,7 +213,7 @@ class _Lanes:
         if name in CALLS:
             return self.results(operation.params[CALLS[name]], values)
         if not any(map(_varies, values)):
-            return _alone(operation, values)
+            return self._alone(operation, values)
         if name in _LOOPS:
             return _LOOPS[name](self, operation, values)
         shapes = [of.aval.shape for of in operation.invars]
@@ -220,7 +221,7 @@ class _Lanes:
             if name in _SUMS or (
                 name in ELEMENTWISE and np.broadcast_shapes(*shapes) == operation.outvars[0].aval.shape
             ):
-                return [_SUMS.get(name, _Lanes._elementwise)(self, operation, *map(_entries, values))]
+                return [_SUMS.get(name, Lanes._elementwise)(self, operation, *map(_entries, values))]
             if name in _MOVES:
                 moved = _MOVES[name](operation, *map(_entries, values))
                 return moved if operation.primitive.multiple_results else [moved]
@@ -229,8 +230,19 @@ class _Lanes:
                 if not any(isinstance(x, jax.core.Tracer) or _varies(x) for x in values[places]):
                     return [rule(operation, values)]
         if not any(name in known for known in (ELEMENTWISE, TOGETHER, _SUMS, _MOVES, _AT_PLACES)):
-            raise _NoRule(name)
+            raise NoRule(name)
         return self._together(operation, values)
+
+    def _constant(self, array: Any) -> Any:
+        """The value of an array that a program holds."""
+        return array
+
+    def _alone(self, operation: Any, values: list) -> list:
+        """Results of an operation that all lanes share."""
+        return _alone(operation, values)
+
+    def _any(self, flags: jax.Array) -> jax.Array:
+        return any_lane(flags)
 
     def _together(self, operation: Any, values: list) -> list:
         """Results of an operation on arrays of all lanes."""
@@ -248,13 +260,13 @@ class _Lanes:
     def _elementwise(self, operation: Any, *operands: np.ndarray) -> np.ndarray:
         shape = operation.outvars[0].aval.shape
         wide = zip(*(np.broadcast_to(x, shape).flat for x in operands), strict=True)
-        return _objects([self._bound(operation.primitive, *ones, **operation.params) for ones in wide], shape)
+        return objects([self._bound(operation.primitive, *ones, **operation.params) for ones in wide], shape)
 
     def _joined(self, primitive: Any, terms: np.ndarray) -> np.ndarray:
         """The rows of an array joined one after the other by an operation of two entries."""
 
         def pair(x, y):
-            return _objects([self._bound(primitive, *ones) for ones in zip(x.flat, y.flat, strict=True)], x.shape)
+            return objects([self._bound(primitive, *ones) for ones in zip(x.flat, y.flat, strict=True)], x.shape)
 
         return functools.reduce(pair, [terms[k, ...] for k in range(len(terms))])
 
@@ -278,7 +290,7 @@ class _Lanes:
         x = x.reshape(math.prod(inner), -1, left, 1)
         y = y.reshape(math.prod(inner), -1, 1, right)
         pairs = zip(*(np.broadcast_to(_, (*x.shape[:3], right)).flat for _ in (x, y)), strict=True)
-        terms = _objects([self._bound(lax.mul_p, *ones) for ones in pairs], (*x.shape[:3], right))
+        terms = objects([self._bound(lax.mul_p, *ones) for ones in pairs], (*x.shape[:3], right))
         return self._joined(lax.add_p, terms).reshape(operation.outvars[0].aval.shape)
 
     def _while(self, operation: Any, values: list) -> list:
@@ -313,7 +325,7 @@ class _Lanes:
 
         begin = packed(begin)
         if apart:
-            _, end = lax.while_loop(lambda state: any_lane(state[0]), turn_of_some, (goes_on(begin), begin))
+            _, end = lax.while_loop(lambda state: self._any(state[0]), turn_of_some, (goes_on(begin), begin))
         else:
             end = lax.while_loop(goes_on, turn, begin)
         return unpacked(end)
@@ -326,8 +338,7 @@ class _Lanes:
             return [self.packed(x, of) for x, of in zip(self.results(branch, operands), types, strict=True)]
 
         def chosen(*cases):
-            choices = choice[()].reshape(choice[()].shape + (1,) * (cases[0].ndim - 1))
-            return lax.select_n(jnp.broadcast_to(choices, cases[0].shape), *cases)
+            return functools.reduce(lambda x, k: where(choice[()] == k, cases[k], x), range(1, len(cases)), cases[0])
 
         branches = operation.params["branches"]
         if _varies(choice):
@@ -356,18 +367,18 @@ class _Lanes:
         """The values, one below the other, as one value."""
         if not any(map(_varies, values)):
             return jnp.stack([jnp.asarray(x) for x in values])
-        if any(isinstance(x, _Whole) for x in values):
+        if any(isinstance(x, Whole) for x in values):
             row = jax.ShapeDtypeStruct(of.shape[1:], of.dtype)
-            return _Whole(jnp.stack([self._whole(x, row) for x in values], 1))
+            return Whole(jnp.stack([self._whole(x, row) for x in values], 1))
         return np.stack([_entries(x) for x in values])
 
 
 #: Operations that add or multiply entries of one operand, or of two.
-_SUMS: dict[str, Callable] = dict.fromkeys(REDUCTIONS, _Lanes._reduced)
-_SUMS |= {"cumsum": _Lanes._accumulated, "dot_general": _Lanes._dot}
+_SUMS: dict[str, Callable] = dict.fromkeys(REDUCTIONS, Lanes._reduced)
+_SUMS |= {"cumsum": Lanes._accumulated, "dot_general": Lanes._dot}
 
 #: Operations with programs that depend on a condition or are repeated.
-_LOOPS: dict[str, Callable] = {"while": _Lanes._while, "cond": _Lanes._branch, "scan": _Lanes._scan}
+_LOOPS: dict[str, Callable] = {"while": Lanes._while, "cond": Lanes._branch, "scan": Lanes._scan}
 
 
 def _is_components(x: Any) -> bool:
@@ -390,10 +401,10 @@ def _is_divisible(shape: tuple[int, ...]) -> bool:
 
 def _varies(value: Any) -> bool:
     """Whether a value differs from lane to lane."""
-    return isinstance(value, _Whole) or (isinstance(value, np.ndarray) and value.dtype == object)
+    return isinstance(value, Whole) or (isinstance(value, np.ndarray) and value.dtype == object)
 
 
-def _objects(entries: Sequence, shape: tuple[int, ...]) -> np.ndarray:
+def objects(entries: Sequence, shape: tuple[int, ...]) -> np.ndarray:
     """An array of objects; NumPy would take the entries apart."""
     array = np.empty(len(entries), object)
     for place, entry in enumerate(entries):
@@ -407,9 +418,9 @@ def _entries(value: Any) -> np.ndarray:
         return value
     if not isinstance(value, jax.core.Tracer):
         value = np.asarray(value)
-        return _objects([value[place] for place in np.ndindex(value.shape)], value.shape)
+        return objects([value[place] for place in np.ndindex(value.shape)], value.shape)
     flat = lax.reshape(value, (value.size,))
-    return _objects([lax.index_in_dim(flat, k, keepdims=False) for k in range(value.size)], value.shape)
+    return objects([lax.index_in_dim(flat, k, keepdims=False) for k in range(value.size)], value.shape)
 
 
 def _value(array: Any) -> Any:
@@ -420,16 +431,16 @@ def _value(array: Any) -> Any:
         return array
     shape = array.shape[1:]
     if not shape:
-        return _objects([array], ())
+        return objects([array], ())
     if not _is_divisible(shape):
-        return _Whole(array)
+        return Whole(array)
     flat = lax.reshape(array, (len(array), math.prod(shape)))
-    return _objects([lax.index_in_dim(flat, k, 1, keepdims=False) for k in range(math.prod(shape))], shape)
+    return objects([lax.index_in_dim(flat, k, 1, keepdims=False) for k in range(math.prod(shape))], shape)
 
 
 def _row(value: Any, k: int) -> Any:
     """Entry k of a value along its first axis."""
-    if isinstance(value, _Whole):
+    if isinstance(value, Whole):
         return _value(value.array[:, k])
     return value[k, ...] if isinstance(value, np.ndarray) else lax.index_in_dim(value, k, keepdims=False)
 
@@ -507,7 +518,7 @@ _OF_INDICES: dict[str, Callable] = {
 
 
 def _repeated(entry: Any, shape: tuple[int, ...]) -> np.ndarray:
-    return _objects([entry] * math.prod(shape), shape)
+    return objects([entry] * math.prod(shape), shape)
 
 
 def _spread(operation: Any, x: np.ndarray) -> np.ndarray:
@@ -597,12 +608,12 @@ def _numbered(operation: Any, values: list, places: int = 1, **params: Any) -> t
 def _gathered(operation: Any, values: list) -> np.ndarray:
     moved, numbers = _numbered(operation, values, fill_value=-1)
     missing = operation.outvars[0].aval.dtype.type(np.nan) if (numbers < 0).any() else None
-    return _objects([moved[k] if k >= 0 else missing for k in numbers.flat], numbers.shape)
+    return objects([moved[k] if k >= 0 else missing for k in numbers.flat], numbers.shape)
 
 
 def _scattered(operation: Any, values: list) -> np.ndarray:
     moved, numbers = _numbered(operation, values)
-    return _objects([moved[k] for k in numbers.flat], numbers.shape)
+    return objects([moved[k] for k in numbers.flat], numbers.shape)
 
 
 #: Operations that rearrange entries at indices, each with its rule for known indices and the places of these among its

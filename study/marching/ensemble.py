@@ -13,6 +13,7 @@ import numpy as np
 from tqdm import tqdm
 
 from study.algebra.deadline import deadline, until
+from study.marching.kernel import BLOCK
 from study.marching.program import Program
 from study.marching.result import Result
 from study.marching.shapes import CountPerRun, DisplacementsOfLanes, PerRun
@@ -110,7 +111,7 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     u0, v0, dt, arguments = begin
     lanes = len(u0)
     on_cpu = jax.default_backend() == "cpu"
-    tile = TILE if on_cpu else lanes
+    tile = TILE if on_cpu else -(-lanes // BLOCK) * BLOCK
     tiles = -(-lanes // tile)
     share = min(GROUPS[-1], -(-tiles // cores())) if on_cpu else 1
     # few possible sizes keep the number of compiled programs small; empty tiles cost nothing

@@ -11,7 +11,8 @@ import numpy as np
 from jax import lax
 
 from study.algebra.matrices import SMALL
-from study.marching.components import across, joined, together, where
+from study.marching import kernel
+from study.marching.components import across, joined, together
 from study.mechanics.definition import Problem
 from study.observer.base import Observer, Record, Reduction
 from study.observer.diagnostics import Restarts
@@ -74,6 +75,8 @@ class March(eqx.Module):
     make: Callable[..., Problem] | None = None
     #: Arguments of ``make`` in all lanes.
     arguments: Any = None
+    #: Whether blocks of lanes march in kernels.
+    in_kernels: bool = eqx.field(static=True, default=False)
 
     @classmethod
     def of(
@@ -100,7 +103,8 @@ class March(eqx.Module):
         reductions = tuple(part for part in parts if isinstance(part, Reduction))
         records = tuple(part for part in parts if isinstance(part, Record))
         model: Any = problem if make is None else _Unmade(np.zeros_like(problem.u0), problem.safeguarded)
-        return cls(model, scheme, reductions, records, lanes, bound, make)
+        in_kernels = lanes and kernel.is_chosen(np.size(problem.u0))
+        return cls(model, scheme, reductions, records, lanes, bound, make, in_kernels=in_kernels)
 
     def with_arguments(self, arguments: Any) -> "March":
         """The march of a family in which ``make`` has these arguments, with an axis of lanes."""
@@ -118,7 +122,7 @@ class March(eqx.Module):
 
     @property
     def _across(self) -> Callable[[Callable], Callable]:
-        return across(np.shape(self.problem.u0))
+        return together if self.in_kernels else across(np.shape(self.problem.u0))
 
     def _each(self, function, over_lanes=None):
         """``function(problem, ...)`` without its first argument, mapped over the lanes if there are any."""
@@ -166,37 +170,42 @@ class March(eqx.Module):
         stored = {name: jnp.zeros((room + 1, *value.shape)).at[0].set(value) for name, value in first.items()}
         return Progress(jnp.zeros((), int), failure, state, carried), state, stored
 
-    def stepped(self, progress: Progress, dt, steps=None) -> Progress:
-        """Progress after one more step; with ``steps``, lanes that have taken this many steps stay as they are."""
+    def step_of_lane(self, problem, step, failure, state, carried, dt, steps=None) -> tuple:
+        """``Progress.failure``, the state and the states of the reductions of one lane after one more step."""
 
-        def one(problem, step, state, carried, dt):
-            # the round-off of a running sum would grow with the number of steps; the round-off of a product does not
-            state, effort = stepped(self.scheme, problem, state, step.astype(dt.dtype) * dt, dt)
-            now = (step + 1).astype(dt.dtype) * dt
-            problem = problem.at(state).at_time(now)
-            carried = tuple(
-                reduction.update(c, problem, state, now, effort)
-                for reduction, c in zip(self.reductions, carried, strict=True)
-            )
-            return state, carried, self._failure(state, effort, step + 1)
+        def where_it_goes_on(new, old):
+            return new if steps is None or new is old else jnp.where(step < steps, new, old)
 
         # the time of a lane that has ended stands still, so that observers have nothing to catch up with
-        step = progress.step if steps is None else jnp.minimum(progress.step, steps - 1)
-        state, carried, failure = self._each(one)(step, progress.state, progress.carried, dt)
-        failure = jnp.where(progress.failure == 0, failure, progress.failure)
+        last = step if steps is None else jnp.minimum(step, steps - 1)
+        # the round-off of a running sum would grow with the number of steps; the round-off of a product does not
+        new, effort = stepped(self.scheme, problem, state, last.astype(dt.dtype) * dt, dt)
+        now = (last + 1).astype(dt.dtype) * dt
+        problem = problem.at(new).at_time(now)
+        updated = tuple(
+            reduction.update(c, problem, new, now, effort)
+            for reduction, c in zip(self.reductions, carried, strict=True)
+        )
+        after = jnp.where(failure == 0, self._failure(new, effort, last + 1), failure)
         if self.lanes:
             # A failed lane is set to NaN, which ends Newton's iteration at once. One leaf of the state is enough: the
             # next steps spread it.
-            *leaves, last = jax.tree.leaves(state)
-            state = jax.tree.unflatten(jax.tree.structure(state), [*leaves, where(failure == 0, last, jnp.nan)])
-        now = Progress(progress.step + 1, failure, state, carried)
-        if steps is None:
-            return now
-        goes_on = progress.step < steps
-        return jax.tree.map(partial(where, goes_on), now, progress)._replace(step=now.step)
+            *leaves, one = jax.tree.leaves(new)
+            new = jax.tree.unflatten(jax.tree.structure(new), [*leaves, jnp.where(after == 0, one, jnp.nan)])
+        return jax.tree.map(where_it_goes_on, (after, new, updated), (failure, state, carried))
 
-    def _advance(self, progress: Progress, step: Callable[[Progress], Progress], until) -> Progress:
+    def stepped(self, progress: Progress, dt, steps=None) -> Progress:
+        """Progress after one more step; with ``steps``, lanes that have taken this many steps stay as they are."""
+        step, failure, state, carried = progress
+        return Progress(step + 1, *self._each(self.step_of_lane)(step, failure, state, carried, dt, steps))
+
+    def _advance(self, progress: Progress, dt, until, steps) -> Progress:
         """March to step ``until``, or until every run has failed."""
+        if self.in_kernels and (advanced := self._advance_in_kernels(progress, dt, until, steps)) is not None:
+            return advanced
+
+        def step(p):
+            return self.stepped(p, dt, steps)
 
         def goes_on(p):
             return (p.step < until) & jnp.any(p.failure == 0)
@@ -206,6 +215,21 @@ class March(eqx.Module):
             return lax.while_loop(lambda p: p.step < pause, step, p)
 
         return lax.while_loop(goes_on, patiently if self.lanes else step, progress)
+
+    def _advance_in_kernels(self, progress: Progress, dt, until, steps) -> Progress | None:
+        """As :meth:`_advance`, in kernels; None if they are refused."""
+
+        def step(number, of_lane, others):
+            dt, steps, arguments = others
+            of_lane = self.step_of_lane(self._problem(arguments), number, *of_lane, dt, steps)
+            goes_on = of_lane[0] == 0
+            return of_lane, goes_on if steps is None else goes_on & (number + 1 < steps)
+
+        begin, *of_lanes = progress
+        others = jnp.broadcast_to(dt, progress.failure.shape), steps, self.arguments
+        interpret = jax.default_backend() == "cpu"
+        end = kernel.advanced(step, tuple(of_lanes), others, begin, until, PATIENCE, interpret)
+        return None if end is None else Progress(until, *end)
 
     def proceed(
         self, progress: Progress, stored, initial, dt, until, every, first, each_step: bool, steps=None
@@ -230,6 +254,8 @@ class March(eqx.Module):
         def step(p):
             return self.stepped(p, dt, steps)
 
+        each_step &= not self.in_kernels
+
         def stored_at(place, p, stored):
             sample = joined(self._each(self._sample)(initial, p.state, p.step.astype(dt.dtype) * dt))
             return {
@@ -238,7 +264,7 @@ class March(eqx.Module):
 
         def next_sample(carry):
             p, stored = carry
-            p = step(p) if each_step else self._advance(p, step, jnp.minimum((p.step // every + 1) * every, until))
+            p = step(p) if each_step else self._advance(p, dt, jnp.minimum((p.step // every + 1) * every, until), steps)
             # until the next sample is due, its place holds the last state, so that a run can pause between two samples
             number = (p.step + every - 1) // every if not each_step else p.step
             return p, stored_at(number - first, p, stored)
@@ -252,13 +278,13 @@ class March(eqx.Module):
             return p, stored, place + is_due.astype(int), due + jnp.where(is_due, every, 0)
 
         if not self.records:
-            return self._advance(progress, step, until), stored
+            return self._advance(progress, dt, until, steps), stored
 
         def go_on(carry):
             p = carry[0]
             return (p.step < until) & jnp.any(p.failure == 0)
 
-        if not 1 < np.size(self.problem.u0) <= SMALL:
+        if self.in_kernels or not 1 < np.size(self.problem.u0) <= SMALL:
             return lax.while_loop(go_on, next_sample, (progress, stored))
         number = progress.step // every + 1
         progress, stored, *_ = lax.while_loop(go_on, next_step, (progress, stored, number - first, number * every))

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -14,6 +15,7 @@ from jax import lax
 from study.algebra.deadline import check_time
 from study.algebra.jit import jit
 from study.algebra.reads import Reads, reading, reads_of
+from study.marching import kernel
 from study.marching.march import March
 from study.marching.result import COMPLETED, NO_SOLUTION, Result
 from study.marching.shapes import CountPerRun, Displacements, PerRun
@@ -30,6 +32,10 @@ ROOM = 2**19
 #: Number of steps between two pauses of a run with one unknown; these steps take about a second. A run can be
 #: interrupted only at a pause.
 PAUSE = 2**24
+
+#: As ``PAUSE``, for lanes in kernels on a GPU. A step of a lane takes some hundredths of a nanosecond there, and a
+#: hundred times as long if a kernel is refused.
+PAUSE_OF_KERNELS = 2**30
 
 #: Names of fields that are labels and change nothing in a march.
 LABELS = ("title", "source", "doi")
@@ -72,6 +78,9 @@ class _Form:
         rest = iter(numbers)
         return jax.tree.unflatten(self.structure, [next(rest) if c is None else c for c in self.constants])
 
+
+#: Forms with a kernel that XLA could not compile.
+_without_kernels: set[_Form] = set()
 
 #: All forms so far. Equal forms are represented by one object, which JAX compares by identity.
 _forms: dict[_Form, _Form] = {}
@@ -166,7 +175,7 @@ class Program:
         self.numbers = _canonical([leaf for leaf in leaves if eqx.is_array(leaf)])
         form = _Form(structure, tuple(None if eqx.is_array(leaf) else leaf for leaf in leaves), reads_of(march))
         self.form = _forms.setdefault(form, form)
-        self._has_records, self._lanes = bool(march.records), march.lanes
+        self._march, self._has_records, self._lanes = march, bool(march.records), march.lanes
         self._is_scalar = np.ndim(march.problem.u0) == 0
 
     def run(
@@ -207,9 +216,21 @@ class Program:
         Result
             NumPy arrays; samples after a failure or after the end of a lane are meaningless.
         """
+        program = self._with_steps_alone() if self.form in _without_kernels else self
+        begin = _canonical((u0, v0, dt, arguments))
         with reading(self.form.reads):
-            begin = _canonical((u0, v0, dt, arguments))
-            return self._run(begin, steps, every, samples, own, pause, on_pause)
+            try:
+                return program._run(begin, steps, every, samples, own, pause, on_pause)
+            except jax.errors.JaxRuntimeError as error:
+                if not program._march.in_kernels:
+                    raise
+                kernel.report_refusal(error)
+                _without_kernels.add(self.form)
+            return self._with_steps_alone()._run(begin, steps, every, samples, own, pause, on_pause)
+
+    def _with_steps_alone(self) -> "Program":
+        """The program without kernels."""
+        return Program(replace(self._march, in_kernels=False))
 
     def _run(self, begin, steps, every, samples, own, pause, on_pause) -> Result:
         u0 = begin[0]
@@ -218,7 +239,8 @@ class Program:
         each_step = every == 1 and self._is_scalar
         if pause is None:
             lanes = math.prod(u0.shape[:2]) if self._lanes else 1
-            pause = max(1, int(PAUSE / (lanes * (u0.size / lanes) ** 1.5)))
+            most = PAUSE_OF_KERNELS if self._march.in_kernels else PAUSE
+            pause = max(1, int(most / (lanes * (u0.size / lanes) ** 1.5)))
         if samples < room and steps <= pause:
             counts = np.array([steps, every, 0])
             stored, result = _whole(self.form, self.numbers, counts, begin, room, each_step, own)

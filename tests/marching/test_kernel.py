@@ -1,0 +1,246 @@
+"""Lanes that march in kernels are single runs, and the kernels are lowered for CUDA; JAX interprets them on a CPU."""
+
+import contextlib
+import importlib.util
+import logging
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+from study.marching import kernel, program, run
+from study.marching.march import March
+from study.marching.result import UNBOUNDED
+
+#: Schemes of every kind: explicit, with stages, implicit, with sub-steps, with damping, of several steps.
+SCHEMES = ("central_difference", "rk4", "average_acceleration", "bathe", "generalized_alpha", "houbolt")
+
+#: Schemes without a kernel for several unknowns, each with the operation that has no rule.
+REFUSED = {"gauss4": "lu"}
+
+RECORDS = [study.GroundMotion(np.random.default_rng(n).normal(size=n), dt) for n, dt in ((90, 0.02), (150, 0.01))]
+ACCELERATIONS, SPACINGS = study.GroundMotion.padded(RECORDS)
+
+
+@pytest.fixture
+def refusals(caplog):
+    """Messages of lanes that march without a kernel."""
+    with caplog.at_level(logging.INFO, kernel.LOG.name):
+        yield lambda: [record.message for record in caplog.records if record.name == kernel.LOG.name]
+
+
+def _frame(scale=1.0):
+    """Three storeys with cubic springs, full damping and a pulse of the ground."""
+    mass, stiffness = np.full(3, 1e5), np.array([6e7, 5e7, 4e7])
+
+    def force(u):
+        drift = jnp.diff(u, prepend=jnp.zeros(1))
+        shear = stiffness * drift * (1 + 20 * drift * drift)
+        return shear - jnp.concatenate([shear[1:], jnp.zeros(1)])
+
+    def load(t):
+        return -3 * scale * jnp.asarray(mass) * jnp.sin(7 * t) * jnp.exp(-((t - 0.3) ** 2))
+
+    return study.Problem(force, np.zeros(3), mass=mass, damping=1e4 + 1e5 * np.eye(3), load=load)
+
+
+def _by_number(record):
+    record = record.astype(int)
+    ground = study.GroundMotion(jnp.asarray(ACCELERATIONS)[record], jnp.asarray(SPACINGS)[record])
+    return study.Problem(lambda u: 30 * jnp.sin(u), u0=0.1, ground=ground)
+
+
+def _by_samples(record):
+    return study.Problem(lambda u: 30 * jnp.sin(u), u0=0.1, ground=study.GroundMotion(record, 0.02))
+
+
+def _interpolated(scale):
+    times = jnp.linspace(0.0, 3.0, 150)
+    load = jnp.asarray(ACCELERATIONS[1])
+    return study.Problem(lambda u: 30 * u, u0=0.1, load=lambda t: scale * jnp.interp(t, times, load))
+
+
+def _sliding(scale):
+    def force(u, v, slip):
+        stretch = jnp.clip(u - slip, -0.05, 0.05)
+        return scale * (20 * u + 3 * (u - u[::-1])) + 60 * stretch + 0.5 * v * jnp.abs(v), u - stretch
+
+    return study.Problem(force, np.array([0.3, -0.2]), history=np.zeros(2))
+
+
+FAMILIES = {
+    "record by its number": (_by_number, {"record": np.array([0, 1, 1])}),
+    "record by its samples": (_by_samples, {"record": ACCELERATIONS}),
+    "load by jnp.interp": (_interpolated, {"scale": np.array([0.5, 1.0, 2.0])}),
+    "velocity and history": (_sliding, {"scale": np.array([0.5, 1.0, 2.0])}),
+}
+
+
+def _check(monkeypatch, problem, scheme, tolerance=1e-12, **arguments):
+    """Lanes in kernels have the results of the present lanes, whose values are returned."""
+    right = study.run(problem, scheme, **arguments)
+    monkeypatch.setattr(kernel, "is_chosen", lambda unknowns: True)
+    monkeypatch.setattr(run, "FEW", 0)
+    found = study.run(problem, scheme, **arguments)
+    for name, value in right.data_vars.items():
+        size = np.nanmax(np.abs(value.values), initial=0.0)
+        np.testing.assert_allclose(found[name], value, rtol=0, atol=tolerance * size, err_msg=name)
+    return right
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_one_mass_in_kernels_is_a_run(monkeypatch, refusals, scheme):
+    observe = ["max_energy_error", "newton_iterations", "peak"]
+    arguments = {"dt": 0.01, "u0": np.array([0.5, 1.0, 2.0]), "steps": np.array([20, 90, 70]), "observe": observe}
+    assert (_check(monkeypatch, "softening", scheme, **arguments).max_energy_error > 0).all()
+    assert refusals() == []
+
+
+@pytest.mark.parametrize("scheme", ["central_difference", "rk4", "generalized_alpha"])
+def test_three_storeys_in_kernels_are_runs(monkeypatch, refusals, scheme):
+    drift = study.Quantity(lambda u: u[2] - u[1], reduce="peak")
+    right = _check(
+        monkeypatch, _frame, scheme, over={"scale": np.array([0.5, 1.0, 2.0])}, dt=0.01, steps=70, observe=drift
+    )
+    assert (right.quantity > 1e-3).all() and refusals() == []
+
+
+@pytest.mark.parametrize("scheme", ["average_acceleration", "central_difference"])
+@pytest.mark.parametrize("family", FAMILIES)
+def test_loads_by_tables_and_histories_in_kernels_are_runs(monkeypatch, refusals, family, scheme):
+    make, over = FAMILIES[family]
+    peak = study.Quantity(lambda u: u, reduce="peak")
+    _check(monkeypatch, make, scheme, over=over, dt=0.013, steps=90, observe=peak)
+    assert refusals() == []
+
+
+def test_failures_and_bounds_in_kernels_are_those_of_runs(monkeypatch):
+    arguments = {"u0": np.linspace(0.5, 2.0, 5), "dt": [0.001, 0.9, 0.002, 0.5, 0.003], "steps": 100, "bound": 1.9}
+    right = _check(monkeypatch, "hardening", "central_difference", observe="max_energy_error", **arguments)
+    assert right.status.values.tolist() == [0, UNBOUNDED, 0, UNBOUNDED, UNBOUNDED]
+    assert right.failed_at_step.values.tolist()[4] == 0 < right.failed_at_step[1]
+
+
+def test_newton_iterations_that_fail_in_kernels_start_again(monkeypatch, refusals):
+    arguments = {"dt": 1.79 * np.array([0.1, 0.6, 0.9]), "steps": 30, "observe": "max_energy_error"}
+    right = _check(monkeypatch, "softening_large", "average_acceleration", **arguments)
+    assert right.newton_restarts.values.tolist()[0] == 0 < right.newton_restarts.values.max() and refusals() == []
+
+
+def test_records_and_pauses_in_kernels_are_those_of_runs(monkeypatch):
+    monkeypatch.setattr(program, "PAUSE_OF_KERNELS", 17 * 64)
+    arguments = {"u0": np.array([0.5, 1.0]), "dt": 0.02, "steps": 60, "every": 12, "observe": ["trajectory", "peak"]}
+    _check(monkeypatch, "softening", "average_acceleration", **arguments)
+
+
+def _operations(u, k):
+    """Results of operations that move entries at an index which differs from lane to lane, and of those written out."""
+    table = jnp.stack([jnp.arange(80.0), jnp.sin(jnp.arange(80.0)) + u[0]], axis=1)
+    long = jnp.concatenate([jnp.flip(table[:, 1]), jnp.pad(u, (40, 40))]).reshape(1, -1)
+    missing = jnp.where(u[0] > 0, u[0], jnp.nan)
+    return [
+        (u[k], u.at[1].set(3.0)[k], table[k], table.T[1, 3 * k], long[0, 60 * k], long[0][20 * k + jnp.arange(3)]),
+        (u.at[60 * k].get(mode="fill"), table.at[100 * k, 1].get(mode="fill"), table[1:70:3][:, None][k]),
+        (jax.lax.dynamic_update_slice(u, jnp.array([7.0]), (k,)), jax.lax.dynamic_slice(long[0], (900 * k,), (2,))),
+        (jnp.maximum(missing, 0.3), jnp.minimum(0.3, missing), jnp.clip(missing, 0.1, 0.2), jnp.isfinite(missing)),
+        (jax.lax.select_n(k, u, 2 * u, 3 * u), jax.lax.switch(k, [lambda: u, lambda: 2 * u, lambda: 3 * u])),
+        jnp.searchsorted(table[:, 0], 20 * u),
+        jnp.stack([long[0, :80], 2 * long[0, 80:160]], axis=1)[k, 0],
+        [part[k] for part in jnp.split(table[:, 1], 2)],
+        jnp.linspace(0, u[0], 200)[100 * k],
+    ]
+
+
+def test_an_operation_in_a_kernel_is_that_of_whole_arrays(refusals):
+    u, k = np.random.default_rng(0).normal(size=(8, 3)), np.arange(8) % 3
+    right = jax.vmap(_operations)(u, k)
+    begin = jax.tree.map(jnp.zeros_like, right)
+
+    def step(number, results, others):
+        return _operations(*others), number < 5
+
+    found = kernel.advanced(step, begin, (jnp.asarray(u), jnp.asarray(k)), 0, 1, 64, interpret=True)
+    assert refusals() == []
+    for ours, theirs in zip(jax.tree.leaves(found), jax.tree.leaves(right), strict=True):
+        assert ours.dtype == theirs.dtype
+        np.testing.assert_allclose(ours, theirs, rtol=1e-13, atol=1e-13)
+
+
+def test_what_has_no_kernel_marches_step_by_step_and_is_logged(monkeypatch, refusals):
+    over = {"scale": np.array([0.5, 1.0])}
+    _check(monkeypatch, _frame, "gauss4", over=over, dt=0.01, steps=5, observe="peak")
+    assert refusals() == ["Lanes march step by step on the GPU, because a kernel has no rule for the operation 'lu'."]
+
+
+def test_many_unknowns_and_controlled_steps_are_logged(monkeypatch, refusals):
+    study.run("hardening", "rk4", u0=[1.0, 1.1], tolerance=1e-3, duration=0.1, observe="peak")
+    assert refusals() == [] and not kernel.is_chosen(1)
+    monkeypatch.setattr(kernel.jax, "default_backend", lambda: "gpu")
+    assert kernel.is_chosen(8) and not kernel.is_chosen(9)
+    study.run("hardening", "rk4", u0=[1.0, 1.1], tolerance=1e-3, duration=0.1, observe="peak")
+    reasons = "takes at most 8 unknowns", "takes equal steps only"
+    assert refusals() == [f"Lanes march step by step on the GPU, because a kernel {reason}." for reason in reasons]
+
+
+def test_a_kernel_that_xla_refuses_is_not_compiled_again(monkeypatch, refusals):
+    calls = []
+
+    def refused(*arguments):
+        calls.append(arguments)
+        raise jax.errors.JaxRuntimeError("INTERNAL: out of registers\nmore")
+
+    monkeypatch.setattr(kernel, "advanced", refused)
+    arguments = {"u0": np.array([0.5, 0.7]), "dt": 0.01, "steps": 7, "observe": "max_energy_error"}
+    for _ in range(2):
+        _check(monkeypatch, "hardening", "rk4", **arguments)
+    assert len(calls) == 1
+    (message,) = refusals()
+    assert message.endswith("because a kernel is refused: JaxRuntimeError: INTERNAL: out of registers.")
+
+
+def _device():
+    """A context in which recent versions of JAX lower for a GPU that is not there."""
+    if not hasattr(jax.sharding, "AbstractDevice"):
+        return contextlib.nullcontext()
+    device = jax.sharding.AbstractDevice(device_kind="NVIDIA H100 80GB HBM3", num_cores=132, platform="gpu")
+    return jax.sharding.use_abstract_mesh(jax.sharding.AbstractMesh((), (), abstract_device=device))
+
+
+def _lowered(monkeypatch, problem, scheme, observe, lanes=256):
+    """Text of the program for CUDA of lanes in kernels."""
+    if not any(importlib.util.find_spec(f"jax_cuda{version}_plugin") for version in (12, 13)):
+        pytest.skip("needs the wheel of jax-cuda13-plugin in the version of JAX, installed without its dependencies")
+    monkeypatch.setattr(kernel, "is_chosen", lambda unknowns: True)
+    march = March.of(problem, study.schemes[scheme], [study.observers[observe]], lanes=True, bound=1e3)
+    # neither interpreted, as on a CPU, nor compiled
+    monkeypatch.setattr(kernel.jax, "default_backend", lambda: "gpu")
+
+    def after(u0, v0, dt, until):
+        progress, initial, stored = march.start(u0, v0, dt, 1)
+        return march.proceed(progress, stored, initial, dt, until, 1, 0, False)[0]
+
+    starts = jax.ShapeDtypeStruct((lanes, *np.shape(problem.u0)), float)
+    traced = jax.jit(after).trace(starts, starts, jax.ShapeDtypeStruct((), float), jax.ShapeDtypeStruct((), int))
+    with _device():
+        return traced.lower(lowering_platforms=("cuda",)).as_text()
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_kernels_of_one_mass_are_lowered_for_cuda(monkeypatch, refusals, scheme):
+    text = _lowered(monkeypatch, study.problems["softening"], scheme, "max_energy_error")
+    assert "triton" in text and refusals() == []
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_kernels_with_tables_are_lowered_for_cuda(monkeypatch, refusals, family):
+    make, over = FAMILIES[family]
+    first = {name: jnp.asarray(value[0]) for name, value in over.items()}
+    assert "triton" in _lowered(monkeypatch, make(**first), "average_acceleration", "peak") and refusals() == []
+
+
+@pytest.mark.exhaustive
+def test_kernels_of_every_scheme_are_lowered_for_cuda(monkeypatch, refusals, scheme_name):
+    assert "triton" in _lowered(monkeypatch, study.problems["hardening"], scheme_name, "max_energy_error")
+    assert "triton" in _lowered(monkeypatch, _frame(), scheme_name, "peak") or REFUSED[scheme_name] in refusals()[0]
