@@ -114,7 +114,7 @@ class _Table(Whole):
         self.shape, self.at = shape, at
 
     @property
-    def array(self):
+    def array(self):  # type: ignore[override]
         """A table has no array."""
         raise NoRule(f"array of {math.prod(self.shape)} entries")
 
@@ -193,24 +193,22 @@ class _Kernel:
         types = [jaxpr.invars[k + 1].aval for k in self._changed]
 
         def turn(k, state):
-            before, _ = state
-            now = list(values)
-            rest = iter(before)
+            components, before = iter(state[0]), list(values)
             for place, of in zip(self._changed, types, strict=True):
-                now[place] = objects([next(rest) for _ in range(math.prod(of.shape))], of.shape)
-            *after, goes_on = block.results(self._program, [objects([lax.broadcast(k, (self._block,))], ()), *now])
+                before[place] = objects([next(components) for _ in range(math.prod(of.shape))], of.shape)
+            *after, goes_on = block.results(self._program, [objects([lax.broadcast(k, (self._block,))], ()), *before])
             changed = [block.components(after[place], of) for place, of in zip(self._changed, types, strict=True)]
             return [x for entries in changed for x in entries], block.components(goes_on, jaxpr.outvars[-1].aval)[0]
 
-        def several(state):
-            first, state = state
+        def turns(progress):
+            first, state = progress
             last = jnp.minimum(first + self._patience, end)
             return last, lax.fori_loop(first, last, turn, state)
 
-        state = [x for k in self._changed for x in values[k].flat], jnp.ones(self._block, bool)
-        _, (state, _) = lax.while_loop(lambda c: (c[0] < end) & _any(c[1][1]), several, (begin, state))
-        for ref, x in zip(rest, state, strict=True):
-            ref[...] = _number(x)
+        start = [x for k in self._changed for x in values[k].flat], jnp.ones(self._block, bool)
+        _, (components, _) = lax.while_loop(lambda p: (p[0] < end) & _any(p[1][1]), turns, (begin, start))
+        for ref, component in zip(rest, components, strict=True):
+            ref[...] = _number(component)
 
     def _columns(self, leaf: jax.Array) -> list[jax.Array]:
         """A leaf as components, or as one table with the lanes along the last axis."""
@@ -250,7 +248,7 @@ class _Block(Lanes):
         entries = value[known]
         if not rest:
             return entries
-        number = _along(rest, entries.shape)
+        number = _along(tuple(rest), entries.shape)
         return functools.reduce(
             lambda x, k: jnp.where(number == k, entries.flat[k], x), range(1, entries.size), entries.flat[0]
         )
@@ -262,8 +260,8 @@ class _Block(Lanes):
         if any(math.prod(of.aval.shape) > MOST_ENTRIES for of in operation.outvars):
             return self._together(operation, values)
         with jax.ensure_compile_time_eval():
-            found = operation.primitive.bind(*values, **operation.params)
-        return [np.asarray(x) for x in (found if operation.primitive.multiple_results else [found])]
+            results = operation.primitive.bind(*values, **operation.params)
+        return [np.asarray(x) for x in (results if operation.primitive.multiple_results else [results])]
 
     def _any(self, flags: jax.Array) -> jax.Array:
         return _any(flags)
@@ -285,14 +283,15 @@ class _Block(Lanes):
 
     def _together(self, operation: Any, values: list) -> list:
         name = operation.primitive.name
+        entries: Any
         if name in ELEMENTWISE:
-            found = [self._elementwise_at(operation, values)]
+            entries = self._elementwise_at(operation, values)
         elif name in _AT:
-            found = _AT[name](self, operation, values)
-            found = found if operation.primitive.multiple_results else [found]
+            entries = _AT[name](self, operation, values)
         else:
             raise NoRule(name)
-        return [self._table(of.aval, at) for of, at in zip(operation.outvars, found, strict=True)]
+        results = entries if operation.primitive.multiple_results else [entries]
+        return [self._table(of.aval, at) for of, at in zip(operation.outvars, results, strict=True)]
 
     def _table(self, of: Any, at: Callable[[Place], Any]) -> Any:
         """The entries that a function returns; delayed if there are many."""
@@ -304,8 +303,7 @@ class _Block(Lanes):
         def at(place):
             shapes = [of.aval.shape for of in operation.invars]
             places = [tuple(0 if n == 1 else k for k, n in zip(place, shape, strict=False)) for shape in shapes]
-            ones = map(self.entry, values, places)
-            return self._bound(operation.primitive, *ones, **operation.params)
+            return self._bound(operation.primitive, *map(self.entry, values, places), **operation.params)
 
         return at
 
@@ -326,12 +324,12 @@ def _within_program(program: Any) -> Iterator[Any]:
 
 def _size(program: Any) -> int:
     """Number of operations."""
-    return sum(len(one.eqns) for one in _within_program(program))
+    return sum(len(inner.eqns) for inner in _within_program(program))
 
 
 def _constants(program: Any) -> Iterator[Any]:
     """The arrays that a program and the programs in it hold."""
-    return (x for one in _within_program(program) for x in getattr(one, "consts", ()))
+    return (x for inner in _within_program(program) for x in getattr(inner, "consts", ()))
 
 
 def _is_argument(constant: Any) -> bool:
@@ -587,14 +585,14 @@ def _gathered(block: _Block, operation: Any, values: list) -> Callable[[Place], 
             start, last = block.entry(starts, (*of_batch, k)), of_x[d] - sizes[d]
             missing = missing | (start < 0) | (start > last)
             inside[d] = inside[d] + _within(start, last)
-        found = block.entry(x, tuple(inside))
+        inner = block.entry(x, tuple(inside))
         if not fills:
-            return found
+            return inner
         filler = params["fill_value"]
         if filler is None:
             dtype = operation.outvars[0].aval.dtype
             filler = np.nan if jnp.issubdtype(dtype, jnp.inexact) else jnp.iinfo(dtype).min
-        return jnp.where(missing, filler, found)
+        return jnp.where(missing, filler, inner)
 
     return at
 

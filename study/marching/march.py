@@ -171,28 +171,29 @@ class March(eqx.Module):
         return Progress(jnp.zeros((), int), failure, state, carried), state, stored
 
     def step_of_lane(self, problem, step, failure, state, carried, dt, steps=None) -> tuple:
-        """``Progress.failure``, the state and the states of the reductions of one lane after one more step."""
+        """``Progress.failure``, the state and the states of the reductions of a lane after one more step."""
 
-        def where_it_goes_on(new, old):
+        def unless_ended(new, old):
             return new if steps is None or new is old else jnp.where(step < steps, new, old)
 
         # the time of a lane that has ended stands still, so that observers have nothing to catch up with
-        last = step if steps is None else jnp.minimum(step, steps - 1)
+        number = step if steps is None else jnp.minimum(step, steps - 1)
         # the round-off of a running sum would grow with the number of steps; the round-off of a product does not
-        new, effort = stepped(self.scheme, problem, state, last.astype(dt.dtype) * dt, dt)
-        now = (last + 1).astype(dt.dtype) * dt
-        problem = problem.at(new).at_time(now)
+        new, effort = stepped(self.scheme, problem, state, number.astype(dt.dtype) * dt, dt)
+        end = (number + 1).astype(dt.dtype) * dt
+        problem = problem.at(new).at_time(end)
         updated = tuple(
-            reduction.update(c, problem, new, now, effort)
+            reduction.update(c, problem, new, end, effort)
             for reduction, c in zip(self.reductions, carried, strict=True)
         )
-        after = jnp.where(failure == 0, self._failure(new, effort, last + 1), failure)
+        failure_after = jnp.where(failure == 0, self._failure(new, effort, number + 1), failure)
         if self.lanes:
             # A failed lane is set to NaN, which ends Newton's iteration at once. One leaf of the state is enough: the
             # next steps spread it.
-            *leaves, one = jax.tree.leaves(new)
-            new = jax.tree.unflatten(jax.tree.structure(new), [*leaves, jnp.where(after == 0, one, jnp.nan)])
-        return jax.tree.map(where_it_goes_on, (after, new, updated), (failure, state, carried))
+            *leaves, last = jax.tree.leaves(new)
+            last = jnp.where(failure_after == 0, last, jnp.nan)
+            new = jax.tree.unflatten(jax.tree.structure(new), [*leaves, last])
+        return jax.tree.map(unless_ended, (failure_after, new, updated), (failure, state, carried))
 
     def stepped(self, progress: Progress, dt, steps=None) -> Progress:
         """Progress after one more step; with ``steps``, lanes that have taken this many steps stay as they are."""
@@ -220,8 +221,8 @@ class March(eqx.Module):
         """As :meth:`_advance`, in kernels; None if they are refused."""
 
         def step(number, of_lane, others):
-            dt, steps, arguments = others
-            of_lane = self.step_of_lane(self._problem(arguments), number, *of_lane, dt, steps)
+            (failure, state, carried), (dt, steps, arguments) = of_lane, others
+            of_lane = self.step_of_lane(self._problem(arguments), number, failure, state, carried, dt, steps)
             goes_on = of_lane[0] == 0
             return of_lane, goes_on if steps is None else goes_on & (number + 1 < steps)
 

@@ -3,6 +3,7 @@
 import contextlib
 import importlib.util
 import logging
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -70,7 +71,7 @@ def _sliding(scale):
     return study.Problem(force, np.array([0.3, -0.2]), history=np.zeros(2))
 
 
-FAMILIES = {
+FAMILIES: dict[str, tuple[Any, dict[str, np.ndarray]]] = {
     "record by its number": (_by_number, {"record": np.array([0, 1, 1])}),
     "record by its samples": (_by_samples, {"record": ACCELERATIONS}),
     "load by jnp.interp": (_interpolated, {"scale": np.array([0.5, 1.0, 2.0])}),
