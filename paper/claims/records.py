@@ -2,8 +2,8 @@
 
 from paper.claims.ledger import PRACTICE, Finding, claim, when
 from paper.measures.record_error import ONE_CURVE, SCHEME, over_period, predicted, scatter
-from paper.measures.what_moves import QUANTITIES, of_choices, of_medians
-from study.words import number
+from paper.measures.what_moves import QUANTITIES, of_choices, of_medians, without_drift
+from study.words import listed, number
 
 #: Factor within which a prediction agrees with most runs, and share of these runs.
 FACTOR, MOST_RUNS = 2.0, 0.95
@@ -69,4 +69,8 @@ def step_moves_least(what_moves):
         holds &= step < min(damping, choice)
         outer = medians[["low", "high"]].to_array().sel(variant="spacing").max().item()
         uncertain |= outer >= damping
-    return Finding(", ".join(found), holds, when(uncertain, "the intervals over the records overlap"))
+    collapsed = [f"{period:g} s" for period in without_drift(what_moves)]
+    reasons = ["the intervals over the records overlap"] * bool(uncertain)
+    if collapsed:
+        reasons.append(f"at the period of {listed(collapsed)} most motions collapse, and the drifts have no median")
+    return Finding(", ".join(found), holds, "; ".join(reasons))

@@ -17,7 +17,8 @@ SINGLE = 0.95
 @figure(
     "Change of the median over records of collapse intensity, peak drift and residual drift of a yielding mass with "
     "P-Δ, by step, damping and strength, with 95 % intervals over the records; half of the 95 % interval of the median "
-    "over a choice of records; (d) the change of the peak drift that 95 % of single records do not exceed.",
+    "over a choice of records; (d) the change of the peak drift that 95 % of single records do not exceed. "
+    "A drift is missing where most motions collapse.",
 )
 def draw(what_moves: xr.Dataset) -> Figure:
     """A panel for each median, and one for single records; a row for each variant, a marker for each period."""

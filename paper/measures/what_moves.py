@@ -21,18 +21,24 @@ def _resampled(values: np.ndarray, number: int) -> np.ndarray:
     return values[..., draws]
 
 
+def without_drift(moves: xr.Dataset) -> list[float]:
+    """Periods at which a median drift is a collapse, so that it has no change in percent."""
+    return moves.period.values[np.isinf(moves.peak_drift.median("record")).any("variant").values].tolist()
+
+
 def of_medians(quantity: xr.DataArray) -> xr.Dataset:
     """Relative change of the median over records by variant and period, with its 95 % interval over the records.
 
     The same records are drawn for both medians. A collapse counts as an infinite drift; records with a failed run are
-    left out.
+    left out. A change is NaN where the median of the reference is infinite.
     """
     quantity = quantity.dropna("record")
     values = quantity.transpose("variant", "period", "record").values
     reference = list(quantity.variant.values).index("reference")
     medians = np.median(_resampled(values, values.shape[-1]), axis=-1)
-    change = np.median(values, axis=-1) / np.median(values[reference], axis=-1) - 1
-    low, high = np.percentile(medians / medians[reference] - 1, INTERVAL, axis=-1)
+    with np.errstate(invalid="ignore"):
+        change = np.median(values, axis=-1) / np.median(values[reference], axis=-1) - 1
+        low, high = np.percentile(medians / medians[reference] - 1, INTERVAL, axis=-1)
     dims = ("variant", "period")
     return xr.Dataset({"change": (dims, change), "low": (dims, low), "high": (dims, high)}, coords=quantity.coords)
 
@@ -41,10 +47,10 @@ def of_choices(quantity: xr.DataArray, number: int) -> xr.DataArray:
     """Half of the 95 % interval of the median over a choice of records, relative to the median over all, by period."""
     quantity = quantity.sel(variant="reference").dropna("record")
     values = quantity.transpose("period", "record").values
-    low, high = np.percentile(np.median(_resampled(values, number), axis=-1), INTERVAL, axis=-1)
-    return xr.DataArray(
-        (high - low) / 2 / np.median(values, axis=-1), dims="period", coords={"period": quantity.period}
-    )
+    with np.errstate(invalid="ignore"):
+        low, high = np.percentile(np.median(_resampled(values, number), axis=-1), INTERVAL, axis=-1)
+        half = (high - low) / 2 / np.median(values, axis=-1)
+    return xr.DataArray(half, dims="period", coords={"period": quantity.period})
 
 
 def of_records(quantity: xr.DataArray) -> xr.DataArray:

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from paper.measures.what_moves import CHOSEN, QUANTITIES, of_choices, of_medians, of_records
+from paper.measures.what_moves import CHOSEN, QUANTITIES, of_choices, of_medians, of_records, without_drift
 from paper.products import numbers
 from study.words import listed, number, percent, span
 
@@ -14,6 +14,7 @@ NOTICED = 0.01
 @numbers(moves="what_moves")
 def of_what_moves(moves: xr.Dataset) -> dict:
     """Changes of medians and of single records by step, damping, strength and choice of records."""
+    collapsed = [f"{period:g}" for period in without_drift(moves)]
     found = {
         "moves_runs": f"{int(moves.runs):,}",
         "moves_records": moves.sizes["record"],
@@ -22,6 +23,7 @@ def of_what_moves(moves: xr.Dataset) -> dict:
         "moves_parts": int(moves.parts),
         "moves_intensity": f"{moves.intensity.item():g}",
         "moves_periods": listed(f"{period:g}" for period in moves.period.values),
+        "moves_without_drift": listed(collapsed) if collapsed else None,
         "moves_chosen": listed(map(str, CHOSEN)),
     }
     smaller = []

@@ -77,3 +77,14 @@ def test_medians_change_by_the_step_and_choices_by_the_records():
 @pytest.mark.parametrize("step, holds", [(0.01, True), (0.2, False)])
 def test_the_step_is_compared_with_damping_and_choice(step, holds):
     assert records.step_moves_least(_moves(step)).holds == holds
+
+
+def test_a_median_over_collapses_is_no_drift_and_is_named():
+    moves = _moves(0.01)
+    collapsing = xr.concat([moves, moves.assign_coords(period=[0.2])], "period")
+    for name in ("peak_drift", "residual_drift"):
+        collapsing[name].loc[{"period": 0.2, "record": ["b", "c", "d"]}] = np.inf
+    finding = records.step_moves_least(collapsing)
+    assert finding.holds and "at the period of 0.2 s most motions collapse" in finding.qualification
+    assert np.isnan(of_medians(collapsing.peak_drift).change.sel(period=0.2)).all()
+    assert not records.step_moves_least(moves).qualification
