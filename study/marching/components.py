@@ -64,7 +64,7 @@ CALLS = {
 ELEMENTWISE = frozenset(
     "abs acos acosh add add_any and asin asinh atan atan2 atanh bitcast_convert_type cbrt ceil clamp "
     "convert_element_type copy cos cosh digamma div eq erf erf_inv erfc exp exp2 expm1 floor ge gt integer_pow "
-    "is_finite le le_to lgamma log log1p logistic lt lt_to max min mul ne neg nextafter not or pow "
+    "is_finite le le_to lgamma log log1p logistic lt lt_to max min mul ne neg nextafter not one_minus_square or pow "
     "reduce_precision rem round rsqrt select_n shift_left shift_right_arithmetic shift_right_logical sign sin "
     "sinh sqrt square stop_gradient sub tan tanh xor".split()
 )
@@ -212,6 +212,9 @@ class Lanes:
         name = operation.primitive.name
         if name in CALLS:
             return self.results(operation.params[CALLS[name]], values)
+        if name == "call_hi_primitive":  # an operation of JAX since version 0.12 that consists of others
+            expanded = functools.partial(operation.primitive.to_lojax, **operation.params)
+            return self.results(jax.make_jaxpr(expanded)(*(of.aval for of in operation.invars)), values)
         if not any(map(_varies, values)):
             return self._alone(operation, values)
         if name in _LOOPS:
@@ -349,7 +352,11 @@ class Lanes:
 
     def _scan(self, operation: Any, values: list) -> list:
         params = operation.params
-        length, turn, first, carried = (params[name] for name in ("length", "jaxpr", "num_consts", "num_carry"))
+        length, turn = params["length"], params["jaxpr"]
+        if "num_consts" in params:
+            first, carried = params["num_consts"], params["num_carry"]
+        else:  # since version 0.12 of JAX
+            first, carried, _ = (len(list(part)) for part in params["ft_in"].unpack())
         if not length or length * len(turn.jaxpr.eqns) > MOST_WRITTEN_OUT:
             return self._together(operation, values)
         constants, carry, rows = values[:first], values[first : first + carried], values[first + carried :]
