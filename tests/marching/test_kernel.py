@@ -1,7 +1,6 @@
 """Lanes that march in kernels are single runs, and the kernels are lowered for CUDA; JAX interprets them on a CPU."""
 
 import contextlib
-import importlib.util
 import logging
 from typing import Any
 
@@ -216,8 +215,6 @@ def _device():
 
 def _lowered(monkeypatch, problem, scheme, observe, lanes=256):
     """Text of the program for CUDA of lanes in kernels."""
-    if not any(importlib.util.find_spec(f"jax_cuda{version}_plugin") for version in (12, 13)):
-        pytest.skip("needs the wheel of jax-cuda13-plugin in the version of JAX, installed without its dependencies")
     monkeypatch.setattr(kernel, "is_chosen", lambda unknowns: True)
     march = March.of(problem, study.schemes[scheme], [study.observers[observe]], lanes=True, bound=1e3)
     # neither interpreted, as on a CPU, nor compiled
