@@ -81,7 +81,10 @@ def advanced(step: Callable, lanes: Any, others: Any, begin: Any, end: Any, pati
     leaves, tree = jax.tree.flatten((lanes, others))
     ones = [jax.ShapeDtypeStruct(x.shape[1:], x.dtype) for x in leaves]
     program = jax.make_jaxpr(lambda k, *x: jax.tree.leaves(step(k, *jax.tree.unflatten(tree, x))))(begin, *ones)
-    kernel = _Kernel(program, leaves, patience, interpret)
+    count = len(leaves[0])
+    kernel = _Kernel(
+        program, [_filled(x, min(BLOCK, 1 << (count - 1).bit_length())) for x in leaves], patience, interpret
+    )
     arguments, call = kernel.arguments(begin, end), jax.jit(kernel.call)
     try:
         traced = call.trace(*(jax.ShapeDtypeStruct(x.shape, x.dtype) for x in arguments))
@@ -96,7 +99,14 @@ def advanced(step: Callable, lanes: Any, others: Any, begin: Any, end: Any, pati
     except Exception as error:  # Pallas raises exceptions of any kind
         report_refusal(error)
         return None
-    return jax.tree.unflatten(jax.tree.structure(lanes), kernel.results(call(*arguments)))
+    results = [leaf[:count] for leaf in kernel.results(call(*arguments))]
+    return jax.tree.unflatten(jax.tree.structure(lanes), results)
+
+
+def _filled(leaf: jax.Array, block: int) -> jax.Array:
+    """A leaf of lanes in whole blocks: copies of the last lane fill the last block."""
+    missing = -len(leaf) % block
+    return jnp.concatenate([leaf, jnp.repeat(leaf[-1:], missing, axis=0)]) if missing else leaf
 
 
 def report_refusal(error: Exception) -> None:

@@ -32,7 +32,7 @@ OF_SPACING = (*reversed(DIVIDING), *(1 / number for number in DIVIDING[1:]))
 #: Number of samples in a time scale at which errors of several unknowns are measured. Numbers of steps are multiples.
 SAMPLES = 10
 #: Number of steps in an octave that confirm a step, with one unknown and with several, whose runs take longer.
-CONFIRMING, CONFIRMING_SEVERAL = 30, 8
+CONFIRMING, CONFIRMING_SEVERAL = 30, 4
 #: Relative distance of further steps from whole numbers of steps in a time scale, and the number up to which they are
 #: run. A resonance holds some schemes at an even number of steps in a period: the error is small there, large beside.
 BESIDE, COARSE = 1e-4, 200

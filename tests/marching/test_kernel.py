@@ -159,7 +159,7 @@ def _operations(u, k):
 
 
 def test_an_operation_in_a_kernel_is_that_of_whole_arrays(refusals):
-    u, k = np.random.default_rng(0).normal(size=(8, 3)), np.arange(8) % 3
+    u, k = np.random.default_rng(0).normal(size=(131, 3)), np.arange(131) % 3  # more than a block
     right = jax.vmap(_operations)(u, k)
     begin = jax.tree.map(jnp.zeros_like, right)
 
