@@ -7,6 +7,7 @@ from paper.claims.ledger import by_name
 from paper.claims.structures import SAMPLES_OF_SAWTOOTH, fails_to, kept, sawtooth
 from paper.data import TURNING
 from paper.figures.energy_growth import CEILING, FLOOR, sizes
+from paper.figures.oscillatory_energies import SPRINGS, total
 from paper.products import numbers
 from paper.requirements import samples_of_history
 from paper.wording import joined
@@ -66,6 +67,8 @@ def of_structures(
     most_steps_per_period = by_name(fails_to(runs))
     alternating = sawtooth(stiff_soft.v.isel(component=0))
     change = by_name(100 * long_times.max_sum_change)
+    exact = long_times[[f"reference_oscillatory_energy_{spring}" for spring in SPRINGS]].to_dataarray().sum("variable")
+    exact_change = 100 * abs(exact / total(long_times).isel(t=0, scheme=0) - 1).max().item()
     turning = [stiff_bar, stiff_truss]
     fails = ~runs.sel(scheme="average_acceleration")
     finest_failing = fails.steps_per_period.where(fails).max("steps_per_period")
@@ -83,9 +86,11 @@ def of_structures(
             f"fails_to_{name}": None if np.isnan(most) else f"{most:.0f}"
             for name, most in most_steps_per_period.items()
         },
-        **{f"sawtooth_{name}": f"{a:.2f}" for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
+        **{f"sawtooth_{name}": f"{a:.2g}" for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
         "chain_best": f"{100 * structures.displacement_error.sel(problem='fpu_chain').min().item():.2g}",
         "long_time": f"{long_times.t.max().item():,.0f}",
+        "sum_exact": f"{exact_change:.1f}",
+        "sum_exact_until": f"{long_times.t_reference.max().item():.0f}",
         "long_step": f"{long_times.step_size.item():.2f}",
         **_plateaus(structures),
         "stiff_soft_steps": stiff_soft.steps_per_period.item(),
