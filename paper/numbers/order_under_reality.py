@@ -22,7 +22,7 @@ def of_order_under_reality(orders: xr.Dataset) -> dict:
     kinked = displacement.sel(circumstance=KINKED)
     wrong, plain = (displacement.sel(circumstance=name) for name in ("inconsistent_start", "plain"))
     depends = orders.scheme.values[(plain - wrong > LOST).values]
-    alpha = observed.sel(scheme="generalized_alpha", circumstance=["damping", "load"])
+    alpha = observed.sel(scheme="generalized_alpha", circumstance=SMOOTH)
     late, moved = (alpha.sel(quantity=name) for name in ("acceleration", "displacement"))
     meanings = orders.status.flag_meanings.split()
     failed = orders.status.sel(quantity="displacement") == meanings.index("failed")
