@@ -22,7 +22,7 @@ _CURVE = {"color": "#0072B2", "linewidth": 0.6, "marker": ".", "markersize": 2.5
 )
 def draw(drift: xr.Dataset) -> Figure:
     """Signed energy error (above) and steps per oscillation at the end (below), against the steps per period."""
-    figure, ((above,), (below,)) = panels(2, 1, COLUMN, 8.5, sharex=True)
+    figure, ((above,), (below,)) = panels(2, 1, COLUMN, 7.5, sharex=True)
     parts = drift.steps_per_period
     above.axhline(0, color="0.7", linewidth=0.6)
     above.plot(parts, 100 * drift.energy_drift, **_CURVE)

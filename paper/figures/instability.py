@@ -26,7 +26,7 @@ SCHEME = "hht_alpha_1996"
 )
 def draw(portrait: xr.Dataset, reference: xr.Dataset, window: xr.Dataset) -> Figure:
     """Displacement and orbit of the α-method, with the exact range and orbit in grey; energies of every scheme."""
-    figure = empty(COLUMN, 14)
+    figure = empty(COLUMN, 11.5)
     grid = figure.add_gridspec(3, 2)
     history, plane = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
     energy = figure.add_subplot(grid[1, :])

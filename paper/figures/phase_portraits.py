@@ -57,7 +57,7 @@ def _limits(reference: np.ndarray, values: np.ndarray) -> tuple[float, float]:
 def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     """Panel (a) exact, then one panel per scheme: points coloured by elapsed time, and the exact orbit over them."""
     rows = math.ceil((1 + portrait.sizes["scheme"]) / 4)
-    figure, axes = panels(rows, 4, PAGE, 4.3 * rows + 0.4, sharex=True, sharey=True)
+    figure, axes = panels(rows, 4, PAGE, 4.0 * rows + 0.4, sharex=True, sharey=True)
     used, unused = np.split(axes.ravel(), [1 + portrait.sizes["scheme"]])
     for ax in unused:
         ax.remove()
