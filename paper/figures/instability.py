@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import COLUMN, curve_styles, empty, legend_below, letter
+from paper.figures.style import COLUMN, curve_styles, empty, legend_below, letter, whole_decades
 from paper.products import figure
 
 SCHEME = "hht_alpha_1996"
@@ -55,6 +55,7 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset, window: xr.Dataset) -> Fig
         look = {key: looks[name][key] for key in ("color", "linestyle")}
         close.plot(largest, np.arange(1, largest.size + 1) / largest.size, **look)
     close.set(xlabel="largest energy $E/E_0$", ylabel="share of runs", xscale="log")
+    whole_decades(close)
     letter(close, 3, "runs at close steps and starts")
     legend_below(figure, columns=3, axes=energy)
     return figure
