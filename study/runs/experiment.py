@@ -34,7 +34,7 @@ SAMPLES = 10
 #: Number of steps in an octave that confirm a step, with one unknown and with several, whose runs take longer.
 CONFIRMING, CONFIRMING_SEVERAL = 30, 4
 #: Relative distance of further steps from whole numbers of steps in a time scale, and the number up to which they are
-#: run. A resonance holds some schemes at an even number of steps in a period: the error is small there, large beside.
+#: run. A resonance holds some schemes at an even number of steps in a period: the error is small there only.
 BESIDE, COARSE = 1e-4, 200
 #: Quantities whose steps are found to two digits. Errors of others are measured at the steps that are tried.
 DECIDED = ("displacement", "energy")

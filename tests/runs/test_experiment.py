@@ -64,8 +64,8 @@ def test_a_step_that_a_resonance_favours_is_no_answer(monkeypatch):
     monkeypatch.setattr(experiment, "time_scale", lambda problem: 1.14187632340189)
     one = runs("softening", ["fox_goodwin"], [0.01], [100.0], 100.0, 100, 0)
     error = one.error.sel(scheme="fox_goodwin", quantity="displacement", periods=100)
-    beside = [float(error[abs(one.steps_per_period.values - count).argmin()]) for count in (42, 42 * (1 + BESIDE))]
-    assert beside[0] < 0.001 and beside[1] == pytest.approx(0.0843, rel=0.01)
+    errors = [float(error[abs(one.steps_per_period.values - count).argmin()]) for count in (42, 42 * (1 + BESIDE))]
+    assert errors[0] < 0.001 and errors[1] == pytest.approx(0.0843, rel=0.01)
     needed = needs(one, [0.01]).sel(quantity="displacement", condition="practice")
     assert needed.steps_per_period.item() > 50 and needed.steps_per_period.item() in one.steps_per_period
 
