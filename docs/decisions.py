@@ -1,17 +1,14 @@
 """The full and the short table of decisions, and the input lines of their schemes, as parts of pages."""
 
-import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-import pandas as pd
 import xarray as xr
 
 import study
-from docs.plan import DECISION
 from docs.text import table
 from paper.products import reader
-from paper.tables.decision import NO_BREAK, column, limits_of, rows_of, sentence, steps_of
+from paper.tables.decision import NO_BREAK, answer, beware, column, limits_of, rows_of, sentence, steps_of
 from paper.tables.models import FILTER, answers
 from study.runs.needs import CODES, FILTERS
 from study.scheme.codes import NameInCode, names_in_codes
@@ -30,14 +27,31 @@ def step_cell(need: xr.Dataset) -> str:
     return (step if need.problem.item() == "records" else f"{step} steps").replace(" ", NO_BREAK)
 
 
-def short_cell(decision: xr.Dataset, limits: Mapping[str, float]) -> str:
-    """A decision in few words: scheme, step, and Δt·ω < its stability limit; a dash if no scheme keeps the error."""
-    if not decision.step_size > 0:
-        return "–"
-    limit = limits.get(decision.scheme.item(), math.inf)
-    below = f" < {limit:.3g}" if math.isfinite(limit) else ""
-    condition = f"ωΔt = {number(decision.omega_step.item(), 2)}{below}".replace(" ", NO_BREAK)
-    return f"{decision.scheme_title.item()}: {step_cell(decision)}, {condition}"
+def short_cell(decision: xr.Dataset, limits: Mapping[str, float], costs: bool = False) -> str:
+    """A decision in words: scheme, step and Δt·ω < its stability limit; a dash if no scheme keeps the error.
+
+    With ``costs``, the number of forces follows, the computing time if it decides, and ``…`` if other schemes tie.
+    """
+    words = answer(decision, limits)
+    if not words["Steps"]:
+        return words["Scheme"]
+    below = f" < {words['Limit']}" if words["Limit"] else ""
+    parts = [step_cell(decision), f"ωΔt = {words['ωΔt']}{below}"]
+    if costs:
+        parts.append(f"{words['Forces']} forces{'/s' if decision.problem.item() == 'records' else ''}")
+        parts += [f"{words['Time [ms]']} ms"] * bool(words["Time [ms]"]) + ["…"] * bool(words["Ties"])
+    return f"{words['Scheme']}: {', '.join(part.replace(' ', NO_BREAK) for part in parts)}"
+
+
+def _decided(decisions: xr.Dataset, limits: Mapping[str, float], costs: bool = False) -> dict[tuple, list[str]]:
+    """The cells of each problem, quantity and kind, one for each allowed error."""
+    rows = {}
+    for problem, quantity, kind in rows_of(decisions.expand_dims("filter")):
+        decision = decisions.sel(problem=problem, quantity=quantity, kind=kind)
+        each = [decision.sel(allowed_error=error) for error in decision.allowed_error.values]
+        title = sentence(decision.problem_title.item())
+        rows[title, quantity, kind] = [short_cell(one, limits, costs) for one in each]
+    return rows
 
 
 def _input_lines(schemes: Iterable[str], codes: tuple[str, ...] = ("",)) -> list[NameInCode]:
@@ -49,21 +63,21 @@ def _input_lines(schemes: Iterable[str], codes: tuple[str, ...] = ("",)) -> list
 def recommended(results: Path) -> dict[str, str]:
     """The schemes of OpenSees, Abaqus and LS-DYNA for three errors, and their input lines, as tables in Markdown."""
     read = reader(results)
-    decisions, limits = read("decisions").sel(filter="codes"), limits_of(read("spectral"))
-    rows, chosen = [], set()
-    for problem, quantity, kind in rows_of(decisions.expand_dims("filter")):
-        if quantity in _QUANTITIES:
-            decision = decisions.sel(problem=problem, quantity=quantity, kind=kind)
-            cells = [short_cell(decision.sel(allowed_error=error), limits) for error in decision.allowed_error.values]
-            rows.append([sentence(decision.problem_title.item()), kind, *cells])
-            chosen |= {*decision.scheme.values}
+    decisions = read("decisions").sel(filter="codes")
+    shown = decisions.sel(quantity=[name for name in _QUANTITIES if name in decisions.quantity.values])
+    decided = _decided(shown, limits_of(read("spectral")))
+    chosen = {*shown.scheme.values.ravel()}
     lines = [
         [study.schemes[entry.scheme].title, entry.code, f"`{entry.name}`", entry.note]
         for entry in _input_lines(chosen, CODES)
     ]
     errors = [column(error) for error in decisions.allowed_error.values]
     return {
-        "recommended": table(["problem", "kind", *errors], rows, numbers_from=2 + len(errors)),
+        "recommended": table(
+            ["problem", "kind", *errors],
+            [[problem, kind, *cells] for (problem, _, kind), cells in decided.items()],
+            numbers_from=2 + len(errors),
+        ),
         "recommended_lines": table(_HEAD, lines, numbers_from=len(_HEAD)),
     }
 
@@ -98,8 +112,15 @@ def by_model(results: Path) -> str:
 
 def tables(results: Path) -> dict[str, str]:
     """All tables of decisions and of input lines in Markdown, by name."""
-    decision = pd.read_csv(results / DECISION, keep_default_na=False)
-    chosen = reader(results)("decisions").scheme.values.ravel()
+    read = reader(results)
+    decisions = read("decisions")
+    chosen = decisions.scheme.values.ravel()
+    decided = _decided(decisions.sel(filter="all"), limits_of(read("spectral")), costs=True)
+    names = ("problem", "quantity", "kind")
+    remarks = [beware(decisions.sel(dict(zip(names, row, strict=True)))) for row in rows_of(decisions)]
+    rows = [[*row, *cells, remark] for (row, cells), remark in zip(decided.items(), remarks, strict=True)]
+    errors = [column(error) for error in decisions.allowed_error.values]
+    head = ["problem", "right in", "kind", *errors, "beware of"]
     lines = [
         [
             f"[{study.schemes[entry.scheme].title}](/schemes/{entry.scheme}.md)",
@@ -112,6 +133,6 @@ def tables(results: Path) -> dict[str, str]:
     return {
         **recommended(results),
         "by_model": by_model(results),
-        "decisions": table(decision.columns, decision.to_numpy().tolist(), numbers_from=len(decision.columns)),
+        "decisions": table(head, rows, numbers_from=len(head)),
         "input_lines": table(_HEAD, lines, numbers_from=len(_HEAD)),
     }

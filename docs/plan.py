@@ -19,8 +19,8 @@ OF_SCHEMES = (
     "work_precision",
     "needs",
 )
-#: Files of the article's numbers and of its table of decisions.
-NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
+#: File of the article's numbers.
+NUMBERS = "numbers.json"
 #: Declarations of all tables of the study, and the name of the table of claims.
 TABLES, LEDGER = tuple(product for product in discover(["tables"]) if product.kind == "table"), "claims"
 #: Declarations of all figures of the study.

@@ -1,5 +1,7 @@
 """Recommended explicit and implicit schemes, with their steps, for each problem, quantity and error."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -11,6 +13,8 @@ from study.words import number
 NO_BREAK = "\u00a0"
 #: Mark of the coarsest step that was tried, before a number of steps, and of the finest, after it.
 AT_MOST, FINEST = f"≤{NO_BREAK}", "\u00a0†"
+#: Columns of an answer.
+COLUMNS = ("Scheme", "Ties", "Steps", "Forces", "Time [ms]", "ωΔt", "Limit")
 #: Verdict of a search that ended at the coarsest step.
 COARSEST = 1
 
@@ -35,25 +39,32 @@ def steps_of(one: xr.Dataset) -> str:
     return f"{at_most}{steps}{FINEST if one.smaller_steps.item() == 0 else ''}"
 
 
-def cost_of(one: xr.Dataset) -> str:
-    """The number of forces in a time scale, or in a second under records, and the computing time if it decides."""
-    if one.problem.item() == "records":
-        return f"{one.force_evaluations.item():,.0f} forces/s"
-    forces = f"{one.force_evaluations.item() * one.time_scale.item():,.0f} forces"
-    if one.cost.item() != "seconds":
-        return forces
-    return f"{forces}, {number(1e3 * one.seconds.item() * one.time_scale.item(), 2)} ms"
+def forces_of(one: xr.Dataset) -> str:
+    """The number of forces in a time scale, or in a second under records."""
+    scale = 1.0 if one.problem.item() == "records" else one.time_scale.item()
+    return f"{one.force_evaluations.item() * scale:,.0f}"
 
 
-def cell(one: xr.Dataset, limits: dict[str, float]) -> str:
-    """A decision: the scheme, its step, cost and Δt·ω, and ``…`` if others tie; a dash if no scheme keeps the error."""
+def answer(one: xr.Dataset, limits: Mapping[str, float]) -> dict[str, str]:
+    """A decision as words and numbers, by column; the scheme is a dash if none keeps the error.
+
+    ``limits`` has the limits of Δt·ω by scheme. The computing time is stated if it decides. A column is empty if it
+    does not apply.
+    """
     if not one.step_size > 0:
-        return "–"
+        return {name: "–" if name == "Scheme" else "" for name in COLUMNS}
+    times = number(1e3 * one.seconds.item() * one.time_scale.item(), 2) if one.cost.item() == "seconds" else ""
     limit = limits.get(one.scheme.item(), np.inf)
-    below = f" < {limit:.3g}" if np.isfinite(limit) else ""
-    condition = f"ωΔt {number(one.omega_step.item(), 2)}{below}"
-    work, condition = (part.replace(" ", NO_BREAK) for part in (cost_of(one), condition))
-    return f"{one.scheme_title.item()}: {steps_of(one)} ({work}, {condition})" + ("; …" if one.ties > 1 else "")
+    cells = (
+        one.scheme_title.item(),
+        "…" if one.ties > 1 else "",
+        steps_of(one),
+        forces_of(one),
+        times,
+        number(one.omega_step.item(), 2),
+        f"{limit:.3g}" if np.isfinite(limit) else "",
+    )
+    return dict(zip(COLUMNS, cells, strict=True))
 
 
 def rows_of(decisions: xr.Dataset) -> list[tuple[str, str, str]]:
@@ -73,30 +84,11 @@ def rows_of(decisions: xr.Dataset) -> list[tuple[str, str, str]]:
 TABULATED = ("displacement", "energy", "peak drift")
 
 
-def _beware(decided: xr.Dataset) -> str:
+def beware(decided: xr.Dataset) -> str:
     """Remark if other schemes or steps are chosen where the whole motion must be right."""
     row, whole = decided.sel(filter="all"), decided.sel(filter="whole_motion")
     same = (row.scheme == whole.scheme) & ((row.step_size == whole.step_size) | row.step_size.isnull())
     return "" if same.all() else "the whole motion needs other steps"
-
-
-def tabulated(decisions: xr.Dataset, limits: dict[str, float], chosen: str) -> pd.DataFrame:
-    """The decisions with one filter, a row for each problem, quantity and kind."""
-    rows, before = [], ("", "")
-    for problem, quantity, kind in rows_of(decisions):
-        one = decisions.sel(problem=problem, quantity=quantity, kind=kind)
-        row = one.sel(filter=chosen)
-        rows.append(
-            {
-                "Problem": sentence(one.problem_title.item()) if problem != before[0] else "",
-                "Right in": quantity if (problem, quantity) != before else "",
-                "Scheme": kind,
-                **{column(error): cell(row.sel(allowed_error=error), limits) for error in row.allowed_error.values},
-                "Beware of": _beware(one),
-            }
-        )
-        before = problem, quantity
-    return pd.DataFrame(rows)
 
 
 def limits_of(spectral: xr.Dataset) -> dict[str, float]:
@@ -112,12 +104,19 @@ _REQUIRES = {
 
 @table("Recommended schemes and steps", requires=_REQUIRES)
 def tabulate(decisions: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
-    """One row per problem, quantity and kind of scheme; a dash where no scheme keeps the error.
+    """One row per problem, quantity, kind of scheme and error; a dash where no scheme keeps the error.
 
-    A cell names the scheme of its kind with the fewest evaluations of the force, or with the shortest computing time
-    for 100 and more unknowns. Costs within a tenth tie, and the smallest error then decides. A cell contains the steps
-    in a time scale and, in brackets, the forces in a time scale and Δt·ω with the highest ω of the motion, followed by
-    the stability limit of linear theory if there is one. Under records, the step in ms replaces the number of steps,
-    and the forces are those per second.
+    The scheme is that of its kind with the fewest evaluations of the force, or with the shortest computing time for 100
+    and more unknowns. Costs within a tenth tie, and the smallest error then decides. Steps, forces and time are those
+    in a time scale, ω is the highest frequency of the motion, and the limit is that of linear theory. Under records,
+    the step in ms replaces the number of steps, and the forces are those per second.
     """
-    return tabulated(decisions, limits_of(spectral), "all")
+    limits, rows = limits_of(spectral), []
+    for problem, quantity, kind in rows_of(decisions):
+        one = decisions.sel(problem=problem, quantity=quantity, kind=kind)
+        title, remark = sentence(one.problem_title.item()), beware(one)
+        for error in one.allowed_error.values:
+            cells = answer(one.sel(filter="all", allowed_error=error), limits)
+            row = {"Problem": title, "Right in": quantity, "Kind": kind, "Error": column(error)}
+            rows.append(row | cells | {"Beware of": remark})
+    return pd.DataFrame(rows)

@@ -1,10 +1,10 @@
-"""Cost of accuracy with every scheme: steps and forces in a period for an error of the displacement."""
+"""Cost of accuracy with every scheme: steps and, in brackets, forces in a period for an error of the displacement."""
 
 import pandas as pd
 import xarray as xr
 
 from paper.products import table
-from paper.tables.decision import column, cost_of, steps_of
+from paper.tables.decision import column, forces_of, steps_of
 
 
 @table("Steps and forces for an error", requires={"runs.problems.hardening.decided": lambda periods: ""})
@@ -15,7 +15,7 @@ def tabulate(needs: xr.Dataset) -> pd.DataFrame:
     for name in spring.scheme.values:
         one = spring.sel(scheme=name)
         at = {column(error): one.sel(allowed_error=error) for error in one.allowed_error.values}
-        cells = {name: f"{steps_of(x)} ({cost_of(x)})" if x.step_size > 0 else "–" for name, x in at.items()}
+        cells = {name: f"{steps_of(x)} ({forces_of(x)})" if x.step_size > 0 else "–" for name, x in at.items()}
         kind = "explicit" if one.explicit == 1 else "implicit"
         rows.append({"Scheme": one.scheme_title.item(), "Kind": kind, **cells})
     return pd.DataFrame(rows)
