@@ -1,15 +1,13 @@
-"""Observed orders in every measure of error: of the schemes of the paper, and of every scheme on one spring."""
+"""Observed orders of the schemes of the paper in every measure of error."""
 
 import pandas as pd
 import xarray as xr
 
-from paper.data import families, of_the_paper
+from paper.data import of_the_paper
 from paper.measures.orders import PERIODS, order_at_finest
 from paper.products import table
 from paper.published import SCHEMES
 
-#: Spring on which the orders of every scheme are given.
-PROBLEM = "softening"
 _TITLES = {
     "max_trajectory_error": "Trajectory",
     "rms_trajectory_error": "rms",
@@ -43,14 +41,3 @@ def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
         for problem in accuracy.problem.values
         for scheme in accuracy.scheme.values
     )
-
-
-@table(
-    "Orders of all schemes",
-    name="orders_of_today",
-    requires={"accuracy.problems": [PROBLEM], "accuracy.periods": sorted(set(PERIODS.values()))},
-)
-def tabulate_all(accuracy: xr.Dataset) -> pd.DataFrame:
-    """One row per scheme."""
-    parts = families(accuracy.sel(problem=PROBLEM)).values()
-    return pd.DataFrame(_observed(part.sel(scheme=name)) for part in parts for name in part.scheme.values)

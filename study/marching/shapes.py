@@ -25,10 +25,8 @@ CountPerRun = Int[np.ndarray, "*lanes"]
 Displacements = Float[np.ndarray, "*lanes_and_n"]
 
 #: Step sizes of all lanes of an ensemble, shape (lanes,).
-OfLanes = Float[np.ndarray, "lanes"]
 
 #: Numbers of steps of all lanes of an ensemble, shape (lanes,).
-CountOfLanes = Int[np.ndarray, "lanes"]
 
 #: Displacements of all lanes of an ensemble, shape (lanes,) or (lanes, n).
 DisplacementsOfLanes = Float[np.ndarray, "lanes *n"]

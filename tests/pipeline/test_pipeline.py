@@ -224,7 +224,7 @@ UNUSUAL = {
     "phase_portrait": {"hardening": {"dt": 0.011, "duration": 0.5}},
     "sensitivity": {"duration": 5.0},
     "spectral": {"damping_ratios": [0.0, 0.3], "exponents": {"first": -2, "per_decade": 15}},
-    "stability": {"bifurcation": {"shown": 7, "steps": 40}, "numerical_map": {"dt": [2]}},
+    "stability": {"bifurcation": {"shown": 7, "steps": 40}},
     "cpu_time": {"repeats": 1},
 }
 

@@ -19,7 +19,7 @@ import xarray as xr
 from tests.pipeline.pipeline import SMALL, call_snakemake, copied
 
 #: Products: datasets of jobs on the node, figures of one group, and a dataset of measured times.
-PRODUCTS = ["energy_drift.nc", "houbolt_start.nc", "figures/energy_drift.pdf", "figures/roots.pdf", "cpu_time.nc"]
+PRODUCTS = ["energy_drift.nc", "houbolt_start.nc", "figures/energy_drift.pdf", "figures/bifurcation.pdf", "cpu_time.nc"]
 #: Products without measured times, which must have the same bytes as in a local run.
 UNTIMED = PRODUCTS[:-1]
 #: Options of Snakemake for a Slurm without accounting: the state of a job is read from the queue.
