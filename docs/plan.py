@@ -14,7 +14,6 @@ OF_SCHEMES = (
     "large_steps",
     "order_under_reality",
     "stability/atlas",
-    "stability/robustness",
     "structures",
     "work_precision",
     "needs",

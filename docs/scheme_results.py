@@ -13,6 +13,7 @@ from docs.theory import ROUND_OFF, Theory
 from paper.figures.outcome_map import outcome_map
 from paper.figures.style import OUTCOME_STYLES
 from paper.measures.orders import PERIODS, order_at_finest
+from paper.measures.outcomes import fewest_steps, most_steps
 from paper.published import printed_cpu_times, printed_energy_errors
 from study.words import listed, number, percent
 
@@ -28,6 +29,8 @@ _MEASURES = {
 }
 #: Descriptions of failures.
 _FAILURES = {"no_solution_found": "no balance of forces is found", "unbounded": "the motion grows without bound"}
+#: Allowed errors of the energy at all amplitudes.
+LEVELS = (0.01, 0.05, 0.1)
 #: Length, in periods, of the runs whose error is shown against the number of forces.
 _LONG = 100
 _LIMIT = " Dashed: linear limit of stability at the stiffest place of the motion."
@@ -151,33 +154,19 @@ def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
     head = ["problem", *(OUTCOME_STYLES[name][0] for name in names)]
     parts = [figure_of([*panels, map_legend()], caption), "Share of these runs by outcome:", table(head, rows)]
     parts.append(_failures(subject, data))
-    robust = _part_of(subject, data["stability/robustness"])
-    if robust is not None:
-        last = robust.isel(periods=-1)
-        rows = [
-            [
-                title,
-                *(
-                    _steps(last.fewest_steps_per_period.sel(problem=name, allowed_error=level).item(), last)
-                    for level in last.allowed_error
-                ),
-            ]
-            for name, title in _titles(robust).items()
-        ]
-        length = int(last.periods)
-        parts.append(
-            f"Steps per period that keep the energy within some percent over {length} periods at all amplitudes:"
-        )
-        parts.append(table(["problem", *(f"{100 * level:g} %" for level in last.allowed_error.values)], rows))
+    fewest = [fewest_steps(runs, level) for level in LEVELS]
+    finer = most_steps(atlas)
+    rows = [
+        [title, *(f"{steps:.0f}" if (steps := one.sel(problem=name).item()) > 0 else finer for one in fewest)]
+        for name, title in _titles(runs).items()
+    ]
+    parts.append(f"Steps per period that keep the energy within some percent over {periods} periods at all amplitudes:")
+    parts.append(table(["problem", *(f"{100 * level:g} %" for level in LEVELS)], rows))
     return "\n\n".join(parts)
 
 
 def _share(part: float) -> str:
     return "–" if part == 0 else "< 1 %" if part < 0.01 else f"{100 * part:.0f} %"
-
-
-def _steps(needed: float, robust: xr.Dataset) -> str:
-    return f"more than {int(robust.most_steps_per_period)}" if np.isnan(needed) else f"{needed:.0f}"
 
 
 def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:

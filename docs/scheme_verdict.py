@@ -13,6 +13,7 @@ import study
 from docs.text import definitions, table
 from docs.theory import PERIODS, ROUND_OFF, STEPS, TRIED
 from paper.measures.orders import lost as loses_order
+from paper.measures.outcomes import fewest_steps, most_steps
 from paper.tables.decision import steps_of
 from study.runs.needs import NO_VALUE, TIED, cost
 from study.words import listed, number, percent
@@ -206,7 +207,7 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
         yield "small errors, as its order is 1"
     elif scheme.order_with_damping == 1:
         yield "small errors with damping or load, where its order is 1"
-    robust, kinks, structures = data["stability/robustness"], data["kinks"], data["structures"]
+    atlas, kinks, structures = data["stability/atlas"], data["kinks"], data["structures"]
     circumstances = data["order_under_reality"]
     if subject.name in circumstances.scheme.values:
         motion = loses_order(circumstances.sel(scheme=subject.name, quantity=["displacement", "velocity"]))
@@ -216,13 +217,13 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
                 f"small errors in these circumstances, where displacement or velocity lose the order {scheme.order} "
                 f"or do not converge: {listed(titles)}"
             )
-    if subject.name in robust.scheme.values:
-        needed = robust.fewest_steps_per_period.isel(periods=-1).sel(allowed_error=LEVEL, scheme=subject.name)
-        lost = robust.problem_title.values[np.isnan(needed.values)].tolist()
+    if subject.name in atlas.scheme.values:
+        needed = fewest_steps(atlas, LEVEL).sel(scheme=subject.name)
+        lost = atlas.problem_title.values[np.isnan(needed.values)].tolist()
         if lost:
             yield (
-                f"all amplitudes of the {listed(lost)}: {int(robust.most_steps_per_period)} steps per period do not "
-                f"keep the energy within {percent(LEVEL)}"
+                f"all amplitudes of the {listed(lost)}, where {most_steps(atlas)} steps per period are needed to keep "
+                f"the energy within {percent(LEVEL)}"
             )
     if subject.name in kinks.scheme.values and scheme.order >= 2:
         first = kinks.problem_title.values[kinks.observed_order.sel(scheme=subject.name).values < 1.5].tolist()

@@ -112,7 +112,6 @@ _REQUIRES = {
     "sensitivity.perturbation": 1e-10,
     "stability.roots.paper_step_size": 2.5,
     "atlas.problems": as_many(3),
-    "robustness.problems": as_many(3),
 }
 
 enter(Product("text", "manuscript", __name__, uses, {}, "", _REQUIRES))

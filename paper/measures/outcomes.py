@@ -1,7 +1,9 @@
-"""Outcomes of runs near the amplitudes of 1996."""
+"""Outcomes of runs near the amplitudes of 1996, and steps that keep the energy at all amplitudes."""
 
 import numpy as np
 import xarray as xr
+
+from study.runs.needs import largest_size
 
 #: Factor up to which an amplitude larger or smaller than the amplitude of 1996 is near it.
 SPAN = 3.0
@@ -24,3 +26,18 @@ def near_1996(atlas: xr.Dataset) -> xr.Dataset:
 def is_outcome(atlas: xr.Dataset, name: str) -> xr.DataArray:
     """Whether each run ended in the named way."""
     return atlas.outcome == atlas.outcome.flag_meanings.split().index(name)
+
+
+def fewest_steps(atlas: xr.Dataset, allowed_error: float) -> xr.DataArray:
+    """Steps in a period that keep the energy at all amplitudes, as all larger numbers tried do, over (problem, scheme).
+
+    NaN if the finest step of the maps does not keep it.
+    """
+    kept = (atlas.max_energy_error <= allowed_error).all("amplitude")
+    largest = largest_size(kept, "step_size_over_period")
+    return np.ceil(1 / largest.where(largest > 0) - 1e-9)
+
+
+def most_steps(atlas: xr.Dataset) -> str:
+    """Steps in a period of the finest step of the maps, in words for a step that would have to be finer."""
+    return f"more than {1 / atlas.step_size_over_period.min().item():.0f}"

@@ -4,10 +4,10 @@ import numpy as np
 import xarray as xr
 
 from paper.claims.ledger import by_name
-from paper.measures.outcomes import FAILURES, SPAN, is_outcome, near_1996
+from paper.measures.outcomes import FAILURES, SPAN, fewest_steps, is_outcome, most_steps, near_1996
 from paper.products import numbers
 from paper.published import PROBLEMS
-from paper.requirements import contained, rising
+from paper.requirements import contained
 from paper.terms import CHAOTIC, DAMPED, DISSIPATIVE, FAITHFUL
 from study.words import span
 
@@ -45,7 +45,6 @@ def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str
     atlas="stability/atlas",
     roots="stability/roots",
     bifurcation="stability/bifurcation",
-    robustness="stability/robustness",
     requires={
         "": contained("atlas.schemes", within="spectral.schemes"),
         "atlas.schemes": DAMPED,
@@ -53,21 +52,17 @@ def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str
         "energy_error.schemes": FAITHFUL,
         "energy_error.steps_per_period": [20],
         "spectral.damping_ratios": [0.0],
-        "atlas.problems": ["double_well"],
+        "atlas.problems": ["hardening", "softening", "double_well"],
         "stability.roots.problem": "double_well",
         "stability.roots.schemes": ["average_acceleration"],
         "stability.bifurcation.problem": "double_well",
         "stability.bifurcation.scheme": "average_acceleration",
-        "robustness.problems": ["hardening", "softening", "double_well"],
-        "robustness.schemes": ["average_acceleration"],
-        "robustness.periods": rising,
     },
 )
 def of_stability(
     atlas: xr.Dataset,
     roots: xr.Dataset,
     bifurcation: xr.Dataset,
-    robustness: xr.Dataset,
     spectral: xr.Dataset,
     energy_error: xr.Dataset,
 ) -> dict:
@@ -81,12 +76,12 @@ def of_stability(
         (roots.step_size >= onset) & (roots.step_size < several)
     )
     lost_left = _lost_left_of_the_limit(atlas, spectral)
-    longest = robustness.fewest_steps_per_period.isel(periods=-1)
-    of_average = longest.sel(scheme="average_acceleration", allowed_error=0.1)
+    fewest = fewest_steps(atlas, 0.1)
+    of_average = fewest.sel(scheme="average_acceleration")
     tables = 100 * energy_error.max_energy_error.sel(period_used="printed", steps_per_period=20)
     of_both = tables.sel(problem=PROBLEMS, scheme=FAITHFUL)
     at_all_amplitudes = of_average.fillna(np.inf)
-    twenty = longest.sel(problem="hardening", allowed_error=0.1) <= 20
+    twenty = fewest.sel(problem="hardening") <= 20
     near = near_1996(atlas)
     by_scheme = {
         name: is_outcome(near, name).any(["problem", "amplitude", "step_size_over_period"]) for name in FAILURES
@@ -104,7 +99,6 @@ def of_stability(
         "damped_end_at_rest": bool(
             (at_rest & ~by_scheme["chaotic"] & ~by_scheme["growing"]).sel(scheme=DISSIPATIVE).all()
         ),
-        "robust_schemes": robustness.sizes["scheme"],
         "twenty_not_everywhere": bool((of_both <= 10).all() and (at_all_amplitudes > 20).any()),
         "chaos_before_roots": bool(onset < several),
         "chaos_from": f"{onset:.2f}",
@@ -115,12 +109,9 @@ def of_stability(
         "softening_needs_more": bool(
             at_all_amplitudes.sel(problem="softening") > at_all_amplitudes.sel(problem="hardening")
         ),
-        "needed_periods": f"{robustness.periods.values[-1]:,}",
         **{
-            f"needed_{name}": f"{value:.0f}"
-            if np.isfinite(value)
-            else f"more than {robustness.most_steps_per_period.item()}"
+            f"needed_{name}": f"{value:.0f}" if np.isfinite(value) else most_steps(atlas)
             for name, value in by_name(of_average).items()
         },
-        "needed_twenty": ", ".join(robustness.scheme_title.values[twenty.values]) or "none",
+        "needed_twenty": ", ".join(atlas.scheme_title.values[twenty.values]) or "none",
     }

@@ -24,10 +24,6 @@ CountPerRun = Int[np.ndarray, "*lanes"]
 #: A displacement, shape () or (n,), or a displacement for each lane, shape (lanes,) or (lanes, n).
 Displacements = Float[np.ndarray, "*lanes_and_n"]
 
-#: Step sizes of all lanes of an ensemble, shape (lanes,).
-
-#: Numbers of steps of all lanes of an ensemble, shape (lanes,).
-
 #: Displacements of all lanes of an ensemble, shape (lanes,) or (lanes, n).
 DisplacementsOfLanes = Float[np.ndarray, "lanes *n"]
 

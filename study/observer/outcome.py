@@ -24,9 +24,6 @@ GROWN = 100.0
 #: Minima at a distance from u₀ of more than this multiple of max(|u₀|, 1) are not found.
 FARTHEST = 1e6
 
-#: Relative errors of the height of the energy; :class:`Excursions` observes the first time beyond each of them.
-LEVELS = (0.01, 0.05, 0.1)
-
 
 def _refusal(problem: Problem) -> str | None:
     """One sentence on why the outcome of runs of the problem is undefined; None if it is defined."""
@@ -180,43 +177,6 @@ class OutcomeObserver(KeywordsOnly, Reduction):
         _, error, iterations, first = carried
         values = dict(zip(self.variables, (error, iterations, *first), strict=True))
         return {name: value for name, value in values.items() if value is not None}
-
-
-class Excursions(Reduction):
-    """Times at which the relative error of the height H = E − E_rest of the energy first exceeds 1, 5 and 10 percent.
-
-    A time is infinite if the error never exceeds the percentage.
-
-    Parameters
-    ----------
-    rest
-        E_rest, as in :class:`OutcomeObserver`.
-    """
-
-    rest: float = eqx.field(converter=np.float64)
-
-    variables = {
-        f"beyond_{100 * level:g}_percent": {
-            "long_name": f"first time with an error of the energy of more than {100 * level:g} percent",
-            "units": "s",
-        }
-        for level in LEVELS
-    }
-    needs_energy = True
-
-    def start(self, problem, state):
-        return problem.energy(state.u, state.v) - self.rest, (jnp.full((), jnp.inf),) * len(LEVELS)
-
-    def update(self, carried, problem, state, t, effort):
-        height, first = carried
-        change = jnp.abs((problem.energy(state.u, state.v) - self.rest) / height - 1)
-        return height, tuple(
-            jnp.where((change > level) & (before == jnp.inf), t, before)
-            for level, before in zip(LEVELS, first, strict=True)
-        )
-
-    def result(self, carried, problem, state):
-        return dict(zip(self.variables, carried[1], strict=True))
 
 
 class Height(Record):

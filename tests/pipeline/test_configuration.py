@@ -117,8 +117,6 @@ def test_an_invalid_configuration_is_refused(whole):
         (lambda c: c["atlas"]["amplitudes"].update(first=2), "atlas.amplitudes: first, 2.0, must be less than last,"),
         (lambda c: c["atlas"]["amplitudes"].update(count=63 * 10**12), "atlas.amplitudes.count must be less than or"),
         (lambda c: c["atlas"]["amplitudes"].update(first=-400), "atlas.amplitudes.first must be greater than or equal"),
-        (lambda c: c["robustness"]["problems"].append("softening_large"), "there is no softening_large among"),
-        (lambda c: c["robustness"].update(periods=[100, 10]), "robustness.periods: must be in ascending order"),
         (lambda c: c["stability"]["bifurcation"].update(shown=10**5), "stability.bifurcation.shown must be at most"),
         (lambda c: c["stability"]["roots"]["schemes"].append("bathe"), "a step of 'Bathe' is not one effective"),
         (lambda c: c["stability"]["roots"]["schemes"].append("bathed"), "there is no scheme 'bathed'; did you mean"),
