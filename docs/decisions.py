@@ -10,13 +10,11 @@ from docs.text import table
 from paper.products import reader
 from paper.tables.decision import NO_BREAK, answer, beware, column, limits_of, rows_of, sentence, steps_of
 from paper.tables.models import FILTER, answers
-from study.runs.needs import CODES, FILTERS
+from study.runs.needs import CODES, FILTERS, MOTION
 from study.scheme.codes import NameInCode, names_in_codes
 from study.words import number
 
 _HEAD = ("scheme", "code", "name and parameters", "remark")
-#: Quantities whose rows the short table shows.
-_QUANTITIES = ("displacement", "peak drift")
 
 
 def step_cell(need: xr.Dataset) -> str:
@@ -64,7 +62,7 @@ def recommended(results: Path) -> dict[str, str]:
     """The schemes of OpenSees, Abaqus and LS-DYNA for three errors, and their input lines, as tables in Markdown."""
     read = reader(results)
     decisions = read("decisions").sel(filter="codes")
-    shown = decisions.sel(quantity=[name for name in _QUANTITIES if name in decisions.quantity.values])
+    shown = decisions.sel(quantity=[name for name in MOTION if name in decisions.quantity.values])
     decided = _decided(shown, limits_of(read("spectral")))
     chosen = {*shown.scheme.values.ravel()}
     lines = [

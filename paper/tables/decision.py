@@ -8,6 +8,7 @@ import xarray as xr
 
 from paper.products import table
 from paper.requirements import contained
+from study.runs.needs import DECIDED
 from study.words import number
 
 NO_BREAK = "\u00a0"
@@ -70,7 +71,7 @@ def answer(one: xr.Dataset, limits: Mapping[str, float]) -> dict[str, str]:
 def rows_of(decisions: xr.Dataset) -> list[tuple[str, str, str]]:
     """Problem, quantity and kind of each row: those for which some scheme has the quantity on the problem."""
     has = (decisions.verdict != decisions.verdict.attrs["flag_values"][-1]).any(["allowed_error", "filter", "kind"])
-    quantities = [name for name in TABULATED if name in decisions.quantity.values]
+    quantities = [name for name in DECIDED if name in decisions.quantity.values]
     return [
         (problem, quantity, kind)
         for problem in decisions.problem.values
@@ -78,10 +79,6 @@ def rows_of(decisions: xr.Dataset) -> list[tuple[str, str, str]]:
         if has.sel(problem=problem, quantity=quantity)
         for kind in decisions.kind.values
     ]
-
-
-#: Quantities of the rows, in their order.
-TABULATED = ("displacement", "energy", "peak drift")
 
 
 def beware(decided: xr.Dataset) -> str:

@@ -19,7 +19,7 @@ from study.problem.inelastic import BOUNCE, PERIOD
 from study.problem.named import approximate_periods, problems, time_scales
 from study.program.confirmation import CERTAIN, Limit
 from study.runs.measured import Motion, Start, measured
-from study.runs.needs import keeps, unbroken
+from study.runs.needs import DECIDED, keeps, unbroken
 from study.runs.records import DIVIDING
 from study.runs.schema import described, divides
 from study.scheme.base import Scheme
@@ -36,8 +36,6 @@ CONFIRMING, CONFIRMING_SEVERAL = 30, 4
 #: Relative distance of further steps from whole numbers of steps in a time scale, and the number up to which they are
 #: run. A resonance holds some schemes at an even number of steps in a period: the error is small there only.
 BESIDE, COARSE = 1e-4, 200
-#: Quantities whose steps are found to two digits. Errors of others are measured at the steps that are tried.
-DECIDED = ("displacement", "energy")
 
 
 #: Durations in time scales, in ascending order.

@@ -15,6 +15,10 @@ COSTS = {
     "tangent_evaluations": {"long_name": "tangents of the internal force evaluated", "units": "s-1"},
     "factorisations": {"long_name": "linear systems with a new matrix", "units": "s-1"},
 }
+#: Quantities of the motion; the one that a problem has is its default. With the energy they are the quantities whose
+#: steps are searched and tabulated.
+MOTION = ("displacement", "peak drift")
+DECIDED = (*MOTION, "energy")
 #: Number of unknowns from which on the computing time decides which scheme is the cheapest, because implicit
 #: schemes then spend most of it on factorisations.
 LARGE = 100

@@ -11,11 +11,8 @@ from study.algebra.scalars import is_number
 from study.analysis.duration import FREE
 from study.analysis.recommendation import Recommended, chosen, of_assessment, over_duration
 from study.registry import UnknownName, did_you_mean
-from study.runs.needs import NO_VALUE, ranked
+from study.runs.needs import MOTION, NO_VALUE, ranked
 from study.words import percent, step_with_unit
-
-#: Quantities that are the default of a problem of the study.
-_FIRST = ("displacement", "peak drift")
 
 
 def recommend(
@@ -181,7 +178,7 @@ def _of_needs(needed: xr.Dataset, error: float, quantity: str | None) -> pd.Data
     """The table for a problem of the study, from its needs over (scheme, quantity, allowed_error, condition)."""
     needed = needed.sel(condition="practice")
     has = (needed.verdict != NO_VALUE).any(["scheme", "allowed_error"])
-    known = sorted(needed.quantity.values[has.values].tolist(), key=lambda name: name not in _FIRST)
+    known = sorted(needed.quantity.values[has.values].tolist(), key=lambda name: name not in MOTION)
     quantity, one = chosen(needed, known, error, quantity)
     best = ranked(one)
     one = one.sel(scheme=[*best, *(name for name in one.scheme.values if name not in best)])

@@ -12,8 +12,8 @@ import xarray as xr
 import study
 from docs.decisions import recommended, short_cell
 from paper.explorer.page import _decisions as in_explorer
-from paper.tables.decision import TABULATED, column, sentence, tabulate
-from study.runs.needs import ATTRIBUTES, decisions, needs, of_problems
+from paper.tables.decision import column, sentence, tabulate
+from study.runs.needs import ATTRIBUTES, DECIDED, decisions, needs, of_problems
 from tests.runs.made_up import runs, with_kinds
 
 PROJECT = Path(__file__).parent.parent.parent
@@ -90,7 +90,7 @@ def _check_one_answer(
     checked = 0
     for problem in decided.problem.values:
         title = sentence(decided.problem_title.sel(problem=problem).item())
-        for quantity in TABULATED:
+        for quantity in DECIDED:
             if (title, quantity, "explicit", column(0.01)) not in in_article.index:
                 continue
             for k, error in enumerate(decided.allowed_error.values.tolist()):
