@@ -14,14 +14,13 @@ from study.words import span
 
 @numbers()
 def of_long_times(long_times: xr.Dataset) -> dict:
-    """Growth and size of round-off in double precision."""
-    double = long_times.sel(arithmetic="float64")
-    last = double.isel(periods=-1)
+    """Growth and size of round-off."""
+    last = long_times.isel(periods=-1)
     return {
         "lasting_periods": f"{last.periods.item():,}",
         "lasting_steps": long_times.steps_per_period.item(),
         "lasting_runs": long_times.runs.item(),
-        "lasting_double": span(double.exponent.sel(quantity="energy_round_off")),
+        "lasting_double": span(long_times.energy_exponent),
         "lasting_energy": f"{100 * last.energy_round_off.max().item():.0e}",
         "lasting_phase": f"{last.phase_round_off.max().item():.0e}",
     }

@@ -1,141 +1,144 @@
-"""Energy and phase errors of very long runs, and the growth of their round-off, as means over the runs."""
+"""Round-off of very long runs, which is their difference from runs with compensated sums, and its growth."""
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Annotated, cast
 
 import numpy as np
 import xarray as xr
+from annotated_types import Ge, Le
 
 from study import io
-from study.declaration.experiment import experiment
-from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
+from study.analysis.comparison import first_crossing
+from study.analysis.orders import observed_order
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, OneStepSchemes, RisingCounts, Spring
+from study.experiments import coordinates
+from study.marching.run import sweep
+from study.problem.named import problems as problems_by_name
+from study.scheme.base import OneStep
+from study.scheme.named import schemes as schemes_by_name
+from study.scheme.wrapper.compensated import Compensated
 
-#: Arithmetic of the runs from which the round-off of all other runs is measured.
-_LEAST_ROUND_OFF = "float64_compensated"
+#: Relative distance of neighbouring step sizes, at which long runs end at different phases of the orbit.
+APART = 2.0**-11
+#: Ratio of the longest runs to the shortest from which the growth follows.
+LATE = 100
+OBSERVED = ("mean_energy_error", "oscillations")
 
 
-def growth(periods: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Exponent k of the law rms(values) ~ periods^k over the last two decades of lengths, and its standard error.
+def _delay(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, crossing: Fraction) -> np.ndarray:
+    """Delay at the end of each run in periods, (run,); NaN for runs without an upward crossing of zero.
 
-    k is the least squares slope of log rms against log periods. Its error is the jackknife estimate over runs, because
-    the values of one run at several lengths share their round-off. Both are NaN if there are fewer than three lengths
-    in the last two decades, or fewer than two runs. They are also NaN if all values of a length, or all except one, are
-    zero, or if a value is not finite.
+    The mean period T̄ is taken from the start to the last upward crossing; the delay is (T̄/T − 1) times the length of
+    the run in periods. The delay is computed in fractions, because the round-off of T̄/T − 1 would be multiplied
+    by the length of the run.
 
     Parameters
     ----------
-    periods, values
-        Lengths in ascending order (periods,), and the values of the runs (..., periods, run).
-
-    Returns
-    -------
-    exponent, error : numpy.ndarray
-        Each of shape (...).
+    period, crossing
+        Exact period T, and the exact time of the first upward crossing of zero, divided by T.
     """
-    late = periods >= periods[-1] / 100
-    runs = values.shape[-1]
-    if late.sum() < 3 or runs < 2:
-        nothing = np.full(values.shape[:-2], np.nan)
-        return nothing, nothing
-    x = np.log(periods[late]) - np.log(periods[late]).mean()
-    squares = values[..., late, :] ** 2
-    total = squares.sum(axis=-1, keepdims=True)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # the slope is linear in the logarithms; it is computed with all runs, and with each run left out in turn
-        whole, without = (x @ np.log(s) / (2 * x @ x) for s in (total, total - squares))
-    error = np.sqrt((runs - 1) * without.var(axis=-1))
-    known = np.isfinite(whole[..., 0] + error)
-    return np.where(known, whole[..., 0], np.nan), np.where(known, error, np.nan)
+    late = np.full(len(dt), np.nan)
+    for lane in np.flatnonzero(ds.crossings.values > 0):
+        step, part, count = (
+            Fraction(ds[name].values[lane].item()) for name in ("last_crossing_step", "last_crossing_part", "crossings")
+        )
+        mean_period = (step + part) * Fraction(dt[lane]) / (crossing + count - 1)
+        late[lane] = float((mean_period / period - 1) * length)
+    return late
 
 
-def _described(values: xr.DataArray, long_name: str, units: str) -> xr.DataArray:
-    return values.assign_attrs(long_name=long_name, units=units)
+def _check(options: Options, configuration: Mapping) -> str | None:
+    """Refuse too few lengths for a law of growth, and motions that do not cross zero."""
+    lengths = options["periods"]
+    if sum(length >= lengths[-1] / LATE for length in lengths) < 3:
+        return "periods: a law of growth needs three lengths within the last two decades."
+    problem = problems_by_name[options["problem"]]
+    if not problem.stored_energy(0.0) < problem.stored_energy(problem.u0):
+        return f"problem: the motion of '{options['problem']}' does not cross zero, where oscillations are counted."
+    return None
 
 
-def summary(runs: xr.Dataset) -> xr.Dataset:
-    """Means, root mean squares and laws of growth of the errors over runs.
+@experiment(
+    "long_times",
+    split=lambda options: {name: {**options, "schemes": [name]} for name in options["schemes"]},
+    along="scheme",
+    reads=lambda options: [f"reference/{options['problem']}"],
+    check=_check,
+)
+def long_times(
+    problem: Spring,
+    schemes: OneStepSchemes,
+    steps_per_period: Count,
+    periods: RisingCounts,
+    runs: Annotated[int, Ge(2), Le(1000)],
+) -> xr.Dataset:
+    """Measure the round-off of mean energy and phase of very long runs, and how it grows with their length.
+
+    The round-off of a run is its difference from the run with the same step size in compensated double precision. Every
+    length is run with ``runs`` step sizes close to T/N, with the exact period T and N = ``steps_per_period``.
 
     Parameters
     ----------
-    runs
-        Errors, status and failing step of every run, each (scheme, arithmetic, step, periods, run).
+    schemes
+        One-step schemes, because only their sums can be compensated.
+    periods
+        Lengths of the runs in periods, ascending.
 
     Returns
     -------
     xarray.Dataset
-        Errors have the shape (scheme, arithmetic, step, periods), exponents and their standard errors
-        (quantity, scheme, arithmetic, step). An error is NaN if one of its runs failed, and an
-        exponent if one of its runs in the last two decades of lengths failed.
-    """
-    rounded = runs.arithmetic != _LEAST_ROUND_OFF
-    less = runs - runs.sel(arithmetic=_LEAST_ROUND_OFF)
-    errors = {
-        "energy_error": runs.energy_error,
-        "mean_energy_error": runs.mean_energy_error,
-        "phase_error": runs.phase_error,
-        "energy_round_off": less.mean_energy_error.where(rounded),
-        "phase_round_off": less.phase_error.where(rounded),
-    }
-    mean = {name: values.mean("run", skipna=False) for name, values in errors.items()}
-    rms = {name: np.sqrt((values**2).mean("run", skipna=False)) for name, values in errors.items()}
-    growing = [name for name in errors if name != "energy_error"]
-    exponent, exponent_error = growth(runs.periods.values, np.stack([errors[name] for name in growing]))
-    first_to_fail = runs.isel(run=runs.failed_at_step.where(runs.failed_at_step >= 0, np.inf).argmin("run"))
-    than_exact, slope = "less the value in compensated double precision", "slope of log rms quantity over log periods"
-    along = ("quantity", "scheme", "arithmetic", "step")
-    return xr.Dataset(
-        {
-            "energy_error": _described(mean["energy_error"], "signed energy error at the end, mean of runs", "1"),
-            "max_energy_error": _described(
-                runs.max_energy_error.max("run", skipna=False),
-                "largest energy error, eq. (17) of Xie (1996)",
-                "1",
-            ),
-            "mean_energy_error": _described(
-                mean["mean_energy_error"], "signed energy error, mean over the run and of runs", "1"
-            ),
-            "phase_error": _described(mean["phase_error"], "delay at the end in periods, mean of runs", "1"),
-            "energy_round_off": _described(
-                rms["energy_round_off"], f"mean energy error {than_exact}, rms of runs", "1"
-            ),
-            "energy_bias": _described(mean["energy_round_off"], f"mean energy error {than_exact}, mean of runs", "1"),
-            "phase_round_off": _described(rms["phase_round_off"], f"delay in periods {than_exact}, rms of runs", "1"),
-            "phase_bias": _described(mean["phase_round_off"], f"delay in periods {than_exact}, mean of runs", "1"),
-            "exponent": (
-                along,
-                exponent,
-                {"long_name": f"{slope}, least squares over the last two decades", "units": "1"},
-            ),
-            "exponent_error": (
-                along,
-                exponent_error,
-                {"long_name": "standard error of the exponent, by the jackknife over runs", "units": "1"},
-            ),
-            "status": first_to_fail.status.assign_attrs(STATUS_ATTRIBUTES, long_name="how the first run to fail ended"),
-            "failed_at_step": first_to_fail.failed_at_step.assign_attrs(FAILED_AT_STEP_ATTRIBUTES),
-            "runs": ((), runs.sizes["run"], {"long_name": "runs with each kind of step size", "units": "1"}),
-            "spread_of_steps": (
-                (),
-                (runs.step_size.max() - runs.step_size.min()).item() / runs.step_size.mean().item(),
-                {"long_name": "spread of the step sizes", "units": "1"},
-            ),
-        },
-        coords={"quantity": ("quantity", growing, {"long_name": "growing quantity"})},
-    ).set_coords(["runs", "spread_of_steps"])
-
-
-@experiment("long_times", options=lambda configuration: {}, reads=lambda options: ["long_runs"])
-def long_times() -> xr.Dataset:
-    """Find the mean errors of very long runs, their round-off, and the laws of growth of both.
-
-    The round-off of a run is its difference from the run with the same step size in compensated double precision.
-
-    Returns
-    -------
-    xarray.Dataset
-        The result of :func:`summary`.
+        Root mean squares over the runs, (scheme, periods), and the exponents of their growth over the last two decades
+        of lengths, (scheme,).
 
     Raises
     ------
     FileNotFoundError
-        If ``results/long_runs.nc`` has not been made.
+        If the reference of the problem has not been made.
     """
-    runs = io.open_dataset("long_runs")
-    return summary(runs).assign_attrs(title=runs.title.removesuffix(", one by one"))
+    definition, reference = problems_by_name[problem], io.open_dataset(f"reference/{problem}")
+    period = Fraction(reference.period.item()) + Fraction(reference.period_remainder.item())
+    exact = period, Fraction(first_crossing(reference, 0.0))
+    dt = float(period / steps_per_period) * (1 + APART * (np.arange(runs) - runs // 2))
+    size = {name: np.empty((len(schemes), len(periods))) for name in ("energy", "phase")}
+    for s, name in enumerate(schemes):
+        plain = schemes_by_name[name]
+        progress(f"long runs of {name} on {problem}")
+        for k, length in enumerate(periods):
+            errors = []
+            for scheme in (plain, Compensated(scheme=cast(OneStep, plain))):
+                ds = sweep(definition, scheme, dt=dt, steps=length * steps_per_period, observe=OBSERVED)
+                errors.append((ds.mean_energy_error.values, _delay(ds, dt, length, *exact)))
+            for variable, one, other in zip(size, *errors, strict=True):
+                size[variable][s, k] = np.sqrt(np.mean((one - other) ** 2))
+    return xr.Dataset(
+        {
+            f"{name}_round_off": (
+                ("scheme", "periods"),
+                values,
+                {"long_name": f"{words} less the value in compensated double precision, rms of runs", "units": "1"},
+            )
+            for (name, values), words in zip(size.items(), ("mean energy error", "delay in periods"), strict=True)
+        }
+        | {
+            f"{name}_exponent": (
+                "scheme",
+                [-_slope(periods, of_scheme) for of_scheme in values],
+                {"long_name": f"exponent of the growth of {name}_round_off over two decades", "units": "1"},
+            )
+            for name, values in size.items()
+        },
+        coords={
+            **coordinates.scheme_coordinates(schemes),
+            "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),
+            "steps_per_period": ((), steps_per_period, {"long_name": "approximate steps per period", "units": "1"}),
+            "runs": ((), runs, {"long_name": "number of runs with different step sizes", "units": "1"}),
+        },
+        attrs={"title": f"Round-off over long times on the {definition.title}", "problem": problem},
+    )
+
+
+def _slope(periods: Sequence[int], values: np.ndarray) -> float:
+    lengths = np.array(periods, float)
+    return observed_order(lengths, values, lengths >= lengths[-1] / LATE)

@@ -141,7 +141,6 @@ def test_an_invalid_configuration_is_refused(whole):
         (lambda c: c["accuracy"].update(schemes=[]), "accuracy.schemes must have at least 1 items, not 0."),
         (lambda c: c["cpu_time"].update(repeats=10**7), "cpu_time.repeats must be less than or equal to 1000, not"),
         (lambda c: c["long_times"].update(runs=9000), "long_times.runs must be less than or equal to 1000, not 9000."),
-        (lambda c: c["long_times"].update(steps_per_period=10**7, periods=[108, 109, 110]), "single precision counts."),
         (lambda c: c["agreement"].update(tolerances=[0.9, 1e-9]), "tolerances.0 must be less than or equal to 0.1"),
         (lambda c: c["structure_history"].update({"": {}}), "structure_history.'': '' must be a name of small letters"),
         (lambda c: c["structure_history"].update({"\n": {}}), "structure_history.'\\n': "),
