@@ -71,9 +71,7 @@ def of_stability(
     ]
     several = roots.unique_up_to.sel(scheme="average_acceleration")
     # NaN for step sizes that are not between the onset of chaos and the onset of several roots
-    in_chaos = roots.steps_together.sel(start="last_acceleration").where(
-        (roots.step_size >= onset) & (roots.step_size < several)
-    )
+    in_chaos = roots.steps_together.where((roots.step_size >= onset) & (roots.step_size < several))
     lost_left = _lost_left_of_the_limit(atlas, spectral)
     fewest = fewest_steps(atlas, 0.1)
     of_average = fewest.sel(scheme="average_acceleration")
