@@ -1,4 +1,4 @@
-"""Route through diffrax: Runge-Kutta methods under step size control, and the classical one with fixed steps."""
+"""Route through diffrax: Runge-Kutta methods under step size control."""
 
 import time
 from functools import partial
@@ -35,22 +35,6 @@ PIECES = 256
 #: Number of stages that are counted for a step, without the last stage of ``Dopri8`` and ``Tsit5``, which the next step
 #: uses again. A stage of these explicit methods evaluates the right side once, an implicit stage several times.
 STAGES = {"Dopri8": 13, "Tsit5": 6, "Kvaerno5": 7}
-
-
-class ClassicalRungeKutta(diffrax.AbstractERK):
-    """The classical Runge-Kutta method of fourth order for fixed steps, without an estimate of its error."""
-
-    tableau = diffrax.ButcherTableau(
-        c=np.array([0.5, 0.5, 1.0]),
-        a_lower=(np.array([0.5]), np.array([0.0, 0.5]), np.array([0.0, 0.0, 1.0])),
-        b_sol=np.array([1.0, 2.0, 2.0, 1.0]) / 6,
-        b_error=np.zeros(4),
-    )
-    interpolation_cls = diffrax.ThirdOrderHermitePolynomialInterpolation.from_k
-
-    def order(self, terms) -> int:
-        """Order of accuracy."""
-        return 4
 
 
 def _solver(method: str):
@@ -191,30 +175,6 @@ def _pieces(t: Times) -> list[Times]:
     length = -(-len(t) // PIECES)
     parts = -(-len(t) // length)
     return np.split(np.pad(t, (0, parts * length - len(t)), mode="edge"), parts)
-
-
-@partial(jit, compiler=eqx.filter_jit)
-def _fixed(problem: Problem, dt, t1):
-    return diffrax.diffeqsolve(
-        diffrax.ODETerm(right_side),
-        ClassicalRungeKutta(),
-        t0=0.0,
-        t1=t1,
-        dt0=dt,
-        y0=jnp.stack([jnp.asarray(problem.u0), jnp.asarray(problem.v0)]),
-        args=problem,
-        max_steps=None,
-    )
-
-
-def classical_runge_kutta(problem: Problem, dt: float, steps: int) -> Solution:
-    """Displacement and velocity after ``steps`` steps of the classical Runge-Kutta method in diffrax, each (1,)."""
-    arguments = problem.untitled(), np.float64(dt), np.float64(dt * steps)
-    _fixed(*arguments).ys.block_until_ready()  # compiles
-    start = time.perf_counter()
-    y = np.asarray(_fixed(*arguments).ys)
-    seconds = time.perf_counter() - start
-    return Solution(y[:, 0], y[:, 1], 4 * steps, seconds)
 
 
 @partial(jit, compiler=eqx.filter_jit)

@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Annotated
 
-import jax
 import numpy as np
 import xarray as xr
 from annotated_types import Gt, Le
@@ -16,7 +15,6 @@ from study.declaration.checks import unlisted
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import FallingTolerances, Repeats, RisingCounts, Springs
 from study.io import flags
-from study.mechanics.definition import Problem
 from study.problem.named import approximate_periods
 from study.problem.named import problems as problems_by_name
 
@@ -42,47 +40,12 @@ RIGHT_SIDES = {
     "tsit5": "compiled",
     "kvaerno5": "compiled",
 }
-#: Long name and unit of every measure of error.
-MEASURES = {
-    "max_trajectory_error": ("largest error of the displacement in the last period, relative", "1"),
-    "phase_error": ("delay of the last sample in periods, to first order", "1"),
-    "period_elongation": ("relative elongation of the period: the delay over the number of periods", "1"),
-    "amplitude_decay": ("relative loss of amplitude per period, from the energy to first order", "1"),
-    "max_energy_error": ("largest relative error of the total energy in the last period", "1"),
-    "energy_drift": ("signed relative error of the total energy at the end", "1"),
-}
 #: Lengths of the runs in periods. Results at other lengths come from the beginning of a run.
 RUNS = (100, 1000)
 #: Template for the long name of a cost.
 SHARE = "{} of a run; for a shorter length its proportional share"
 #: Number of samples in the last period of each length, at which errors are measured.
 SAMPLES = 16
-
-
-def errors(
-    problem: Problem, exact_solution: exact.ExactSolution, solution: Solution, periods: int, period: float
-) -> dict[str, float]:
-    """Errors of a solution after ``periods`` periods, by measure as in ``MEASURES``.
-
-    The solution and the exact solution have samples at the same times of the last period. A delay δ changes the state
-    by −δ (u̇, ü), so the error of the last sample has the projection −δ (u̇, ü) on (u̇, ü). A loss of energy ΔE is a
-    loss of amplitude ΔE/p(A) at the turning point A.
-    """
-    scales = np.max(np.abs(exact_solution.u)), np.max(np.abs(exact_solution.v))
-    differences = (solution.u - exact_solution.u) / scales[0], (solution.v - exact_solution.v) / scales[1]
-    rate = exact_solution.v[-1] / scales[0], -float(problem.static_force(exact_solution.u[-1])) / scales[1]
-    delay = -(differences[0][-1] * rate[0] + differences[1][-1] * rate[1]) / (rate[0] ** 2 + rate[1] ** 2)
-    initial = float(problem.energy(problem.u0, problem.v0))
-    lost = initial - np.asarray(jax.vmap(problem.energy)(solution.u, solution.v))
-    turn = float(problem.u0)
-    return {
-        "max_trajectory_error": np.max(np.abs(differences[0])),
-        "phase_error": delay / period,
-        "period_elongation": delay / period / periods,
-        "amplitude_decay": lost[-1] / (float(problem.static_force(turn)) * turn) / periods,
-        "max_energy_error": np.max(np.abs(lost / initial)),
-        "energy_drift": -lost[-1] / abs(initial),
-    }
 
 
 def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> list[Solution]:
@@ -97,15 +60,14 @@ def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> li
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse problems, steps and lengths for which the schemes are not run.
+    """Refuse problems and lengths for which the schemes are not run.
 
     Tolerances that are too tight, and lengths without the shortest run, are refused too.
     """
-    for key in ("problems", "steps_per_period"):
-        allowed = configuration["work_precision"]["schemes"][key]
-        refused = unlisted(key, options[key], f"work_precision.schemes.{key}", allowed)
-        if refused is not None:
-            return refused
+    allowed = configuration["work_precision"]["schemes"]["problems"]
+    refused = unlisted("problems", options["problems"], "work_precision.schemes.problems", allowed)
+    if refused is not None:
+        return refused
     tightest = min(options["tolerances"])
     if tightest < scipy.SMALLEST_RTOL:
         return f"tolerances must be at least {scipy.SMALLEST_RTOL:.1e}, the smallest of SciPy, not {tightest}."
@@ -118,44 +80,36 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 def work_precision(
     problems: Springs,
     tolerances: FallingTolerances,
-    steps_per_period: RisingCounts,
     periods: RisingCounts,
     repeats: Repeats,
     longest: Annotated[float, Gt(0), Le(3600)],
 ) -> xr.Dataset:
-    """Measure time and evaluations of every general solver at every tolerance, and its errors.
+    """Measure time and evaluations of every general solver at every tolerance, and its error of the displacement.
 
     Runs have 100 and 1,000 periods. A shorter length is the beginning of a run, with a proportional part of its time
-    and evaluations. Errors are measured in the last period of each length only, where growing errors are the largest.
+    and evaluations. The error is the largest in the last period of each length, where growing errors are the largest.
     A run is made up to ``repeats`` times, and no repeat begins after ``longest`` seconds. A run of 1,000 periods is
     left out (NaN) if it would take more than ``longest`` seconds, judged by the run of 100 periods. If a run fails, or
-    100 periods take more than ``longest`` seconds, all tighter tolerances are left out (NaN). The classical Runge-Kutta
-    method, which is also a scheme of the study, is timed in diffrax too.
+    100 periods take more than ``longest`` seconds, all tighter tolerances are left out (NaN).
 
     Variables of the solvers have the shape (problem, solver, tolerance, periods).
 
     Parameters
     ----------
-    steps_per_period
-        N in Δt = T/N of the classical Runge-Kutta method in diffrax.
     repeats, longest
         Largest number of times that a run is made, and the time in seconds after which no repeat begins.
     """
     shape = tuple(map(len, (problems, SOLVERS, tolerances, periods)))
-    measured = {name: np.full(shape, np.nan) for name in MEASURES}
-    seconds, evaluations = np.full((*shape, repeats), np.nan), np.full(shape, np.nan)
+    error, evaluations = np.full(shape, np.nan), np.full(shape, np.nan)
+    seconds = np.full((*shape, repeats), np.nan)
     status = np.full(shape, NOT_TRIED, np.int32)
-    fixed = np.empty((len(problems), len(steps_per_period)))
     for p, problem in enumerate(problems):
         definition = problems_by_name[problem]
         exact_period, certified = exact.period(definition, approximate_periods[problem])
         period = float(exact_period)
         last = np.arange(1, SAMPLES + 1) / SAMPLES - 1
         t = period * np.concatenate([length + last for length in sorted(periods)])
-        exact_solution = exact.folded(definition, t, exact_period, certified)
-        for k, parts in enumerate(steps_per_period):
-            runs = [diffrax.classical_runge_kutta(definition, period / parts, 100 * parts) for _ in range(repeats)]
-            fixed[p, k] = np.median([run.seconds for run in runs]) / (100 * parts)
+        known = exact.folded(definition, t, exact_period, certified).u
         for s, (solver, trajectory) in enumerate(SOLVERS.items()):
             progress(f"{solver} on {problem}")
             for k, tolerance in enumerate(tolerances):
@@ -167,12 +121,8 @@ def work_precision(
                         index, its = (p, s, k, w), slice(w * SAMPLES, (w + 1) * SAMPLES)
                         seconds[index][: len(runs)] = [run.seconds * window / length for run in runs]
                         evaluations[index] = runs[0].evaluations * window / length
-                        known = exact_solution._replace(u=exact_solution.u[its], v=exact_solution.v[its])
-                        sampled = runs[0]._replace(u=runs[0].u[its], v=runs[0].v[its])
-                        run_errors = errors(definition, known, sampled, window, period)
-                        for measure, value in run_errors.items():
-                            measured[measure][index] = value
-                        status[index] = LOST if run_errors["max_trajectory_error"] > LOST_ABOVE else FINISHED
+                        error[index] = np.abs(runs[0].u[its] - known[its]).max() / np.abs(known[its]).max()
+                        status[index] = LOST if error[index] > LOST_ABOVE else FINISHED
                     if not runs or runs[0].seconds * max(RUNS) / length > longest:
                         break
                 if not runs or runs[0].seconds * min(RUNS) / length > longest:
@@ -180,10 +130,11 @@ def work_precision(
     dims = ("problem", "solver", "tolerance", "periods")
     return xr.Dataset(
         {
-            f"solver_{name}": (dims, values, dict(zip(("long_name", "units"), MEASURES[name], strict=True)))
-            for name, values in measured.items()
-        }
-        | {
+            "solver_max_trajectory_error": (
+                dims,
+                error,
+                {"long_name": "largest error of the displacement in the last period, relative", "units": "1"},
+            ),
             "solver_seconds": ((*dims, "solver_repeat"), seconds, {"long_name": SHARE.format("time"), "units": "s"}),
             "median_solver_seconds": (
                 dims,
@@ -191,11 +142,6 @@ def work_precision(
                 {"long_name": SHARE.format("median time"), "units": "s"},
             ),
             "solver_status": (dims, status, flags("how the run ended", STATUS_MEANINGS, np.int32)),
-            "diffrax_rk4_seconds_per_step": (
-                ("problem", "steps_per_period"),
-                fixed,
-                {"long_name": "median time of a step of the classical Runge-Kutta method in diffrax", "units": "s"},
-            ),
             "solver_evaluations": (
                 dims,
                 evaluations,
@@ -216,11 +162,6 @@ def work_precision(
                 {"long_name": "form of the right side, which takes most of the time if it is Python"},
             ),
             "tolerance": ("tolerance", list(tolerances), {"long_name": "prescribed relative tolerance", "units": "1"}),
-            "steps_per_period": (
-                "steps_per_period",
-                list(steps_per_period),
-                {"long_name": "steps per period", "units": "1"},
-            ),
             "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),
         },
         attrs={"title": "Work and precision of general solvers"},
