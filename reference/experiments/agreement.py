@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
-import jax
 import numpy as np
 import xarray as xr
 from typing_extensions import TypedDict
@@ -13,7 +12,6 @@ from reference.solution import RouteFailed, Solution, StepLimit, Times, Windowed
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import FallingTolerances, Springs, section
 from study.io import flags
-from study.mechanics.definition import Problem
 from study.problem.named import approximate_periods
 from study.problem.named import problems as problems_by_name
 
@@ -46,24 +44,15 @@ def instants(period: float) -> Times:
     return np.arange(1, max(WINDOWS) * SAMPLES + 1) * period / SAMPLES
 
 
-def errors(problem: Problem, exact_solution: exact.ExactSolution, solution: Solution) -> dict[str, Windowed]:
-    r"""Largest errors up to the end of every window, each (windows,).
-
-    The errors of displacement, velocity and energy are :math:`\max|\Delta u|/\max|u|`,
-    :math:`\max|\Delta\dot u|/\max|\dot u|` and :math:`\max|E/E_0 - 1|`. The error of the displacement is also given at
-    whole periods alone.
-    """
-    energy = np.asarray(jax.vmap(problem.energy)(solution.u, solution.v))
-    initial = float(problem.energy(np.asarray(problem.u0), np.asarray(problem.v0)))
-    histories = {
-        "displacement_error": np.abs(solution.u - exact_solution.u) / np.max(np.abs(exact_solution.u)),
-        "velocity_error": np.abs(solution.v - exact_solution.v) / np.max(np.abs(exact_solution.v)),
-        "energy_error": np.abs(energy / initial - 1),
-    }
-    largest = {name: np.array([np.max(h[: w * SAMPLES]) for w in WINDOWS]) for name, h in histories.items()}
+def errors(exact_solution: exact.ExactSolution, solution: Solution) -> dict[str, Windowed]:
+    r"""Largest error :math:`\max|\Delta u|/\max|u|` up to the end of every window, and at whole periods alone."""
+    error = np.abs(solution.u - exact_solution.u) / np.max(np.abs(exact_solution.u))
     # the velocity is zero at whole periods, so a delay causes no displacement error of first order there
-    at_periods = histories["displacement_error"][SAMPLES - 1 :: SAMPLES]
-    return largest | {"displacement_error_at_periods": np.array([np.max(at_periods[:w]) for w in WINDOWS])}
+    at_periods = error[SAMPLES - 1 :: SAMPLES]
+    return {
+        "displacement_error": np.array([np.max(error[: w * SAMPLES]) for w in WINDOWS]),
+        "displacement_error_at_periods": np.array([np.max(at_periods[:w]) for w in WINDOWS]),
+    }
 
 
 def _attempt(solve: Callable, *arguments):
@@ -87,7 +76,7 @@ def _options(configuration: Mapping) -> Options:
 # one job for all springs, because the tracing of diffrax takes longer than its runs
 @experiment("reference_agreement", section="agreement", model=_Agreement, options=_options)
 def agreement(problems: Springs, tolerances: Sequence[float]) -> xr.Dataset:
-    """Measure the true errors and the effort of every reference solver at every tolerance.
+    """Measure the true errors of every reference solver at every tolerance.
 
     Once a route reaches the limit of steps, its trajectory is not computed at tighter tolerances. The errors of the
     trajectory have the shape (problem, route, tolerance, periods). They are NaN if the trajectory did not finish;
@@ -109,10 +98,9 @@ def _problem_dataset(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
     shape = (len(ROUTES), len(tolerances))
     windowed = {
         name: np.full((*shape, len(WINDOWS)), np.nan)
-        for name in ("displacement_error", "velocity_error", "energy_error", "displacement_error_at_periods")
+        for name in ("displacement_error", "displacement_error_at_periods")
     }
-    single = {name: np.full(shape, np.nan) for name in ("period_error", "evaluations", "seconds")}
-    statuses = {name: np.full(shape, NOT_TRIED, np.int32) for name in ("status", "period_status")}
+    period_error, status = np.full(shape, np.nan), np.full(shape, NOT_TRIED, np.int32)
     exact_period, certified = exact.period(definition, estimate)
     t = instants(float(exact_period))
     exact_solution = exact.folded(definition, t, exact_period, certified)
@@ -120,43 +108,30 @@ def _problem_dataset(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         progress(f"{route} on {problem}")
         for k, tolerance in enumerate(tolerances):
             index = r, k
-            value, statuses["period_status"][index] = _attempt(period, definition, estimate, tolerance)
+            value, _ = _attempt(period, definition, estimate, tolerance)
             if value is not None:
-                single["period_error"][index] = abs(value / float(exact_period) - 1)
-            if STEP_LIMIT in statuses["status"][r, :k]:
+                period_error[index] = abs(value / float(exact_period) - 1)
+            if STEP_LIMIT in status[r, :k]:
                 continue
-            solution, statuses["status"][index] = _attempt(trajectory, definition, t, tolerance)
+            solution, status[index] = _attempt(trajectory, definition, t, tolerance)
             if solution is not None:
-                single["evaluations"][index], single["seconds"][index] = solution.evaluations, solution.seconds
-                for quantity, values in errors(definition, exact_solution, solution).items():
+                for quantity, values in errors(exact_solution, solution).items():
                     windowed[quantity][index] = values
                 if windowed["displacement_error"][index].max() > LOST_ABOVE:
-                    statuses["status"][index] = LOST
+                    status[index] = LOST
     dims = ("route", "tolerance")
     descriptions = {
         "displacement_error": "largest error of the displacement, relative to its largest size",
-        "velocity_error": "largest error of the velocity, relative to its largest size",
-        "energy_error": "largest relative error of the energy",
         "displacement_error_at_periods": "largest error of the displacement at whole periods, over its largest size",
-        "period_error": "relative error of the period",
-        "evaluations": f"evaluations of the right side over {max(WINDOWS)} periods; for kvaerno5 the stages, each with "
-        "several evaluations; for heyoka the Taylor coefficients; for CVODE without evaluations for the Jacobian",
-        "seconds": f"run time over {max(WINDOWS)} periods, without compilation, of one run while other jobs run",
-        "status": "how the trajectory ended",
-        "period_status": "how the search for the period ended",
-    }
-    variables = {
-        name: ((*dims, "periods"), values, {"long_name": descriptions[name], "units": "1"})
-        for name, values in windowed.items()
-    } | {
-        name: (dims, values, {"long_name": descriptions[name], "units": "s" if name == "seconds" else "1"})
-        for name, values in single.items()
     }
     return xr.Dataset(
-        variables
-        | {
-            name: (dims, values, flags(descriptions[name], STATUS_MEANINGS, np.int32))
-            for name, values in statuses.items()
+        {
+            **{
+                name: ((*dims, "periods"), values, {"long_name": descriptions[name], "units": "1"})
+                for name, values in windowed.items()
+            },
+            "period_error": (dims, period_error, {"long_name": "relative error of the period", "units": "1"}),
+            "status": (dims, status, flags("how the trajectory ended", STATUS_MEANINGS, np.int32)),
         },
         coords={
             "problem": ((), problem, {"long_name": "problem"}),
