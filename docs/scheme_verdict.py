@@ -15,7 +15,7 @@ from docs.theory import PERIODS, ROUND_OFF, STEPS, TRIED
 from paper.measures.orders import lost as loses_order
 from paper.measures.outcomes import fewest_steps, most_steps
 from paper.tables.decision import steps_of
-from study.runs.needs import NO_VALUE, TIED, cost
+from study.runs.needs import NO_VALUE, TIED, cost, unbroken
 from study.words import listed, number, percent
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ BETTER = 0.9
 def _in_theory(library: "Library", error: float) -> pd.DataFrame:
     rows = {}
     for subject in map(library.subject, library.schemes):
-        if kept := np.logical_and.accumulate(subject.theory.error <= error).sum():
+        if kept := unbroken(subject.theory.error <= error).sum():
             steps = int(TRIED[kept - 1])
             rows[subject.name] = [
                 _kind(subject.scheme),

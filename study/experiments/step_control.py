@@ -58,7 +58,7 @@ def step_control(
     shape = (len(problems), len(schemes), len(controls), len(tolerances))
     names = "steps", "rejected", "max_energy_error", "energy_drift", "error"
     found = {name: np.full(shape, np.nan) for name in names}
-    equal = {name: np.full((*shape[:2], len(steps_per_period)), np.nan) for name in ("max_energy_error", "error")}
+    equal = np.full((*shape[:2], len(steps_per_period)), np.nan)
     history = np.full((len(problems), len(controls) + 1, periods), np.nan)
     middle = len(tolerances) // 2
     for p, problem in enumerate(problems):
@@ -90,12 +90,11 @@ def step_control(
                     )
                     history[p, c] = _by_period(one, period, periods)
             for k, steps in enumerate(steps_per_period):
-                ds = _equal(problem, scheme, period / steps, steps * periods, [*ENDS, "max_energy_error"])
-                equal["max_energy_error"][p, s, k] = ds.max_energy_error
-                equal["error"][p, s, k] = _distance(ds, start, scale)
+                ds = sweep(problem, scheme, dt=period / steps, steps=steps * periods, observe=ENDS)
+                equal[p, s, k] = _distance(ds, start, scale)
             if s == 0:
                 steps = round(found["steps"][p, 0, 0, middle])
-                ds = _equal(problem, scheme, period * periods / steps, steps, "energy_error")
+                ds = sweep(problem, scheme, dt=period * periods / steps, steps=steps, observe="energy_error")
                 history[p, -1] = _by_period(ds, period, periods)
     dims = ("problem", "scheme", "controller", "tolerance")
     of_equal = ("problem", "scheme", "steps_per_period")
@@ -113,8 +112,7 @@ def step_control(
                 {"long_name": "signed relative error of the total energy at the end", "units": "1"},
             ),
             "return_error": (dims, found["error"], distance),
-            "equal_max_energy_error": (of_equal, equal["max_energy_error"], energy | {"comment": "with equal steps"}),
-            "equal_return_error": (of_equal, equal["error"], distance | {"comment": "with equal steps"}),
+            "equal_return_error": (of_equal, equal, distance | {"comment": "with equal steps"}),
             "max_energy_error_of_period": (("problem", "with_equal", "period"), history, of_period),
         },
         coords={
@@ -140,10 +138,6 @@ def _controlled(problem: str, scheme: str, controller: Controller, tolerances: n
         steps=most,
         observe=[*ENDS, "max_energy_error", "energy_drift"],
     )
-
-
-def _equal(problem: str, scheme: str, dt: float, steps: int, observed) -> xr.Dataset:
-    return sweep(problem, scheme, dt=dt, steps=steps, observe=observed)
 
 
 def _scale(problem: str) -> tuple[float, float]:
