@@ -1,5 +1,7 @@
 """Experiments on the springs of Xie (1996), each on its smallest case with a known answer."""
 
+import math
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -60,6 +62,33 @@ def test_a_step_that_is_too_large_fails_or_loses_the_energy():
     assert runs.status.values.tolist() == [0, UNBOUNDED] and runs.failed_at_step[0] == -1
     assert runs.max_energy_error[0] < 0.01 and np.isnan(runs.max_energy_error[1])
     assert abs(runs.energy_drift[0]) <= runs.max_energy_error[0]
+
+
+def _late_gain_of_wilson(dt: float, steps: int) -> float:
+    """Largest gain of energy in the second half of u'' + 100 tanh u = 0 from rest at 10; bisection solves each step."""
+
+    def energy(u, v):
+        return v * v / 2 + 100 * (abs(u) + math.log1p(math.exp(-2 * abs(u))) - math.log(2))
+
+    u, v, a, tau, energies = 10.0, 0.0, -100 * math.tanh(10.0), 1.4 * dt, []
+    for _ in range(steps):
+        known = u + tau * v + tau**2 * a / 3
+        low, high = known - 100 * tau**2 / 6, known + 100 * tau**2 / 6
+        for _ in range(60):
+            middle = (low + high) / 2
+            above = middle + tau**2 / 6 * 100 * math.tanh(middle) > known
+            low, high = (low, middle) if above else (middle, high)
+        new = a + (-100 * math.tanh(middle) - a) / 1.4
+        u, v, a = u + dt * v + dt**2 * (a / 3 + new / 6), v + dt * (a + new) / 2, new
+        energies.append(energy(u, v))
+    return max(energies[steps // 2 :]) / energy(10.0, 0.0) - 1
+
+
+def test_wilsons_method_gains_energy_late_at_some_step():
+    late = large_steps(["softening_large"], ["wilson_theta"], [0.14, 0.164], periods=100).late_energy_gain.squeeze()
+    # the motion is chaotic, so that only the class of the outcome is the same
+    own = [_late_gain_of_wilson(1.8 * part, round(100 / part)) for part in (0.14, 0.164)]
+    assert own[0] < 0 < 1 < own[1] and late[0] < 0 < 1 < late[1]
 
 
 def test_times_are_ratios_to_average_acceleration():
