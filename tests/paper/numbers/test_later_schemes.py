@@ -16,9 +16,11 @@ STATEMENTS = {statement: verdict for verdict, *statements in STATED.values() for
 def _numbers(**changed):
     claims = pd.DataFrame({"claim": STATEMENTS.keys(), "verdict": STATEMENTS.values(), "ours": "KR-α: 1; 2.5; 3"})
     claims.loc[claims.claim.isin(changed), "verdict"] = Verdict.UNDECIDED
-    chosen = [[["central_difference", ""], ["bathe", "houbolt"]]]
+    chosen = [[[["central_difference", ""], ["bathe", "houbolt"]], [["bathe", "bathe"], ["bathe", "bathe"]]]]
     decisions = xr.Dataset(
-        {"scheme": (("filter", "kind", "allowed_error"), chosen)}, {"filter": ["all"], "kind": ["explicit", "implicit"]}
+        {"scheme": (("filter", "quantity", "kind", "allowed_error"), chosen)},
+        # the table of decisions has no rows for the velocity
+        {"filter": ["all"], "quantity": ["displacement", "velocity"], "kind": ["explicit", "implicit"]},
     )
     needs = xr.Dataset(
         coords={
