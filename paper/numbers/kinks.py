@@ -20,13 +20,14 @@ def _orders(kinks: xr.Dataset, problem: str, *schemes: str) -> str:
 
 
 @numbers(
+    reference="reference/inelastic",
     requires={
         "kinks.problems": ["hardening", "yielding", "hysteretic", "bouncing", "shaken"],
         "kinks.schemes": ["average_acceleration", "central_difference", "rk4", "yoshida4"],
         "kinks.steps_per_period": fourfold,
     },
 )
-def of_kinks(kinks: xr.Dataset) -> dict:
+def of_kinks(kinks: xr.Dataset, reference: xr.Dataset) -> dict:
     """Observed orders with kinks, and the gain in accuracy that Runge-Kutta keeps, at steps that resolve the motion."""
     kinks = kinks.isel(steps_per_period=np.flatnonzero(kinks.steps_per_period.values >= RESOLVED))
     coarsest = kinks.isel(steps_per_period=0)
@@ -52,6 +53,7 @@ def of_kinks(kinks: xr.Dataset) -> dict:
         "balance_is_no_verdict": bool(
             balance.max() < KEPT and coarsest.error.sel(average_on_yielding) > 1e4 * balance.max() / 100
         ),
+        "kinks_periods": f"{reference.sample.max().item():.0f}",
         "kinks_rk4_smooth": _orders(kinks, "hardening", "rk4"),
         "kinks_rk4_yielding": _orders(kinks, "yielding", "rk4"),
         "kinks_rk4_hysteretic": _orders(kinks, "hysteretic", "rk4"),

@@ -8,6 +8,7 @@ from paper.products import numbers
 from paper.published import SCHEMES, once, printed_energy_errors, same, twice
 from paper.requirements import OF_THE_DRIFT, OF_THE_TABLES, spans
 from paper.terms import DISSIPATIVE, FAITHFUL, UNSTABLE
+from study.problem.named import printed_periods
 from study.words import number, span
 
 #: Schemes whose energies grow on the softening spring from its large amplitude.
@@ -43,6 +44,7 @@ def of_cells(energy_error: xr.Dataset) -> dict:
         "count_at_start_20": f"{20 / _printed_over_exact(energy_error, 'softening'):.3f}",
         "period_rounding_hardening": f"{100 * (1 - _printed_over_exact(energy_error, 'hardening')):.1f}",
         "period_rounding_softening": f"{100 * (1 - _printed_over_exact(energy_error, 'softening')):.2f}",
+        **{f"printed_period_{name}": f"{period:g}" for name, period in printed_periods.items()},
         "largest_effect_of_period": f"{abs(exact - ours).max().item():.1f}",
     }
 
@@ -138,7 +140,8 @@ def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
     runs = sensitivity.sel(scheme="average_acceleration")
     parted = runs.parted_at_step.sel(start=[-1, 1])
     return {
-        "jumps": span(runs.changes_of_sign, ".0f"),
+        "jumps": f"{runs.changes_of_sign.median().item():.0f}",
+        "jumps_mostly": span(runs.changes_of_sign.quantile([0.05, 0.95]), ".0f"),
         "starts": runs.sizes["start"],
         "starts_within": number(sensitivity.perturbation.item() * np.ptp(sensitivity.start.values), 2),
         "steps_to_diverge": span(parted, ".0f") if parted.min() > 0 else None,

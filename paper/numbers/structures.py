@@ -9,6 +9,8 @@ from paper.data import TURNING
 from paper.figures.energy_growth import CEILING, FLOOR, sizes
 from paper.products import numbers
 from paper.requirements import samples_of_history
+from paper.tables.models import answers
+from paper.terms import REASONABLE
 from paper.wording import joined
 from study.words import printed, span
 
@@ -19,28 +21,67 @@ UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "
 LEVEL = 0.3
 
 
+def _periods(number: xr.DataArray) -> str:
+    """Durations of runs in a sentence, such as "one period" or "1 to 2 periods"."""
+    counts = span(number, ".0f")
+    return "one period" if counts == "1" else f"{counts} periods"
+
+
+def _fails_in_longer_runs(pendulum: xr.Dataset) -> dict[str, str]:
+    """Most steps in a period at which average acceleration fails in the longest runs of a constrained mass."""
+    longest = pendulum.sel(scheme="average_acceleration").isel(periods=-1)
+    failed = (longest.tried == 1) & ~(
+        (longest.status == 0) & (100 * longest.error.sel(quantity="energy") <= REASONABLE)
+    )
+    return {
+        "fails_longer_to": f"{longest.steps_per_period.where(failed).max().item():.0f}",
+        "fails_longer_periods": f"{longest.periods.item():g}",
+    }
+
+
+def _accurate_unbalanced(decisions: xr.Dataset, fails: dict[str, float]) -> dict[str, str | None]:
+    """The scheme of the article for a stiff constraint, and its most steps that fail; None if its own steps keep."""
+    constrained = answers(decisions).get("stiff constraint")
+    if constrained is not None:
+        chosen = constrained.sel(kind="implicit")
+        most = fails.get(chosen.scheme.item(), np.nan)
+        if chosen.steps_per_period <= most:
+            return {"accurate_unbalanced": chosen.scheme_title.item(), "accurate_unbalanced_to": f"{most:.0f}"}
+    return {"accurate_unbalanced": None, "accurate_unbalanced_to": None}
+
+
 def _in_a_sentence(title: str) -> str:
     """The title of a structure within a sentence, such as "the stiff bar" or "Duffing's oscillator, chaotic"."""
     return f"the {title}".replace("the Duffing,", "Duffing's oscillator,")
 
 
 def _plateaus(structures: xr.Dataset) -> dict[str, str | None]:
-    """Errors of two schemes on the stiff and soft spring in percent; None if not run or if finer steps reduce them."""
+    """Errors of two schemes on the stiff and soft spring at the finer half of the steps, in percent.
+
+    None if the schemes were not run, or if the finest step reduces the errors.
+    """
     names = "gauss4", "bathe"
-    nothing: dict[str, str | None] = {f"plateau_{name}": None for name in names}
+    nothing: dict[str, str | None] = {f"plateau_{name}": None for name in (*names, "from", "to")}
     if "stiff_soft" not in structures.problem or not set(names) <= set(structures.scheme.values):
         return nothing
     error = structures.displacement_error.sel(problem="stiff_soft", scheme=list(names))
-    *_, before, last = error.transpose("steps_per_period", "scheme").values
+    finer = error.isel(steps_per_period=slice(error.sizes["steps_per_period"] // 2, None))
+    *_, before, last = finer.transpose("steps_per_period", "scheme").values
     if not (abs(before / last - 1) < LEVEL).all():
         return nothing
-    return {f"plateau_{name}": f"{100 * value:.1g}" for name, value in zip(names, last, strict=True)}
+    steps = finer.steps_per_period.values
+    return {
+        **{f"plateau_{name}": span(100 * finer.sel(scheme=name), ".2g") for name in names},
+        "plateau_from": f"{steps[0]}",
+        "plateau_to": f"{steps[-1]}",
+    }
 
 
 @numbers(
     reference="reference/elastic_pendulum",
     stiff_soft="structure_history/stiff_soft",
     long_times="structure_history/long_times",
+    pendulum="runs/elastic_pendulum",
     stiff_bar="structure_history/stiff_bar",
     stiff_truss="structure_history/stiff_truss",
     requires={
@@ -55,9 +96,11 @@ def _plateaus(structures: xr.Dataset) -> dict[str, str | None]:
 )
 def of_structures(
     structures: xr.Dataset,
+    decisions: xr.Dataset,
     reference: xr.Dataset,
     stiff_soft: xr.Dataset,
     long_times: xr.Dataset,
+    pendulum: xr.Dataset,
     stiff_bar: xr.Dataset,
     stiff_truss: xr.Dataset,
 ) -> dict:
@@ -83,6 +126,7 @@ def of_structures(
         and all(most_steps_per_period[name] > 0 for name in UNDAMPED),
         "structure_tolerance": f"{np.log10(reference.rtol):.0f}",
         "turning_fails_to": span(finest_failing, ".0f"),
+        "turning_periods": _periods(structures.periods.sel(problem=runs.problem)),
         **{
             f"fails_to_{name}": None if np.isnan(most) else f"{most:.0f}"
             for name, most in most_steps_per_period.items()
@@ -91,14 +135,18 @@ def of_structures(
         "chain_best": f"{100 * structures.displacement_error.sel(problem='fpu_chain').min().item():.2g}",
         "long_time": f"{long_times.t.max().item():,.0f}",
         "sum_exact": f"{exact_change:.1f}",
+        "sum_exact_samples": long_times.sizes["t_reference"],
         "sum_exact_until": f"{long_times.t_reference.max().item():.0f}",
         "long_step": f"{long_times.step_size.item():.2f}",
         **_plateaus(structures),
+        **_fails_in_longer_runs(pendulum),
+        **_accurate_unbalanced(decisions, most_steps_per_period),
         "stiff_soft_steps": stiff_soft.steps_per_period.item(),
         "stiff_bar_steps": stiff_bar.steps_per_period.item(),
         "stiff_truss_steps": stiff_truss.steps_per_period.item(),
         "growth_ceiling": printed(f"{CEILING:.0e}") if any((sizes(one) > CEILING).any() for one in turning) else None,
         "growth_floor": printed(f"{FLOOR:.0e}") if any((sizes(one) < FLOOR).any() for one in turning) else None,
         "growth_fails": any((one.status != 0).any() for one in turning),
-        **{f"sum_{name}": f"{value:.0f}" if value > 10 else f"{value:.1f}" for name, value in change.items()},
+        # whole percents, as round-off changes the tenths over this time
+        **{f"sum_{name}": f"{value:.0f}" for name, value in change.items()},
     }

@@ -37,7 +37,7 @@ def of_what_moves(moves: xr.Dataset) -> dict:
         single = of_records(quantity).sel(variant="spacing")
         beyond = (single > NOTICED).where(single.notnull())
         found[f"moves_{short}_single"] = percent(float(beyond.mean()))
-        found[f"moves_{short}_worst"] = number(100 * float(single.where(np.isfinite(single)).max()), 2)
+        found[f"moves_{short}_worst"] = number(100 * float(single.where(np.isfinite(single)).max()), 3)
         smaller.append(abs(change.sel(variant="spacing")).max() < abs(change.sel(variant="damping")).min())
     found["moves_step_is_least"] = bool(np.all(smaller))
     return found

@@ -35,6 +35,14 @@ def answers(decisions: xr.Dataset) -> dict[str, xr.Dataset]:
     }
 
 
+def _measured(one: xr.Dataset) -> str:
+    """The problem, and the duration of its runs unless the records give it."""
+    title, periods = one.problem_title.item(), f"{one.decided.item():g}"
+    if one.problem.item() == "records":
+        return title
+    return f"{title}, {periods} period{'' if periods == '1' else 's'}"
+
+
 @table("Schemes and steps by kind of model")
 def tabulate(decisions: xr.Dataset) -> pd.DataFrame:
     """One row per kind of model: the explicit and the implicit scheme with their steps and Δt·ω, and what was run."""
@@ -47,5 +55,5 @@ def tabulate(decisions: xr.Dataset) -> pd.DataFrame:
             row[sentence(kind)] = decision.scheme_title.item() if known else "–"
             row[f"Steps, {kind}"] = steps_of(decision) if known else ""
             row[f"ωΔt, {kind}"] = number(decision.omega_step.item(), 2) if known else ""
-        rows.append(row | {"Measured on": one.problem_title.item()})
+        rows.append(row | {"Measured on": _measured(one)})
     return pd.DataFrame(rows)

@@ -1,0 +1,71 @@
+"""Numbers of the text on structures, from made-up runs with known errors."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from paper.numbers.structures import _accurate_unbalanced, _fails_in_longer_runs, _plateaus
+from paper.tables import models
+from study.runs.needs import decisions, needs, of_problems
+from tests.runs.made_up import runs, with_kinds
+
+
+def _structures(gauss, bathe):
+    errors = (("problem", "scheme", "steps_per_period"), [[gauss, bathe]])
+    coordinates = {"problem": ["stiff_soft"], "scheme": ["gauss4", "bathe"], "steps_per_period": [10, 20, 40, 80]}
+    return xr.Dataset({"displacement_error": errors}, coordinates)
+
+
+def test_errors_that_no_finer_step_reduces_are_a_range():
+    # the coarser half of the steps does not count, and neither does which of the others comes last
+    found = _plateaus(_structures([0.4, 1e-5, 3.2e-4, 2.5e-4], [0.05, 0.01, 1.6e-4, 1.6e-4]))
+    assert found == {
+        "plateau_gauss4": "0.025 to 0.032",
+        "plateau_bathe": "0.016",
+        "plateau_from": "40",
+        "plateau_to": "80",
+    }
+    assert set(_plateaus(_structures([0.4, 0.1, 0.02, 0.005], [0.4, 0.1, 0.02, 0.005])).values()) == {None}
+
+
+def _decided():
+    accurate = [[0.2, 0.05, 0.005, 0.0005], [0.2] * 4, [0.05, 0.05, 0.005, 0.005]]
+    return decisions(with_kinds(of_problems([needs(runs(accurate, problem="elastic_pendulum"), [0.1, 0.01, 0.001])])))
+
+
+def test_a_scheme_with_an_accurate_displacement_may_fail_by_its_balance():
+    # the only implicit scheme keeps one percent with 32 steps
+    assert _accurate_unbalanced(_decided(), {"stiff": 40.0}) == {
+        "accurate_unbalanced": "Stiff",
+        "accurate_unbalanced_to": "40",
+    }
+    for fails in ({"stiff": 16.0}, {"stiff": np.nan}, {}):
+        assert _accurate_unbalanced(_decided(), fails)["accurate_unbalanced"] is None
+
+
+def test_the_longest_runs_fail_by_status_or_balance():
+    energy, status = [[[0.3, 0.3], [0.01, 0.2], [0.01, 0.05], [0.01, 9.0]]], [[[0, 0], [1, 1], [0, 0], [0, 0]]]
+    pendulum = xr.Dataset(
+        {
+            "error": (("scheme", "size", "periods", "quantity"), np.array(energy)[..., None]),
+            "status": (("scheme", "size", "periods"), status),
+            "tried": (("scheme", "size"), [[1, 1, 1, 0]]),
+        },
+        {
+            "scheme": ["average_acceleration"],
+            "quantity": ["energy"],
+            "periods": [1.0, 1.5],
+            "steps_per_period": ("size", [10.0, 20.0, 40.0, 80.0]),
+        },
+    )
+    assert _fails_in_longer_runs(pendulum) == {"fails_longer_to": "20", "fails_longer_periods": "1.5"}
+
+
+@pytest.mark.parametrize(
+    ("problem", "stated"), [("yielding", "yieldinging thing, 10 periods"), ("records", "recordsing thing")]
+)
+def test_the_answers_state_the_duration_that_was_run(problem, stated):
+    decided = _decided().assign_coords(problem=[problem], problem_title=("problem", [f"{problem}ing thing"]))
+    decided = decided.assign_coords(quantity=["peak drift" if problem == "records" else "displacement", "velocity"])
+    (row,) = models.tabulate(decided).to_dict("records")
+    assert row["Measured on"] == stated
