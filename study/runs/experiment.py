@@ -166,7 +166,7 @@ class _Ladder:
 
         All numbers of steps of two digits in between are tried. Under a record, numbers whose steps divide its spacing
         are tried too. Then finer steps confirm each need, up to twice as many. The steps that are needed and the next
-        finer ones are run from all starts.
+        finer ones are run from all starts, and with kinks of the force all finer ones that confirm a need.
         """
         of_record = self.scale / (self.motion.spacing * np.array(OF_SPACING))  # NaN without a record
         top = COARSEST
@@ -192,6 +192,8 @@ class _Ladder:
             varied = set(self.varied.steps_per_period) if len(self.varied) else set()
             wanted = {need for need, _ in needed if need < math.inf}
             wanted |= {min((one for one in known if one > need), default=need) for need in wanted}
+            if self.motion.kinked:
+                wanted |= {count for need, _ in needed[: len(limits)] for count in self._finer(need)[:CONFIRMING]}
             if not starts or not wanted - varied:
                 return
             self.vary(wanted - varied, starts)

@@ -120,6 +120,11 @@ class Motion:
         """Time between the samples of a record in the load, in s; NaN if there is no record."""
         return spacing(self.problem, self.duration) or np.nan
 
+    @property
+    def kinked(self) -> bool:
+        """Whether the force has kinks. The error then varies irregularly with the step and the start."""
+        return self.problem.kinked or self.problem.history is not None
+
     def others(self, number: int) -> list[Start]:
         """Other starts of the motion.
 
@@ -129,8 +134,7 @@ class Motion:
         """
         if self.problem.ground is not None and np.isfinite(self.spacing):
             return [self._solved(later(self.problem, samples)) for samples in range(1, number + 1)]
-        kinked = self.problem.kinked or self.problem.history is not None
-        factors = 1 + (VARIATION_WITH_KINKS if kinked else VARIATION) * np.linspace(-1, 1, number)
+        factors = 1 + (VARIATION_WITH_KINKS if self.kinked else VARIATION) * np.linspace(-1, 1, number)
         return [self._solved(restarted(self.problem, factor)) for factor in factors]
 
     def _solved(self, problem: Problem) -> Start:

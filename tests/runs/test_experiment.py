@@ -1,6 +1,9 @@
 """Errors and costs at many step sizes, on an oscillator under a pulse, whose motion has a closed form."""
 
+from types import SimpleNamespace
+
 import numpy as np
+import pandas as pd
 import pytest
 
 import study
@@ -127,3 +130,23 @@ def test_a_record_decides_among_steps_that_divide_its_spacing_and_its_starts_are
         coarse = study.run(later, "average_acceleration", dt=one.step_size.item(), steps=int(3 / one.step_size))
         error = abs(coarse.u.values - np.interp(coarse.t, np.arange(3001) / 1000, exact)).max() / abs(exact).max()
         assert one.largest_error.item() == pytest.approx(max(error, one.error.item()), rel=1e-3)
+
+
+@pytest.mark.parametrize(("kinked", "need"), [(False, 50), (True, 71)])
+def test_with_kinks_all_steps_that_confirm_a_need_are_run_from_all_starts(monkeypatch, kinked, need):
+    """The own start errs by 1/2n, and another one also by 2 % between 60 and 70.5 steps; 1 % is allowed.
+
+    With kinks the finest number of steps in an octave that fails counts, and else only the needed one.
+    """
+
+    def measured(scheme, start, step_sizes, durations):
+        counts = 1 / np.array(step_sizes)
+        error = np.where((start == "other") & (counts > 60) & (counts < 70.5), 0.02, 0.5 / counts)
+        return pd.DataFrame({"step_size": step_sizes, "duration": durations[0], "displacement": error})
+
+    monkeypatch.setattr(experiment, "measured", measured)
+    motion = SimpleNamespace(sampled=False, spacing=np.nan, names=["displacement"], own="own", kinked=kinked)
+    ladder = experiment._Ladder(None, motion, 1.0, [1.0], 1.0)
+    ladder.search([("displacement", 0.01)], 1000, ["other"])
+    ((found, coarser),) = ladder.needed([("displacement", 0.01)])
+    assert found == need and coarser < need
