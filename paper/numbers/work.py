@@ -13,6 +13,8 @@ from study.words import listed, relative_to
 
 #: Error of the displacement at which the fastest schemes and solvers are compared.
 EXACTING = 1e-10
+#: Problems of the decisions whose force has kinks.
+WITH_KINKS = ("yielding", "bouncing")
 
 
 def cheapest(error: xr.DataArray, time: xr.DataArray, dimension: str, along: str) -> tuple[str, float]:
@@ -55,6 +57,18 @@ def of_work(work: xr.Dataset) -> dict:
     }
 
 
+def _starts(decisions: xr.Dataset) -> dict[str, str | None]:
+    """Numbers of the further starts of problems whose force has kinks, and of the other ones without a record."""
+    further = {name: int(one) - 1 for name, one in zip(decisions.problem.values, decisions.starts.values, strict=True)}
+    titles = dict(zip(decisions.problem.values, decisions.problem_title.values, strict=True))
+    kinked = [name for name in WITH_KINKS if name in further]
+    smooth = [name for name in further if name not in kinked and not decisions.spacing.sel(problem=name) > 0]
+    return {
+        "kinked_starts": listed(f"{further[name]} of the {titles[name]}" for name in kinked) if kinked else None,
+        "other_starts": listed(sorted({f"{further[name]}" for name in smooth})) if smooth else None,
+    }
+
+
 @numbers()
 def of_decisions(decisions: xr.Dataset, needs: xr.Dataset) -> dict:
     """Schemes and kinds that need the fewest forces on the springs, and the conditions of the decisions."""
@@ -69,6 +83,7 @@ def of_decisions(decisions: xr.Dataset, needs: xr.Dataset) -> dict:
     return {
         **counted,
         "fewest_of_displacement": ", ".join(f"{one} ({count})" for one, count in least.value_counts().items()),
+        **_starts(decisions),
         "decided_errors": listed(f"{100 * error:g}" for error in decisions.allowed_error.values),
         "decided_periods": listed(sorted({f"{one:,.0f}" for one in springs.decided.values})),
         "error_relative_to": relative_to(),

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from paper.numbers.work import cheapest
+from paper.numbers.work import _starts, cheapest
 
 
 def test_a_run_that_is_exact_by_accident_is_no_cheapest_run():
@@ -13,3 +13,17 @@ def test_a_run_that_is_exact_by_accident_is_no_cheapest_run():
     time = xr.DataArray([[1e-3, 2e-3, 4e-3], [2e-3, 5e-3, 9e-3]], coords)
     assert cheapest(error, time, "scheme", "steps_per_period") == ("steady", 5.0)
     assert np.isnan(cheapest(error.sel(scheme=["quick"]), time.sel(scheme=["quick"]), "scheme", "steps_per_period")[1])
+
+
+def test_further_starts_are_counted_without_the_own_one():
+    known = {
+        "starts": ("problem", [21, 61, 3, 4]),
+        "spacing": ("problem", [np.nan, np.nan, np.nan, 0.02]),
+        "problem_title": ("problem", ["yielding oscillator", "bouncing mass", "chain", "shaken oscillator"]),
+    }
+    decisions = xr.Dataset(coords=known | {"problem": ["yielding", "bouncing", "chain", "shaken"]})
+    assert _starts(decisions) == {
+        "kinked_starts": "20 of the yielding oscillator and 60 of the bouncing mass",
+        "other_starts": "2",
+    }
+    assert _starts(decisions.sel(problem=["shaken"])) == {"kinked_starts": None, "other_starts": None}
