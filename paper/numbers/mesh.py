@@ -3,19 +3,17 @@
 import numpy as np
 import xarray as xr
 
+from paper.claims.mesh import crossovers
 from paper.products import numbers
 from study.words import number, span
-
-
-def _two_digits(values: xr.DataArray) -> np.ndarray:
-    return np.array([float(f"{one:.2g}") for one in values.values])
 
 
 @numbers()
 def of_mesh(mesh: xr.Dataset) -> dict:
     """Crossovers, steps and iterations of the implicit scheme, and the price of the stiffer row."""
     explicit = mesh.sel(scheme="central_difference")
-    frames, meshes = (mesh.crossover.isel(case=(mesh.columns > 1).values == wide) for wide in (False, True))
+    ratio = crossovers(mesh)
+    frames, meshes = (ratio.isel(case=(ratio.columns > 1).values == wide) for wide in (False, True))
     by_panel = (
         explicit.steps_per_period.groupby(["rows", "columns"]).max()
         / explicit.steps_per_period.groupby(["rows", "columns"]).min()
@@ -27,8 +25,8 @@ def of_mesh(mesh: xr.Dataset) -> dict:
         "mesh_stiffest": number(mesh.stiffening.max().item()),
         "mesh_steps": span(implicit.steps_per_period, ".0f"),
         "mesh_iterations": span(implicit.newton_iterations_per_step, ".1f"),
-        "mesh_crossover_frame": span(_two_digits(frames), ",.0f"),
-        "mesh_crossover_panel": span(_two_digits(meshes), ",.0f"),
+        "mesh_crossover_frame": span(frames, ",.0f"),
+        "mesh_crossover_panel": span(meshes, ",.0f"),
         "mesh_price": span(by_panel.stack(panel=["rows", "columns"]).dropna("panel"), ".2g"),
         # the next finer step tried is half as long
         "mesh_explicit_at_limit": bool((explicit.steps_per_period < 1.5 * np.pi * mesh.mesh_ratio).all()),
