@@ -5,26 +5,17 @@ import math
 import numpy as np
 import xarray as xr
 
+from paper.claims.step_bound import CONFIRMED, LARGEST_STEP, SCHEMES, confirmed, exceptions, over_convex
 from paper.products import numbers
-from study.words import number, span
-
-SCHEMES = ["central_difference", "average_acceleration"]
-#: Largest relative difference of measured and predicted error at which a prediction is confirmed.
-CONFIRMED = 0.1
+from study.words import span
 
 
-@numbers(bound="stability/step_bound")
-def of_step_bound(bound: xr.Dataset) -> dict:
+@numbers(bound="stability/step_bound", rule="stability/step_rule", requires={"step_rule.schemes": SCHEMES})
+def of_step_bound(bound: xr.Dataset, rule: xr.Dataset) -> dict:
     """Numbers of potentials and motions, of confirmed predictions, and the steps that keep the allowed error."""
+    over = over_convex(bound, rule)
     bound = bound.sel(scheme=SCHEMES)
-    predicted = bound.coefficient * bound.omega_step**2
-    difference = abs(bound.error / predicted - 1)
-    confirmed = difference < CONFIRMED
-    missed = ~confirmed.all(["scheme", "quantity"])
-    exceptions = [
-        f"{motion.potential_title.item()} from {number(motion.u0.item())}"
-        for _, motion in bound.isel(motion=missed.values).groupby("motion")
-    ]
+    close = confirmed(bound)
     periods = bound.coefficient.sel(quantity="period")
     ratio = periods.sel(scheme="average_acceleration") / periods.sel(scheme="central_difference")
     found = {
@@ -34,9 +25,13 @@ def of_step_bound(bound: xr.Dataset) -> dict:
         "bound_periods": bound.periods.item(),
         "bound_confirmed": f"{100 * CONFIRMED:g}",
         "bound_runs": bound.error.sel(quantity="energy").size,
-        "bound_energy_confirmed": int(confirmed.sel(quantity="energy").sum()),
-        "bound_period_confirmed": int(confirmed.sel(quantity="period").sum()),
-        "bound_exceptions": ", ".join(exceptions) or "none",
+        "bound_energy_confirmed": int(close.sel(quantity="energy").sum()),
+        "bound_period_confirmed": int(close.sel(quantity="period").sum()),
+        "bound_exceptions": ", ".join(exceptions(bound, ~close.all(["scheme", "quantity"]))) or "none",
+        "bound_step": f"{LARGEST_STEP:g}",
+        "bound_convex_runs": f"{over.size:,}",
+        "bound_convex_beyond": int((over > 1 + CONFIRMED).sum()),
+        "bound_convex_most": f"{over.max().item():.2g}",
         "bound_period_ratio": span(ratio, ".3g"),
         "bound_most_energy": f"{100 * bound.error.sel(quantity='energy').max().item():.2g}",
     }
