@@ -2,7 +2,7 @@
 
 import numpy as np
 import xarray as xr
-from scipy import stats
+from scipy import optimize, stats
 
 from paper.claims.ledger import PRACTICE, STUDY, Finding, claim, when
 from paper.terms import FAITHFUL, REASONABLE, RULE
@@ -10,6 +10,8 @@ from paper.wording import listed, number
 
 #: Largest difference from two of an observed order that counts as second order.
 NEARLY_TWO = 0.3
+#: Number of repeated fits, each with the errors relative to the one before.
+FITS = 10
 
 
 def _onwards(kept: xr.DataArray) -> xr.DataArray:
@@ -49,18 +51,29 @@ def twenty_steps_keep_chaos(chaos):
 
 
 def _power(steps: np.ndarray, difference: np.ndarray, variance: np.ndarray, shared: float) -> tuple[float, float]:
-    """The power p of difference ~ steps^-p by generalised least squares, and half of its 95 % interval.
+    """The power p of difference ~ steps^-p, and half of its 95 % interval.
 
-    The differences are from one value of variance ``shared``, so that their errors are correlated. If they scatter more
-    about the power than their errors explain, the interval is that of the scatter.
+    The differences are from one value of variance ``shared``, so that their errors are correlated. A mean of a chaotic
+    motion is no smooth function of the step; where the differences scatter about a power by more than their errors, all
+    have the relative scatter that explains it. Errors are relative to the fitted power, because a difference that is
+    too small by chance would count too much.
     """
-    covariance = (np.diag(variance) + shared) / np.outer(difference, difference)
-    half = np.linalg.cholesky(covariance)
-    matrix = np.linalg.solve(half, np.stack([np.log(steps), np.ones(len(steps))], axis=1))
-    values = np.linalg.solve(half, np.log(abs(difference)))
-    fit, (squares,), *_ = np.linalg.lstsq(matrix, values)
-    error, free = np.sqrt(np.linalg.inv(matrix.T @ matrix)[0, 0]), len(steps) - 2
-    return float(-fit[0]), float(error * max(stats.norm.ppf(0.975), stats.t.ppf(0.975, free) * np.sqrt(squares / free)))
+    free = len(steps) - 2
+    powers = np.stack([np.log(steps), np.ones(len(steps))], axis=1)
+    errors, fitted = np.diag(variance) + shared, difference
+
+    def fit(scatter: float) -> tuple[np.ndarray, float, float]:
+        root = np.linalg.cholesky(errors / np.outer(fitted, fitted) + scatter**2 * np.eye(len(steps)))
+        matrix, values = (np.linalg.solve(root, one) for one in (powers, np.log(abs(difference))))
+        found, (squares,), *_ = np.linalg.lstsq(matrix, values)
+        return found, squares, float(np.sqrt(np.linalg.inv(matrix.T @ matrix)[0, 0]))
+
+    for _ in range(FITS):
+        more = fit(0.0)[1] > free
+        scatter = optimize.brentq(lambda scatter: fit(scatter)[1] - free, 0.0, 100.0) if more else 0.0
+        found, _, error = fit(scatter)
+        fitted = np.sign(difference) * np.exp(powers @ found)
+    return float(-found[0]), float(stats.t.ppf(0.975, free) * error)
 
 
 def orders_of_means(chaos: xr.Dataset, problem: str = "ueda") -> dict[str, tuple[float, float]]:
@@ -106,7 +119,7 @@ def statistics_converge(chaos):
         for name, (order, half) in orders.items()
     )
     holds = all(is_second(*one) for one in orders.values())
-    reason = "at the steps tried the error is no power of the step, or too few of them are chaotic"
+    reason = "too few steps keep the chaos, or the errors scatter about a power of the step"
     return Finding(ours, holds, when(not holds, reason))
 
 
