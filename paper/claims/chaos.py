@@ -11,7 +11,7 @@ from paper.wording import listed, number
 #: Largest difference from two of an observed order that counts as second order.
 NEARLY_TWO = 0.3
 #: Number of repeated fits, each with the errors relative to the one before.
-FITS = 10
+FITS = 5
 
 
 def _onwards(kept: xr.DataArray) -> xr.DataArray:
