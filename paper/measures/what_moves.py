@@ -23,34 +23,42 @@ def _resampled(values: np.ndarray, number: int) -> np.ndarray:
 
 def without_drift(moves: xr.Dataset) -> list[float]:
     """Periods at which a median drift is a collapse, so that it has no change in percent."""
-    return moves.period.values[np.isinf(moves.peak_drift.median("record")).any("variant").values].tolist()
+    return moves.period.values[~_known(moves.peak_drift).values].tolist()
 
 
 def of_medians(quantity: xr.DataArray) -> xr.Dataset:
     """Relative change of the median over records by variant and period, with its 95 % interval over the records.
 
     The same records are drawn for both medians. A collapse counts as an infinite drift; records with a failed run are
-    left out. A change is NaN where the median of the reference is infinite.
+    left out. A change is NaN at a period where the median of any variant is infinite.
     """
     quantity = quantity.dropna("record")
     values = quantity.transpose("variant", "period", "record").values
     reference = list(quantity.variant.values).index("reference")
-    medians = np.median(_resampled(values, values.shape[-1]), axis=-1)
+    # one variant at a time, because all draws of a thousand records would take gigabytes
+    medians = np.array([np.median(_resampled(one, values.shape[-1]), axis=-1) for one in values])
     with np.errstate(invalid="ignore"):
         change = np.median(values, axis=-1) / np.median(values[reference], axis=-1) - 1
         low, high = np.percentile(medians / medians[reference] - 1, INTERVAL, axis=-1)
     dims = ("variant", "period")
-    return xr.Dataset({"change": (dims, change), "low": (dims, low), "high": (dims, high)}, coords=quantity.coords)
+    found = xr.Dataset({"change": (dims, change), "low": (dims, low), "high": (dims, high)}, coords=quantity.coords)
+    return found.where(_known(quantity))
+
+
+def _known(quantity: xr.DataArray) -> xr.DataArray:
+    """Whether the medians of all variants are finite, by period."""
+    return np.isfinite(quantity.median("record")).all("variant")
 
 
 def of_choices(quantity: xr.DataArray, number: int) -> xr.DataArray:
     """Half of the 95 % interval of the median over a choice of records, relative to the median over all, by period."""
+    known = _known(quantity)
     quantity = quantity.sel(variant="reference").dropna("record")
     values = quantity.transpose("period", "record").values
     with np.errstate(invalid="ignore"):
         low, high = np.percentile(np.median(_resampled(values, number), axis=-1), INTERVAL, axis=-1)
         half = (high - low) / 2 / np.median(values, axis=-1)
-    return xr.DataArray(half, dims="period", coords={"period": quantity.period})
+    return xr.DataArray(half, dims="period", coords={"period": quantity.period}).where(known)
 
 
 def of_records(quantity: xr.DataArray) -> xr.DataArray:

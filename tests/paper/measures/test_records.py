@@ -88,3 +88,10 @@ def test_a_median_over_collapses_is_no_drift_and_is_named():
     assert finding.holds and "at the period of 0.2 s most motions collapse" in finding.qualification
     assert np.isnan(of_medians(collapsing.peak_drift).change.sel(period=0.2)).all()
     assert not records.step_moves_least(moves).qualification
+
+
+def test_a_period_at_which_one_variant_collapses_has_no_change_of_drift():
+    moves = _moves(0.01)
+    moves.peak_drift.loc[{"variant": "damping", "record": ["b", "c", "d"]}] = np.inf
+    assert of_medians(moves.peak_drift).to_array().isnull().all() and of_choices(moves.peak_drift, 4).isnull().all()
+    assert of_medians(moves.residual_drift).change.notnull().all()
