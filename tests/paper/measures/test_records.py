@@ -91,7 +91,7 @@ def test_a_median_over_collapses_is_no_drift_and_is_named():
 
 
 def test_a_period_at_which_one_variant_collapses_has_no_change_of_drift():
-    moves = _moves(0.01)
-    moves.peak_drift.loc[{"variant": "damping", "record": ["b", "c", "d"]}] = np.inf
-    assert of_medians(moves.peak_drift).to_array().isnull().all() and of_choices(moves.peak_drift, 4).isnull().all()
-    assert of_medians(moves.residual_drift).change.notnull().all()
+    drift = _moves(0.01).peak_drift
+    collapsing = drift.where((drift.variant != "damping") | (drift.record == "a"), np.inf)
+    assert of_medians(collapsing).to_array().isnull().all() and of_choices(collapsing, 4).isnull().all()
+    assert of_medians(drift).change.notnull().all() and of_choices(drift, 4).notnull().all()
