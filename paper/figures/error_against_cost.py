@@ -61,7 +61,7 @@ def draw(data: xr.Dataset) -> Figure:
                 continue
             one = data.sel(solver=solver).sortby("tolerance", ascending=False)
             known = one.solver_max_trajectory_error.where(one.solver_max_trajectory_error < TOP)
-            axes.plot(one[of_solvers], known, color="0.6", marker=marker, ls=":", lw=1.0, ms=4, label="_")
+            axes.plot(one[of_solvers], known, color="0.6", marker=marker, ls="", ms=4, label=SOLVERS[solver])
             drawn = [at for at in zip(one[of_solvers].values, known.values, strict=True) if at[1] > BOTTOM]
             _name(axes, solver, drawn, on_left=solver != "tsit5")
         for scheme, (colour, marker) in ((name, SCHEMES[name]) for name in SCHEMES if name in data.scheme):
@@ -77,5 +77,7 @@ def draw(data: xr.Dataset) -> Figure:
         whole_decades(axes)
         letter(axes, place, "error against computing time" if place == 0 else "error against forces")
     row[0].set_ylabel("error of the displacement")
-    legend_below(picture, columns=6)
+    # the names of the solvers are next to their points
+    schemes = row[0].get_legend_handles_labels()[0][len(GENERAL) :]
+    legend_below(picture, columns=6, handles=schemes)
     return picture
