@@ -54,6 +54,6 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
                 ax.set_xlabel(f"Δt/T,\n{wrapped(one.problem_title.item(), 10)}")
             if place == len(problems) // 2:
                 ax.set_title(one.scheme_title.item(), loc="center", pad=2)
-    figure.supylabel("$u_0$ over its value of 1996", fontsize="medium")
+    figure.supylabel("initial displacement over its value of 1996", fontsize="medium")
     legend(figure, atlas.outcome.values, cases=False)
     return figure

@@ -45,8 +45,9 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     axes[2].semilogy(dt, measured, ".", markersize=2, color="black", label="of two runs")
     axes[2].set(ylabel="steps", xlabel="step size Δt (s)", xlim=(dt[0], dt[-1]))
     figure.legend(handles=axes[2].get_legend_handles_labels()[0], loc="outside lower center", ncols=2, markerscale=1.5)
-    until = f"steps until $10^{{{np.log10(small):.0f}}}$ has become {large:g}"
-    for index, title in enumerate(("last displacements of each run", "Lyapunov exponent", until)):
+    for index, title in enumerate(
+        ("last displacements of each run", "Lyapunov exponent", "steps until neighbouring runs separate")
+    ):
         axes[index].axvline(2.5, color="#D55E00", linewidth=0.8, linestyle="--")
         letter(axes[index], index, title)
     return figure

@@ -46,7 +46,7 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset, window: xr.Dataset) -> Fig
         height = 1 + one.energy_error
         marked = (0.02 + 0.03 * place, 0.2) if height.notnull().any() else None
         energy.plot(periods, height, label=one.scheme_title.item(), markevery=marked, **look)
-    energy.set(xlabel="elapsed periods", ylabel="energy $E/E_0$", yscale="log")
+    energy.set(xlabel="elapsed periods", ylabel="energy over\nits initial value", yscale="log")
     energy.set_ylim(bottom=1e-3)
     letter(energy, 2, "energy of all schemes")
     close = figure.add_subplot(grid[2, :])
@@ -54,7 +54,7 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset, window: xr.Dataset) -> Fig
         largest = np.sort(1 + window.largest_gain.sel(scheme=name).values, axis=None)
         look = {key: looks[name][key] for key in ("color", "linestyle")}
         close.plot(largest, np.arange(1, largest.size + 1) / largest.size, **look)
-    close.set(xlabel="largest energy $E/E_0$", ylabel="share of runs", xscale="log")
+    close.set(xlabel="largest energy over the initial energy", ylabel="share of runs", xscale="log")
     whole_decades(close)
     letter(close, 3, "runs at close steps and starts")
     legend_below(figure, columns=3, axes=energy)

@@ -28,7 +28,7 @@ def draw(bound: xr.Dataset) -> Figure:
         by_potential.axvline(one.convex_coefficient.item(), color=look["color"], linestyle=look["linestyle"], lw=0.8)
         period = {"scheme": name, "quantity": "period"}
         measured.plot(100 * predicted.sel(period), 100 * bound.error.sel(period), **style)
-    by_potential.set(xlabel="energy error / $(\\omega_\\mathrm{max} \\Delta t)^2$", xlim=(0, None))
+    by_potential.set(xlabel="energy error over the square of ωΔt", xlim=(0, None))
     by_potential.set_yticks(range(len(names)), names)
     by_potential.invert_yaxis()
     of_periods = 100 * predicted.sel(quantity="period")

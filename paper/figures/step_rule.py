@@ -34,6 +34,6 @@ def draw(rule: xr.Dataset) -> Figure:
         ax.set_yticks([0.1, 0.2, 0.5, 1, 2], ["0.1", "0.2", "0.5", "1", "2"])
         ax.minorticks_off()
         letter(ax, index, of_problem.problem_title.item())
-    axes[0, 0].set_ylabel("$\\omega_\\mathrm{max} \\Delta t$")
+    axes[0, 0].set_ylabel("highest frequency × step")
     legend_below(figure, columns=5)
     return figure

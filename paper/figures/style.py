@@ -2,7 +2,7 @@
 
 import os
 import textwrap
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from io import BytesIO
 from pathlib import Path
@@ -17,11 +17,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.scale import LogScale, register_scale
+from matplotlib.ticker import LogFormatterSciNotation, NullFormatter
 
 from paper.data import families
 from paper.points import points
@@ -47,6 +49,11 @@ OUTCOME_STYLES = {
     "unbounded": ("unbounded", "#000000"),
 }
 
+#: Ends of the logarithmic axes whose labels are plain numbers, not powers of ten.
+_PLAIN = (1e-4, 1e5)
+#: Size of an exponent over the size of its base.
+_EXPONENT = 0.7
+
 #: Maximum number of characters in a line of the legend of a family.
 ENTRY = 14
 
@@ -64,6 +71,36 @@ _STYLE_NUMBERS = {
     "Explicit with dissipation": (29, 30, 26, 27, 20, 40, 41, 47, 50, 53),
     "Splitting": (28, 32, 18, 31, 22, 33, 43, 45),
 }
+
+
+class _LogLabels(LogFormatterSciNotation):
+    """Labels of a logarithmic axis: plain numbers where they are short, otherwise powers with legible exponents."""
+
+    def format_ticks(self, values: Sequence[float]) -> list[str]:
+        labels, (low, high) = super().format_ticks(values), sorted(self.axis.get_view_interval())
+        plain = _PLAIN[0] < low and high < _PLAIN[1]
+        size, name = plt.rcParams["font.size"], self.axis.axis_name
+        # panels with a common axis share this object, which belongs to the axis of one of them
+        shared = getattr(self.axis.axes, f"get_shared_{name}_axes")()
+        for axes in shared.get_siblings(self.axis.axes):
+            axes.tick_params(name, which="both", labelsize=size if plain else size / _EXPONENT)
+        return [f"{value:g}" if plain and label else label for value, label in zip(values, labels, strict=True)]
+
+
+class _Log(LogScale):
+    """Logarithmic scale of all figures, with the labels of :class:`_LogLabels`."""
+
+    # only before its version 3.11 does Matplotlib pass the axis
+    def __init__(self, *axes: Axis, **options: Any):
+        super().__init__(*axes, **options)
+
+    def set_default_locators_and_formatters(self, axis: Axis) -> None:
+        super().set_default_locators_and_formatters(axis)
+        axis.set_major_formatter(_LogLabels(self.base))
+        axis.set_minor_formatter(_LogLabels(self.base, labelOnlyBase=False))
+
+
+register_scale(_Log)
 
 
 def curve_styles(schemes: xr.DataArray) -> dict[str, dict[str, Any]]:
@@ -164,7 +201,7 @@ def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, 
     parts = families(dataset)
     entries = [[wrapped(title, ENTRY) for title in part.scheme_title.values] for part in parts.values()]
     legend = max(0.08 * len(titles) + 0.31 * sum(title.count("\n") + 1 for title in titles) for titles in entries)
-    figure = empty(PAGE, rows * (height + 0.3) + legend + 1.7)  # with room for titles and labels
+    figure = empty(PAGE, rows * (height + 0.3) + legend + 1.95)  # with room for titles and labels
     grid = figure.add_gridspec(rows + 1, len(parts), height_ratios=[height] * rows + [legend])
     columns: list[tuple[xr.Dataset, np.ndarray]] = []
     for index, (name, part) in enumerate(parts.items()):

@@ -14,7 +14,7 @@ import yaml
 from snakemake.utils import update_config
 
 import study
-from paper.manuscript import TEXTS, numbered
+from paper.manuscript import TEXTS, numbered, uses
 from tests.paper.figures.printing import faults_of_all
 from tests.pipeline.additions import ADDED
 from tests.pipeline.mutations import mutated
@@ -78,7 +78,8 @@ def test_no_page_of_the_texts_is_overfull(project):
 
 
 def test_nothing_is_wrong_with_figures_as_they_are_printed(project):
-    assert faults_of_all(project / "results") == {}
+    (article,) = (text for text in TEXTS if text.stem == "manuscript")
+    assert faults_of_all(project / "results", uses(article.read_text())["figure"]) == {}
 
 
 def test_datasets_explain_themselves(project):

@@ -2,13 +2,17 @@
 
 import itertools
 import re
+from collections.abc import Collection
 from pathlib import Path
 from typing import NamedTuple
 from unittest import mock
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
@@ -17,16 +21,26 @@ from paper.products import discover, made, reader
 
 #: Smallest font size in points, and largest overlap of two texts in points.
 SMALLEST, SHARED = 7.0, 1.0
+#: Largest number of curves in a panel of the article.
+CURVES = 6
 #: Largest height of a figure in cm, which leaves room for its caption on a page.
 TALLEST = 19.5
 
 
 class Printed(NamedTuple):
-    """A text as it is drawn: its words, its font size in points, and its bounding box in points."""
+    """A text as it is drawn: its words, its smallest font size in points, and its bounding box in points."""
 
     words: str
     size: float
     place: Bbox
+
+
+def _smallest(text: Text) -> float:
+    """Smallest font size of a text in points, which is that of an exponent or index if its formulas have any."""
+    formulas = [line for line in text.get_text().split("\n") if "$" in line]
+    font = FontProperties(size=text.get_fontsize())
+    glyphs = [glyph for line in formulas for glyph in MathTextParser("path").parse(line, 72, font).glyphs]
+    return min([text.get_fontsize()] + [size for _, size, *_ in glyphs])
 
 
 def printed(figure: Figure) -> list[Printed]:
@@ -38,11 +52,21 @@ def printed(figure: Figure) -> list[Printed]:
     def draw(text, renderer, *args, **kwargs):
         # the box of an annotation is that of its words, without the arrow
         if text.get_visible() and text.get_text().strip():
-            found.append(Printed(text.get_text(), text.get_fontsize(), Text.get_window_extent(text, renderer)))
+            found.append(Printed(text.get_text(), _smallest(text), Text.get_window_extent(text, renderer)))
 
     with mock.patch.object(Text, "draw", draw):
         figure.draw_without_rendering()
     return found
+
+
+def curves(axes: Axes) -> int:
+    """Number of curves of a panel, with straight guides, but without markers alone and lines across the panel."""
+    return sum(
+        line.get_transform() == axes.transData
+        and line.get_linestyle() not in ("None", "", " ")
+        and np.isfinite(np.asarray(line.get_xydata())).all(axis=1).sum() > 1
+        for line in axes.lines
+    )
 
 
 def _of_code(words: str) -> bool:
@@ -61,7 +85,7 @@ def faults(figure: Figure) -> list[str]:
     texts = printed(figure)
     page = figure.bbox.padded(1)
     for text in texts:
-        found += [f"'{text.words}' has {text.size:g} pt"] if text.size < SMALLEST else []
+        found += [f"'{text.words}' has {text.size:.3g} pt"] if text.size < SMALLEST - 1e-6 else []
         found += [f"'{text.words}' is of code"] if _of_code(text.words) else []
         inside = page.contains(*text.place.min) and page.contains(*text.place.max)
         found += [] if inside else [f"'{text.words}' is cut off at {np.round(text.place.extents)} of {page.extents}"]
@@ -72,12 +96,23 @@ def faults(figure: Figure) -> list[str]:
     return found
 
 
-def faults_of_all(results: Path) -> dict[str, list[str]]:
-    """Draw all figures from a folder of results, and return the faults of the figures that have any."""
+def crowded(figure: Figure) -> list[str]:
+    """Sentences on panels that have more curves than a panel of the article may have."""
+    numbers = {axes.get_title("left"): curves(axes) for axes in figure.axes}
+    return [f"'{title}' has {number} curves" for title, number in numbers.items() if number > CURVES]
+
+
+def faults_of_all(results: Path, article: Collection[str] = ()) -> dict[str, list[str]]:
+    """Draw all figures from a folder of results, and return the faults of the figures that have any.
+
+    Figures of the ``article`` have a limited number of curves in each panel.
+    """
     read, found = reader(results), {}
     for product in discover(["figures"]):
         if product.kind == "figure":
             picture = made(product, read)
             found[product.name] = faults(picture)
+            if product.name in article:
+                found[product.name] += crowded(picture)
             plt.close(picture)
     return {name: sentences for name, sentences in found.items() if sentences}

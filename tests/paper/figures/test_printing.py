@@ -1,10 +1,11 @@
 """The check of printed figures finds each kind of fault."""
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 
 from paper.figures.style import COLUMN, panels
-from tests.paper.figures.printing import faults
+from tests.paper.figures.printing import crowded, faults
 
 
 @pytest.fixture
@@ -12,7 +13,7 @@ def picture():
     """A figure without faults, and its panel."""
     figure, ((ax,),) = panels(1, 1, COLUMN, 5)
     ax.plot([1, 2], label="central difference")
-    ax.set(xlabel="$u_0$ over $10^{-5}$", ylabel="velocity (1/s)", title="newmark, nano, 3e")
+    ax.set(xlabel="$u$ over $10 \\omega$", ylabel="velocity (1/s)", title="newmark, nano, 3e")
     ax.legend()
     yield figure, ax
     plt.close(figure)
@@ -30,6 +31,8 @@ def test_nothing_is_wrong_with_a_sound_figure(picture):
         ("2e−5 s", {}, "is of code"),
         ("nan", {}, "is of code"),
         ("small", {"fontsize": 6.9}, "has 6.9 pt"),
+        ("error\nover $10^{-5}$", {}, "has 4.9 pt"),
+        ("$\\omega_0$", {"fontsize": 9}, "has 6.3 pt"),
         ("a long text that ends outside", {"x": 0.8}, "is cut off"),
         ("central", {"x": 0.02, "y": 1.03}, "overlap"),
     ],
@@ -52,3 +55,14 @@ def test_sizes_are_those_of_the_manuscript(picture, width, height, fault):
     figure, _ = picture
     figure.set_size_inches(width / 2.54, height / 2.54)
     assert any(fault in one for one in faults(figure))
+
+
+def test_a_panel_of_the_article_has_six_curves(picture):
+    figure, ax = picture
+    ax.axhline(1.5)
+    ax.plot(np.ones((3, 9)), "o", linestyle="")
+    for _ in range(5):
+        ax.plot([1, 2])
+    assert crowded(figure) == []
+    ax.plot([2, 1])
+    assert crowded(figure) == ["'newmark, nano, 3e' has 7 curves"]

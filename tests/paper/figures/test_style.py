@@ -17,7 +17,7 @@ from paper.figures.linear_accuracy import draw
 from paper.figures.style import OUTCOME_STYLES, curve_styles, letter, save
 from paper.published import SCHEMES
 from study.experiments.coordinates import scheme_coordinates
-from tests.paper.figures.printing import faults
+from tests.paper.figures.printing import faults, printed
 
 EVERY = xr.Dataset(coords=scheme_coordinates(list(study.schemes)))
 
@@ -166,3 +166,17 @@ def test_a_figure_has_its_points_and_its_text(tmp_path):
         ["2", "", 0.5, 0.5, 9.0],
         ["2", "", 1.5, 0.5, 10.0],
     ]
+
+
+@pytest.mark.parametrize("ends, labels", [((0.002, 4000), ["0.01", "1", "100"]), ((2e-5, 20), None)])
+def test_labels_of_logarithmic_axes_are_short_numbers_or_powers_with_legible_exponents(ends, labels):
+    picture, ((first, second),) = style.panels(1, 2, style.COLUMN, 4, sharey=True)
+    for ax in (first, second):
+        ax.set(yscale="log", ylim=ends)
+    second.tick_params(labelleft=True)
+    texts = [text for text in printed(picture) if text.words[0] in "0123456789$"]
+    powers = [text.words for text in texts if "^" in text.words]
+    assert min(text.size for text in texts) >= 7 - 1e-6
+    assert bool(powers) == (labels is None)
+    assert labels is None or set(labels) <= {text.words for text in texts}
+    plt.close(picture)
