@@ -28,9 +28,9 @@ FLAGGED_WITHIN = 10
 
 def _at_phases(reference: xr.Dataset, steps: int) -> xr.Dataset:
     """The reference at the phases k/steps of one period, for k = 0, ..., steps − 1."""
-    wanted = np.arange(steps) / steps
-    at = np.searchsorted(reference.phase.values, wanted - 1e-12)
-    if np.any(np.abs(reference.phase.values[at] - wanted) > 1e-12):
+    phases = np.arange(steps) / steps
+    at = np.searchsorted(reference.phase.values, phases - 1e-12)
+    if np.any(np.abs(reference.phase.values[at] - phases) > 1e-12):
         raise ValueError(
             f"the reference of '{reference.problem}' has no phases of {steps} steps per period; "
             f"add {steps} to references.steps_per_period of the configuration."

@@ -66,7 +66,7 @@ def statistics(
     15(1), 1980, 21-30.
     """
     dt = period / steps_per_period
-    counts = (jnp.asarray(one) for one in (steps_per_period, periods, skipped))  # one compilation serves all
+    counts = (jnp.asarray(number) for number in (steps_per_period, periods, skipped))  # one compilation serves all
     logarithms, squares = _marched(problem, unlabelled(scheme), jnp.asarray(u0), jnp.asarray(dt), *counts)
     counted = periods - skipped
     return Statistics(np.asarray(logarithms) / (counted * period), np.asarray(squares) / (counted * steps_per_period))
@@ -83,11 +83,11 @@ def _marched(problem, scheme, u0, dt, steps_per_period, periods, skipped):
 
     def started_basis(u):
         motion = jnp.concatenate([u, jnp.broadcast_to(problem.v0, shape).ravel()])
-        return start(motion), jax.vmap(lambda one: jax.jvp(start, (motion,), (one,))[1])(jnp.eye(2 * n))
+        return start(motion), jax.vmap(lambda direction: jax.jvp(start, (motion,), (direction,))[1])(jnp.eye(2 * n))
 
     def step(state, basis, t):
-        def pushed(one):
-            return jax.jvp(lambda state: stepped(scheme, problem, state, t, dt)[0], (state,), (one,))
+        def pushed(direction):
+            return jax.jvp(lambda state: stepped(scheme, problem, state, t, dt)[0], (state,), (direction,))
 
         return jax.vmap(pushed, out_axes=(None, 0))(basis)
 
@@ -112,7 +112,7 @@ def _marched(problem, scheme, u0, dt, steps_per_period, periods, skipped):
 
         state, basis, more = lax.fori_loop(0, steps_per_period, one, (state, basis, jnp.zeros_like(squares)))
         basis, growth = jax.vmap(orthogonal)(basis)
-        growth, more = (jnp.where(k >= skipped, one, 0.0) for one in (growth, more))
+        growth, more = (jnp.where(k >= skipped, part, 0.0) for part in (growth, more))
         return state, basis, logarithms + growth, squares + more
 
     state, basis = jax.vmap(started_basis)(u0)

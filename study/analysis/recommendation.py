@@ -36,7 +36,7 @@ class Recommended(pd.DataFrame):
         def printed(value, form):
             return form(value) if isinstance(value, float | int) and not isinstance(value, bool) else value
 
-        columns = [one.map(lambda x, name=name: printed(x, forms.get(name, typed))) for name, one in self.items()]
+        columns = [column.map(lambda x, name=name: printed(x, forms.get(name, typed))) for name, column in self.items()]
         return pd.DataFrame(dict(enumerate(columns)), index=self.index).set_axis(self.columns, axis=1)
 
     def to_string(self, *arguments, **options):  # type: ignore[override]
@@ -84,28 +84,28 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
     """The table of :func:`study.recommend` for a dataset of :func:`study.assess`."""
     if "recommended_step_size" not in assessed:
         raise ValueError("recommend takes a dataset of study.assess.")
-    quantity, one = chosen(assessed, assessed.quantity.values.tolist(), error, quantity)
-    words = np.array([word.replace("_", " ") for word in one.verdict.flag_meanings.split()])
-    steps = np.floor(assessed.attrs["duration"] / one.recommended_step_size * (1 + 1e-9))
-    found = one.recommended_step_size.dropna("scheme").reset_coords(drop=True)
-    errors = assessed.error.sel(scheme=found.scheme, step_size=found).to_pandas()
+    quantity, answers = chosen(assessed, assessed.quantity.values.tolist(), error, quantity)
+    words = np.array([word.replace("_", " ") for word in answers.verdict.flag_meanings.split()])
+    steps = np.floor(assessed.attrs["duration"] / answers.recommended_step_size * (1 + 1e-9))
+    recommended = answers.recommended_step_size.dropna("scheme").reset_coords(drop=True)
+    errors = assessed.error.sel(scheme=recommended.scheme, step_size=recommended).to_pandas()
     table = pd.DataFrame(
         {
-            "kind": one.kind,
-            "step_size": one.recommended_step_size,
-            "largest_step_size": one.largest_step_size,
-            "omega_step": one.recommended_step_size * assessed.highest_frequency.item(),
+            "kind": answers.kind,
+            "step_size": answers.recommended_step_size,
+            "largest_step_size": answers.largest_step_size,
+            "omega_step": answers.recommended_step_size * assessed.highest_frequency.item(),
             "steps": steps,
-            "error": one.recommended_error,
-            "seconds": one.seconds,
-            "seconds_spread": one.seconds_spread,
-            "force_evaluations": one.force_evaluations,
-            "force_evaluations_per_time": one.force_evaluations / (steps * one.recommended_step_size),
-            "steps_tried": one.steps_tried,
-            "worst_error": one.worst_error,
-            "verdict": words[one.verdict.values],
+            "error": answers.recommended_error,
+            "seconds": answers.seconds,
+            "seconds_spread": answers.seconds_spread,
+            "force_evaluations": answers.force_evaluations,
+            "force_evaluations_per_time": answers.force_evaluations / (steps * answers.recommended_step_size),
+            "steps_tried": answers.steps_tried,
+            "worst_error": answers.worst_error,
+            "verdict": words[answers.verdict.values],
         },
-        index=pd.Index(one.scheme.values, name="scheme"),
+        index=pd.Index(answers.scheme.values, name="scheme"),
     )
     slower_by = table["seconds"] - table["seconds"].min()
     fastest = table["seconds"].idxmin() if slower_by.notna().any() else None
@@ -115,19 +115,19 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
     table.insert(table.columns.get_loc("seconds_spread") + 1, "ties_with_fastest", ties)
     table = table.loc[_ranked(table)]
     if "tolerance" in assessed:
-        table["tolerance"] = one.tolerance.to_series()
-        table["controlled_force_evaluations"] = one.controlled_force_evaluations.to_series()
+        table["tolerance"] = answers.tolerance.to_series()
+        table["controlled_force_evaluations"] = answers.controlled_force_evaluations.to_series()
         table["control_over_equal"] = table["controlled_force_evaluations"] / table["force_evaluations"]
     table.insert(table.columns.get_loc("error") + 1, "most_wrong", errors.idxmax(axis=1))
     table.insert(table.columns.get_loc("most_wrong") + 1, "most_wrong_error", errors.max(axis=1))
-    found_steps = Recommended(table)
-    found_steps.attrs = {
+    recommendation = Recommended(table)
+    recommendation.attrs = {
         "quantity": quantity,
         "spacing": assessed.attrs.get("spacing"),
         "answer": [answer_line(assessed, table, quantity, error), *_asked(assessed, table)],
-        "notes": _notes(assessed, one),
+        "notes": _notes(assessed, answers),
     }
-    return found_steps
+    return recommendation
 
 
 def _counts(table: pd.DataFrame) -> pd.Series:
@@ -138,13 +138,13 @@ def _counts(table: pd.DataFrame) -> pd.Series:
 
 def _ranked(table: pd.DataFrame) -> list:
     """Names of the schemes, the fastest first; within the spread of times, the number of forces or steps decides."""
-    left, ranked, counts = table.sort_values("seconds", kind="stable"), list[object](), _counts(table)
-    while len(left):
-        first = left.iloc[0]
-        ties = ~(left["seconds"] - first.seconds > (left["seconds_spread"] + first.seconds_spread) / 2)
-        together = left[ties & (left["seconds"].notna() | np.isnan(first.seconds))]
+    remaining, ranked, counts = table.sort_values("seconds", kind="stable"), list[object](), _counts(table)
+    while len(remaining):
+        first = remaining.iloc[0]
+        ties = ~(remaining["seconds"] - first.seconds > (remaining["seconds_spread"] + first.seconds_spread) / 2)
+        together = remaining[ties & (remaining["seconds"].notna() | np.isnan(first.seconds))]
         ranked += counts[together.index].sort_values(kind="stable").index.tolist()
-        left = left.drop(together.index)
+        remaining = remaining.drop(together.index)
     return ranked
 
 
@@ -170,7 +170,7 @@ def over_duration(
     rounded = table.step_size.copy()
     rounded[:] = [round_down(step) if step > 0 else np.nan for step in steps]
     finer = rounded / table.step_size
-    found = Recommended(
+    longer = Recommended(
         {
             "kind": table.kind,
             "step_size": rounded,
@@ -182,18 +182,18 @@ def over_duration(
             "verdict": np.where(rounded.notna(), "extrapolated", table.verdict),
         }
     ).sort_values("force_evaluations", kind="stable")
-    found.attrs = {
+    longer.attrs = {
         "answer": [
             f"{percent(error)} of {quantity} over {number(duration)} s, {row.kind}: {titles[name]}, "
             f"{step_with_unit(row.step_size)} (extrapolated)"
-            for name, row in firsts(found).iterrows()
+            for name, row in firsts(longer).iterrows()
         ],
         "notes": [
             f"Steps are extrapolated from runs over {number(known)} s by Δt ∝ n^(−exponent), with the number n of "
             f"periods. No run of {number(duration)} s confirms them. The law holds for {FREE}, not for chaotic motion."
         ],
     }
-    return found
+    return longer
 
 
 def answer_line(assessed: xr.Dataset, table: pd.DataFrame, quantity: str, error: float) -> str:
@@ -224,8 +224,8 @@ def of_own(assessed: xr.Dataset, table: pd.DataFrame, name: str) -> str:
     """The step of your own scheme, and the ratio of its cost to the least cost of the others; or why it has none."""
     if not table.step_size[name] > 0:
         return f"no step was found ({table.verdict[name]})"
-    counts, own = _counts(table), asked_for(assessed)
-    others = counts[[name for name in table.index if name not in own and table.step_size[name] > 0]].dropna()
+    counts, requested = _counts(table), asked_for(assessed)
+    others = counts[[name for name in table.index if name not in requested and table.step_size[name] > 0]].dropna()
     step = step_with_unit(table.step_size[name], assessed.attrs.get("spacing"))
     if others.empty:
         return step
@@ -250,33 +250,34 @@ def _asked(assessed: xr.Dataset, table: pd.DataFrame) -> list[str]:
     titles, sentences = assessed.scheme_title.to_series(), list[str]()
     remarks = assessed.attrs.get("remarks", "").split("; ")
     for name in asked_for(assessed):
-        sentences += [one for one in remarks if one.startswith(f"{titles[name]} is")]
+        sentences += [remark for remark in remarks if remark.startswith(f"{titles[name]} is")]
         sentences.append(f"{titles[name]}: {of_own(assessed, table, name)}")
     if "tolerance" in table:
         sentences.append(f"Controlled steps ({assessed.attrs['controller']}): {of_controller(assessed, table)}")
     return sentences
 
 
-def _notes(assessed: xr.Dataset, one: xr.Dataset) -> list[str]:
+def _notes(assessed: xr.Dataset, values: xr.Dataset) -> list[str]:
     """The value to which errors are relative, the reference value, and the remarks that concern the quantity."""
-    name = one.quantity.item()
-    notes = [f"Errors of {name} are {one.relative_to.item()}."] if "relative_to" in one.coords else []
-    notes += [reference_value(one)] if "reference_value" in one else []
+    name = values.quantity.item()
+    notes = [f"Errors of {name} are {values.relative_to.item()}."] if "relative_to" in values.coords else []
+    notes += [reference_value(values)] if "reference_value" in values else []
     others = [f"'{other}'" for other in assessed.quantity.values if other != name]
-    remarks = [one for one in assessed.attrs.get("remarks", "").split("; ") if one]
-    return notes + [f"{one[0].upper()}{one[1:]}." for one in remarks if not any(other in one for other in others)]
+    remarks = [remark for remark in assessed.attrs.get("remarks", "").split("; ") if remark]
+    remarks = [remark for remark in remarks if not any(other in remark for other in others)]
+    return notes + [f"{remark[0].upper()}{remark[1:]}." for remark in remarks]
 
 
-def reference_value(one: xr.Dataset) -> str:
+def reference_value(values: xr.Dataset) -> str:
     """The value of a quantity in the reference, in the component where it is largest, with its uncertainty and time."""
-    known = one.dropna("component", subset=["reference_value"])
+    known = values.dropna("component", subset=["reference_value"])
     if not known.sizes["component"]:
-        return f"The reference of {one.quantity.item()} has no single value."
+        return f"The reference of {values.quantity.item()} has no single value."
     largest = known.isel(component=int(abs(known.reference_value).argmax("component")))
-    unit = f" {one.quantity_units.item()}" if one.quantity_units.item() != "1" else ""
+    unit = f" {values.quantity_units.item()}" if values.quantity_units.item() != "1" else ""
     where = f" in component {largest.component.item()}" if known.sizes["component"] > 1 else ""
     when = f" at t = {largest.reference_time.item():.4g} s" if largest.reference_time.notnull() else ""
     return (
-        f"Reference of {one.quantity.item()}: {largest.reference_value.item():.7g}{unit}{where}{when}, uncertain by "
+        f"Reference of {values.quantity.item()}: {largest.reference_value.item():.7g}{unit}{where}{when}, uncertain by "
         f"{largest.reference_value_uncertainty.item():.1g}{unit}."
     )

@@ -93,6 +93,6 @@ def record_error(
     count = 2 ** math.ceil(math.log2(2 * len(t)))  # zeros follow, in which the response decays
     frequency = 2 * np.pi * np.fft.rfftfreq(count, spacing)
     response = 1 / np.abs(omega[..., None] ** 2 - frequency**2 + 2j * damping * omega[..., None] * frequency)
-    of_missed, of_record = (np.linalg.norm(response * np.fft.rfft(one, count), axis=-1) for one in (missed, record))
+    missed_part, whole = (np.linalg.norm(response * np.fft.rfft(signal, count), axis=-1) for signal in (missed, record))
     delta = abs(modified.of_period) * (omega * dt) ** 2
-    return RecordError(delta / (math.sqrt(2) * damping), of_missed / of_record)
+    return RecordError(delta / (math.sqrt(2) * damping), missed_part / whole)

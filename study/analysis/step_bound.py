@@ -113,9 +113,9 @@ class Orbit(NamedTuple):
         """Errors of energy, period and displacement over (ωΔt)², see :func:`step_bound`."""
         g = modified.of_velocity * self.tangent * self.v**2 + modified.of_acceleration * self.force**2 / self.mass
         fastest, farthest = np.max(self.v), np.max(np.abs(self.u))
-        of_energy = np.max(np.abs(g - g[0])) / (self.mass / 2 * fastest**2)
+        energy_error = np.max(np.abs(g - g[0])) / (self.mass / 2 * fastest**2)
         delay = abs(g[0] * self.period_by_energy - modified.of_period * self.acceleration_by_energy)
-        return np.array([of_energy, delay / self.period, periods * delay * fastest / farthest]) / (
+        return np.array([energy_error, delay / self.period, periods * delay * fastest / farthest]) / (
             self.highest_frequency**2
         )
 
@@ -124,8 +124,8 @@ class Orbit(NamedTuple):
 def _at(problem: Problem, places) -> tuple:
     """Potential, force and tangent at each place."""
     return tuple(
-        jnp.vectorize(one)(places)
-        for one in (problem.stored_energy, problem.static_force, jax.grad(problem.static_force))
+        jnp.vectorize(function)(places)
+        for function in (problem.stored_energy, problem.static_force, jax.grad(problem.static_force))
     )
 
 
