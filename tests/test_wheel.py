@@ -93,6 +93,19 @@ def test_the_core_runs_a_scheme_away_from_the_checkout(python, tmp_path):
     assert float(error) == eval(run, {"study": study})
 
 
+def test_the_tests_of_the_conda_recipe_pass_with_the_wheel(python, tmp_path):
+    """Imports, `pip check` and commands of the recipe, where conda is not needed; `make wheel` renders the recipe."""
+    tests = yaml.safe_load((PROJECT / "recipe" / "recipe.yaml").read_text())["tests"]
+    assert {kind for test in tests for kind in test} == {"python", "script"}
+    for test in tests:
+        modules = test.get("python", {}).get("imports", [])
+        _run([python, "-c", "".join(f"import {module}\n" for module in modules)], tmp_path)
+        if test.get("python", {}).get("pip_check"):
+            _run([sys.executable, "-m", "pip", "--python", python, "check"], tmp_path)
+        for command in test.get("script", []):
+            _run(["sh", "-c", f"PATH='{python.parent}':$PATH; {command}"], tmp_path)
+
+
 def test_the_core_recommends_a_scheme_from_a_folder_of_results(python, tmp_path):
     results = small_results.write_to(tmp_path / "elsewhere")
     code = (
