@@ -16,12 +16,12 @@ def main(results: Path, output: Path) -> None:
     discover(["claims"])
     read = reader(results)
     rows = []
-    of_the_paper = sum(claim.whose == XIE for claim in CLAIMS)
+    printed = sum(claim.whose == XIE for claim in CLAIMS)
     for number, claim in enumerate(sorted(CLAIMS, key=lambda one: one.section), start=1):
         finding = made(claim.product, read)
         rows.append(
             {
-                "number": f"{number}" if number <= of_the_paper else f"A{number - of_the_paper}",
+                "number": f"{number}" if number <= printed else f"A{number - printed}",
                 "section": claim.section,
                 "whose": claim.whose,
                 "claim": claim.statement,

@@ -14,10 +14,10 @@ NEARLY_TWO = 0.3
 FITS = 5
 
 
-def _onwards(kept: xr.DataArray) -> xr.DataArray:
+def _onwards(condition: xr.DataArray) -> xr.DataArray:
     """Whether a condition holds at a number of steps and at all larger ones."""
     finest_first = {"steps_per_period": slice(None, None, -1)}
-    return kept.isel(finest_first).cumprod("steps_per_period").astype(bool).isel(finest_first)
+    return condition.isel(finest_first).cumprod("steps_per_period").astype(bool).isel(finest_first)
 
 
 def ueda_of(chaos: xr.Dataset) -> xr.Dataset:

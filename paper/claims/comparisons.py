@@ -193,11 +193,11 @@ def runge_kutta_converges_fastest(energy_error):
     error = errors(energy_error, "hardening").to_series().unstack("scheme")
     steps = error.index.to_series()
     order = np.log(error.shift() / error).div(np.log(steps / steps.shift()), axis="index").dropna()
-    own, others = order["rk4"], order.drop(columns="rk4").max(axis="columns")
+    rk4, others = order["rk4"], order.drop(columns="rk4").max(axis="columns")
     return Finding(
-        f"Runge-Kutta: {number(own.min())} to {number(own.max())}; others: at most {number(others.max())}; "
-        f"smallest difference: {number((own - others).min())}",
-        bool((own > others).all()),
+        f"Runge-Kutta: {number(rk4.min())} to {number(rk4.max())}; others: at most {number(others.max())}; "
+        f"smallest difference: {number((rk4 - others).min())}",
+        bool((rk4 > others).all()),
     )
 
 
@@ -233,8 +233,8 @@ def newmark_goes_to_rest(portrait):
     energy = 100 * portrait.energy_error.sel(scheme="newmark_dissipative")
     lost = energy.t.values[energy.values < -FAR_OFF]
     periods = lost[0] / PERIODS["hardening"] if len(lost) else np.nan
-    left = 100 + lost_energy(portrait)["newmark_dissipative"]
-    return Finding(f"{number(periods, missing='never')}; {number(left, '.2f')} %", bool(periods < RAPIDLY))
+    remainder = 100 + lost_energy(portrait)["newmark_dissipative"]
+    return Finding(f"{number(periods, missing='never')}; {number(remainder, '.2f')} %", bool(periods < RAPIDLY))
 
 
 @claim(

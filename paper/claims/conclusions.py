@@ -188,6 +188,6 @@ def other_schemes_at_large_steps(large_steps):
 def other_schemes_may_be_chaotic(sensitivity):
     parted = sensitivity.parted_at_step.drop_sel(scheme=EXPLICIT).sel(start=[-1, 1])
     chaotic = (parted > 0).all("start")
-    steps = [span(one, ".0f") if one.min() > 0 else "never" for one in parted.transpose("scheme", "start")]
+    steps = [span(row, ".0f") if row.min() > 0 else "never" for row in parted.transpose("scheme", "start")]
     ours = "; ".join(f"{name}: {n}" for name, n in zip(parted.scheme_title.values, steps, strict=True))
     return Finding(ours, bool(chaotic.any()))

@@ -117,7 +117,7 @@ def damping_is_the_cause(portrait):
     lost = by_name(-damped.isel(t=-1) / _HEIGHT)
     gained = damped.max().item()
     undamped = abs(error.sel(scheme="average_acceleration")).max().item()
-    of_the_step = f"average acceleration, which has no damping, has an energy error of up to {undamped:.0f} %"
+    undamped_words = f"average acceleration, which has no damping, has an energy error of up to {undamped:.0f} %"
     holds = min(lost.values()) > 100 - REASONABLE and gained < REASONABLE
-    reason = when(undamped > REASONABLE, f"the step size is a cause as well: {of_the_step}")
+    reason = when(undamped > REASONABLE, f"the step size is a cause as well: {undamped_words}")
     return Finding(listed(lost, portrait, ".0f"), holds, reason)

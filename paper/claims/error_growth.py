@@ -43,11 +43,12 @@ def exponents(error_growth: xr.Dataset, measure: str) -> xr.DataArray:
 )
 def phase_error_grows(error_growth):
     growth, keeps = exponents(error_growth, "phase_error"), error_growth.keeps_energy
-    kept, lost = (growth.isel(scheme=np.flatnonzero(keeps == one)) for one in (1, 0))
-    if not kept.notnull().any() or not lost.notnull().any():
+    conserving, dissipative = (growth.isel(scheme=np.flatnonzero(keeps == value)) for value in (1, 0))
+    if not conserving.notnull().any() or not dissipative.notnull().any():
         return Finding("no growth was measured", False, "the runs are too short, or one kind of scheme is missing")
-    ours = f"{span(kept.values[kept.notnull().values])} and {span(lost.values[lost.notnull().values])}"
-    linear, mean = bool((abs(kept - 1) < NEARLY_ONE).where(kept.notnull(), True).all()), float(lost.mean())
+    ours = " and ".join(span(part.values[part.notnull().values]) for part in (conserving, dissipative))
+    linear = bool((abs(conserving - 1) < NEARLY_ONE).where(conserving.notnull(), True).all())
+    mean = float(dissipative.mean())
     holds = linear and mean > 1 + NEARLY_ONE
     return Finding(ours, holds, when(not holds, "at some steps the growth is another"))
 
@@ -65,6 +66,6 @@ def extrapolated_steps_keep(error_growth):
     )
     beyond = ratio[ratio.values > 1]
     ours = f"{int((ratio <= 1).sum())} of {ratio.size}; {number(ratio.max().item(), '.2f') if ratio.size else 'none'}"
-    cases = "; ".join(f"{one.scheme_title.item()} on {one.problem_title.item()}" for one in beyond)
+    cases = "; ".join(f"{case.scheme_title.item()} on {case.problem_title.item()}" for case in beyond)
     holds = bool(ratio.size) and not cases
     return Finding(ours, holds, when(not holds, f"parts of the phase error cancel in the known run: {cases}"))

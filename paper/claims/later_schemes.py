@@ -36,10 +36,10 @@ def less_overshoot(spectral):
     overshoot = _undamped(spectral, "displacement_overshoot").max("step_size_over_period").sel(scheme=schemes)
     elongation = abs(_undamped(spectral, "period_elongation")).sel(step_size_over_period=0.1, method="nearest")
     price = (elongation.sel(scheme="mkr_alpha") / elongation.sel(scheme="kr_alpha")).item()
-    found = dict(zip(schemes, overshoot.values.tolist(), strict=True))
+    largest = dict(zip(schemes, overshoot.values.tolist(), strict=True))
     reason = when(price > ALMOST, "its period error is larger")
-    ours = f"{listed(found, {'spectral': spectral}, '.2g')}; {number(price, '.2f')}"
-    return Finding(ours, found["mkr_alpha"] < found["kr_alpha"], reason)
+    ours = f"{listed(largest, {'spectral': spectral}, '.2g')}; {number(price, '.2f')}"
+    return Finding(ours, largest["mkr_alpha"] < largest["kr_alpha"], reason)
 
 
 @claim(
@@ -105,16 +105,16 @@ def third_order_with_damping(spectral):
     requires={"spectral.schemes": ["esdirk3", "esdirk4"], "spectral.damping_ratios": [0.0]},
 )
 def order_stability_and_dissipation_at_once(spectral):
-    found, holds = [], True
+    words, holds = [], True
     for s, name in ((3, "esdirk3"), (4, "esdirk4")):
         order = spectral.linear_order.sel(scheme=name).min().item()
         limit, radius = (
             _undamped(spectral, variable).sel(scheme=name).item()
             for variable in ("stability_limit", "infinite_frequency_radius")
         )
-        found.append(f"s = {s}: {number(order)}, {number(limit)}, {number(radius, '.2f')}")
+        words.append(f"s = {s}: {number(order)}, {number(limit)}, {number(radius, '.2f')}")
         holds = holds and order > s - 0.5 and bool(np.isinf(limit)) and radius < 1
-    return Finding("; ".join(found), holds)
+    return Finding("; ".join(words), holds)
 
 
 @claim(

@@ -300,8 +300,8 @@ def better_for_waves_than_central_difference(later_schemes):
     whose="Blanes and Moan (2002)",
 )
 def least_error_of_fourth_order(later_schemes):
-    error, own = later_schemes.fourth_order_error, {"of_fourth_order": "blanes_moan4"}
-    ratios = (error / error.sel(own)).drop_sel(own).median("force_evaluations")
+    error, reference = later_schemes.fourth_order_error, {"of_fourth_order": "blanes_moan4"}
+    ratios = (error / error.sel(reference)).drop_sel(reference).median("force_evaluations")
     ratio, best = ratios.min().item(), "McLachlan's" if ratios.idxmin() == "mclachlan4" else "another"
     reason = when(ratio < 1, f"{best} method has a smaller error on this oscillator")
     return Finding(number(ratio, ".2f"), ratio >= 1, reason)

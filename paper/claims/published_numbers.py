@@ -64,9 +64,9 @@ def fewer_controlled_steps(published_numbers):
 
 def largest_step(published_numbers: xr.Dataset) -> dict[str, float]:
     """Largest Δt/ε at and below which errors on van der Pol's oscillator are reasonable, by implicit scheme, or NaN."""
-    one = published_numbers.sel(problem="van_der_pol")
-    one = one.isel(scheme=np.flatnonzero(one.explicit.values == 0))
-    return by_name(one.duration / fewest(one.error, one.steps, REASONABLE / 100, "refinement") / FASTEST)
+    runs = published_numbers.sel(problem="van_der_pol")
+    runs = runs.isel(scheme=np.flatnonzero(runs.explicit.values == 0))
+    return by_name(runs.duration / fewest(runs.error, runs.steps, REASONABLE / 100, "refinement") / FASTEST)
 
 
 @claim(

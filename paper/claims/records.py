@@ -2,7 +2,7 @@
 
 from paper.claims.ledger import PRACTICE, Finding, claim, when
 from paper.measures.record_error import ONE_CURVE, SCHEME, over_period, predicted, scatter
-from paper.measures.what_moves import QUANTITIES, of_choices, of_medians, without_drift
+from paper.measures.what_moves import QUANTITIES, choice_spread, median_changes, without_drift
 from study.words import listed, number
 
 #: Factor within which a prediction agrees with most runs, and share of these runs.
@@ -20,8 +20,8 @@ _OF_AVERAGE = {"record_error.schemes": [SCHEME]}
     requires=_OF_AVERAGE,
 )
 def power_above_decides(record_error):
-    one = record_error.sel(scheme=SCHEME)
-    value, step = scatter(one, one.power_above), scatter(one, one.of_period)
+    average = record_error.sel(scheme=SCHEME)
+    value, step = scatter(average, average.power_above), scatter(average, average.of_period)
     holds = value <= ONE_CURVE
     return Finding(f"{value:.2f}, and {step:.2f} about (ωΔt)²", holds, when(not holds, "power near 1/Δt decides it"))
 
@@ -33,8 +33,8 @@ def power_above_decides(record_error):
     requires=_OF_AVERAGE,
 )
 def period_and_load_decide(record_error):
-    one = record_error.sel(scheme=SCHEME)
-    ratio = one.error.sel(load="samples") / predicted(one)
+    average = record_error.sel(scheme=SCHEME)
+    ratio = average.error.sel(load="samples") / predicted(average)
     share = float(((ratio > 1 / FACTOR) & (ratio < FACTOR)).sum() / ratio.notnull().sum())
     holds = share >= MOST_RUNS
     return Finding(f"{100 * share:.3g} %", holds, when(not holds, "the prediction is that of a long motion"))
@@ -59,13 +59,13 @@ def mean_load_restores(record_error):
     "largest change of a median by the step; least by a damping of 3.5 % and by a choice of 40 records, in percent",
 )
 def step_moves_least(what_moves):
-    found, holds, uncertain = [], True, False
+    words, holds, uncertain = [], True, False
     for name, title in QUANTITIES.items():
-        medians = abs(of_medians(what_moves[name]))
+        medians = abs(median_changes(what_moves[name]))
         step = medians.change.sel(variant="spacing").max().item()
         damping = medians.change.sel(variant="damping").min().item()
-        choice = of_choices(what_moves[name], 40).min().item()
-        found.append(f"{title} {100 * step:.2g}; {100 * damping:.2g}; {100 * choice:.2g}")
+        choice = choice_spread(what_moves[name], 40).min().item()
+        words.append(f"{title} {100 * step:.2g}; {100 * damping:.2g}; {100 * choice:.2g}")
         holds &= step < min(damping, choice)
         outer = medians[["low", "high"]].to_array().sel(variant="spacing").max().item()
         uncertain |= outer >= damping
@@ -73,4 +73,4 @@ def step_moves_least(what_moves):
     reasons = ["the intervals over the records overlap"] * bool(uncertain)
     if collapsed:
         reasons.append(f"at the period of {listed(collapsed)} most motions collapse, and the drifts have no median")
-    return Finding(", ".join(found), holds, "; ".join(reasons))
+    return Finding(", ".join(words), holds, "; ".join(reasons))

@@ -41,11 +41,11 @@ def _asked(estimator, problems=PROBLEMS):
 )
 def zienkiewicz_xie_is_true(estimates):
     estimates = _smooth(estimates)
-    of_u = _ratio(estimates, "zienkiewicz_xie", "true_displacement_error").sel(scheme=AVERAGE)
-    of_both = _ratio(estimates, "zienkiewicz_xie").sel(scheme=AVERAGE)
-    holds = bool((abs(of_u - 1) < TRUE).all())
-    misses = bool((of_both < 1 - TRUE).any())
-    ours = f"displacement {listed(by_name(of_u), estimates, '.2f')}; state {listed(by_name(of_both), estimates, '.2f')}"
+    motion = _ratio(estimates, "zienkiewicz_xie", "true_displacement_error").sel(scheme=AVERAGE)
+    state = _ratio(estimates, "zienkiewicz_xie").sel(scheme=AVERAGE)
+    holds = bool((abs(motion - 1) < TRUE).all())
+    misses = bool((state < 1 - TRUE).any())
+    ours = f"displacement {listed(by_name(motion), estimates, '.2f')}; state {listed(by_name(state), estimates, '.2f')}"
     return Finding(ours, holds, when(misses, "it ignores the error of the velocity"))
 
 
@@ -98,8 +98,8 @@ def step_doubling_is_true(estimates):
 )
 def residual_measures_the_error(estimates):
     estimates = _smooth(estimates)
-    one = estimates.sel(estimator="half_step_residual", scheme=AVERAGE)
-    ratio = (one.estimate / one.true_error).isel(steps_per_period=[-2, -1])
+    residual = estimates.sel(estimator="half_step_residual", scheme=AVERAGE)
+    ratio = (residual.estimate / residual.true_error).isel(steps_per_period=[-2, -1])
     first, last = estimates.steps_per_period.values[-2:]
     power = -np.log(ratio.isel(steps_per_period=1) / ratio.isel(steps_per_period=0)) / np.log(last / first)
     holds = bool((abs(power) < TRUE).all())
@@ -129,8 +129,8 @@ def zienkiewicz_xie_is_true_of_a_stiff_mode(estimates):
     requires=_asked("three_point", problems=[PULSE]),
 )
 def three_points_are_true_after_a_kink(estimates):
-    one = estimates.sel(estimator="three_point", scheme=AVERAGE, problem=PULSE)
-    ratio = one.estimate / one.true_error
+    parabola = estimates.sel(estimator="three_point", scheme=AVERAGE, problem=PULSE)
+    ratio = parabola.estimate / parabola.true_error
     true = bool((ratio < FOOLED).all())
     ours = "; ".join(number(value, ".1f") for value in ratio.values)
     return Finding(ours, true, when(not true, "its parabola spans the kink"))
@@ -193,9 +193,9 @@ def reversible_control_has_no_drift(step_control):
 )
 def damping_prevents_gain(step_control):
     drift = 100 * step_control.energy_drift.sel(scheme=GENERALIZED, controller="pi").max("tolerance")
-    kept = bool((drift < REASONABLE).all())
-    reason = when(not kept, "changes of the step add more energy than the damping removes")
-    return Finding(listed(by_name(drift), step_control, ".3g"), kept, reason)
+    holds = bool((drift < REASONABLE).all())
+    reason = when(not holds, "changes of the step add more energy than the damping removes")
+    return Finding(listed(by_name(drift), step_control, ".3g"), holds, reason)
 
 
 @claim(
@@ -226,8 +226,8 @@ def control_improves_the_tables(controlled_1996, energy_error):
     requires=_of_control("pi"),
 )
 def proportional_to_the_tolerance(step_control):
-    one = step_control.max_energy_error.sel(scheme=AVERAGE, controller="pi").sortby("tolerance").isel(tolerance=[0, 1])
-    logs, tolerances = np.log(one), np.log(one.tolerance)
+    size = step_control.max_energy_error.sel(scheme=AVERAGE, controller="pi").sortby("tolerance").isel(tolerance=[0, 1])
+    logs, tolerances = np.log(size), np.log(size.tolerance)
     power = logs.diff("tolerance").isel(tolerance=0, drop=True) / tolerances.diff("tolerance").item()
     holds = bool((abs(power - 1) < TRUE).all())
     return Finding(
@@ -250,8 +250,8 @@ def proportional_to_the_tolerance(step_control):
 )
 def fourth_order_needs_fewer_steps(step_control):
     controlled = step_control.sel(controller="pi")
-    kept = fewest(100 * controlled.max_energy_error, controlled.steps, REASONABLE, "tolerance")
-    per_period = kept / step_control.attrs["periods"]
+    steps = fewest(100 * controlled.max_energy_error, controlled.steps, REASONABLE, "tolerance")
+    per_period = steps / step_control.attrs["periods"]
     fourth, second = (per_period.sel(scheme=one) for one in ("rk4", AVERAGE))
     ours = f"{listed(by_name(fourth), step_control, '.0f')}; {listed(by_name(second), step_control, '.0f')}"
     return Finding(ours, bool((fourth < second).all()))

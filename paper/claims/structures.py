@@ -20,7 +20,7 @@ BN_STABLE = ["implicit_midpoint", "gauss4"]
 SAMPLES_OF_SAWTOOTH = 6
 
 
-def kept(runs: xr.Dataset, problems: list[str] | None = None) -> xr.DataArray:
+def balanced(runs: xr.Dataset, problems: list[str] | None = None) -> xr.DataArray:
     """Whether each run completed and kept the balance of energies, on the given problems or by default on all."""
     if problems is not None:
         runs = runs.sel(problem=[name for name in problems if name in runs.problem.values])
@@ -54,7 +54,7 @@ def _share(runs: xr.DataArray, schemes: list[str]) -> dict[str, float]:
     requires={"structures.schemes": SCHEMES},
 )
 def faithful_on_structures(structures):
-    share = _share(kept(structures), SCHEMES)
+    share = _share(balanced(structures), SCHEMES)
     best = sorted(share, key=share.__getitem__, reverse=True)[:2]
     holding = [name for name in FAITHFUL if name in best]
     reason = f"of these two, the best two of the seven include {joined(holding, structures)}"
@@ -111,7 +111,7 @@ def spurious_oscillation(history):
     },
 )
 def conserving_on_stiff_structures(structures):
-    runs = kept(structures, TURNING)
+    runs = balanced(structures, TURNING)
     names = ["average_acceleration", "implicit_midpoint", "energy_momentum"]
     most_steps_per_period = fails_to(runs).sel(scheme=names)
     holds = most_steps_per_period.isnull().values.tolist() == [False, False, True]
@@ -130,7 +130,7 @@ def conserving_on_stiff_structures(structures):
     },
 )
 def stable_by_contraction(structures):
-    most_steps_per_period = fails_to(kept(structures, TURNING)).sel(scheme=BN_STABLE)
+    most_steps_per_period = fails_to(balanced(structures, TURNING)).sel(scheme=BN_STABLE)
     holds = bool(most_steps_per_period.isnull().all())
     reason = when(
         not holds,
@@ -151,7 +151,7 @@ def stable_by_contraction(structures):
     },
 )
 def explicit_on_stiff_structures(structures):
-    runs = kept(structures, STIFF)
+    runs = balanced(structures, STIFF)
     most_steps_per_period = fails_to(runs.sel(scheme=EXPLICIT), ["steps_per_period"])
     saved = [name for name in runs.problem.values.tolist() if runs.sel(problem=name, scheme=EXPLICIT).any()]
     reason = when(saved, f"at the finest steps they resolve the stiff modes of the {joined(saved, structures)}")

@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.figures.style import PAGE, curve_styles_in_order, legend_below, letter, panels
-from paper.measures.what_moves import CHOSEN, QUANTITIES, of_choices, of_medians, of_records
+from paper.measures.what_moves import CHOSEN, QUANTITIES, choice_spread, median_changes, record_changes
 from paper.products import figure
 
 #: Smallest change in percent that is drawn; smaller ones are drawn there.
@@ -29,7 +29,7 @@ def draw(what_moves: xr.Dataset) -> Figure:
     looks = curve_styles_in_order(f"{period:g} s" for period in what_moves.period.values)
     shifts = np.linspace(-0.25, 0.25, len(looks))
     for index, (ax, (name, title)) in enumerate(zip(axes, QUANTITIES.items(), strict=False)):
-        medians = 100 * of_medians(what_moves[name]).sel(variant=variants)
+        medians = 100 * median_changes(what_moves[name]).sel(variant=variants)
         for p, ((label, look), shift) in enumerate(zip(looks.items(), shifts, strict=True)):
             one = medians.isel(period=p)
             size = np.maximum(abs(one.change), SMALLEST)
@@ -41,11 +41,11 @@ def draw(what_moves: xr.Dataset) -> Figure:
             style = {"color": look["color"], "marker": look["marker"]}
             ax.hlines(place, np.maximum(inner, SMALLEST), np.maximum(outer, SMALLEST), color=look["color"], lw=0.9)
             ax.plot(size, place, linestyle="", markersize=3.5, label=f"period {label}", **style)
-            choices = [100 * of_choices(what_moves[name], count).isel(period=p).item() for count in CHOSEN]
+            choices = [100 * choice_spread(what_moves[name], count).isel(period=p).item() for count in CHOSEN]
             ax.plot(choices, len(variants) + np.arange(len(CHOSEN)) + shift, linestyle="", markersize=3.5, **style)
         letter(ax, index, title)
     last = axes[-1]
-    single = 100 * of_records(what_moves.peak_drift).sel(variant=variants).quantile(SINGLE, "record")
+    single = 100 * record_changes(what_moves.peak_drift).sel(variant=variants).quantile(SINGLE, "record")
     for p, ((_, look), shift) in enumerate(zip(looks.items(), shifts, strict=True)):
         style = {"color": look["color"], "marker": look["marker"], "linestyle": "", "markersize": 3.5}
         last.plot(np.maximum(single.isel(period=p), SMALLEST), np.arange(len(variants)) + shift, **style)

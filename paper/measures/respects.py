@@ -14,9 +14,9 @@ def costs(needs: xr.Dataset) -> xr.DataArray:
 
     The problems are those whose error is measured in the displacement.
     """
-    one = needs.sel(condition="practice", quantity="displacement", allowed_error=ALLOWED)
-    measured = (one.verdict != NO_VALUE).any("scheme").values
-    return (one.force_evaluations * one.time_scale).isel(problem=measured).transpose("problem", "scheme")
+    cells = needs.sel(condition="practice", quantity="displacement", allowed_error=ALLOWED)
+    measured = (cells.verdict != NO_VALUE).any("scheme").values
+    return (cells.force_evaluations * cells.time_scale).isel(problem=measured).transpose("problem", "scheme")
 
 
 def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:

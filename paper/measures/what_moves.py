@@ -26,7 +26,7 @@ def without_drift(moves: xr.Dataset) -> list[float]:
     return moves.period.values[~_known(moves.peak_drift).values].tolist()
 
 
-def of_medians(quantity: xr.DataArray) -> xr.Dataset:
+def median_changes(quantity: xr.DataArray) -> xr.Dataset:
     """Relative change of the median over records by variant and period, with its 95 % interval over the records.
 
     The same records are drawn for both medians. A collapse counts as an infinite drift; records with a failed run are
@@ -50,7 +50,7 @@ def _known(quantity: xr.DataArray) -> xr.DataArray:
     return np.isfinite(quantity.median("record")).all("variant")
 
 
-def of_choices(quantity: xr.DataArray, number: int) -> xr.DataArray:
+def choice_spread(quantity: xr.DataArray, number: int) -> xr.DataArray:
     """Half of the 95 % interval of the median over a choice of records, relative to the median over all, by period."""
     known = _known(quantity)
     quantity = quantity.sel(variant="reference").dropna("record")
@@ -61,7 +61,7 @@ def of_choices(quantity: xr.DataArray, number: int) -> xr.DataArray:
     return xr.DataArray(half, dims="period", coords={"period": quantity.period}).where(known)
 
 
-def of_records(quantity: xr.DataArray) -> xr.DataArray:
+def record_changes(quantity: xr.DataArray) -> xr.DataArray:
     """Relative change of each single record; of a residual drift, relative to the median residual drift.
 
     The change is NaN if a run failed, and infinite if one of the two motions collapses.

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from paper.claims.ledger import by_name
-from paper.claims.structures import SAMPLES_OF_SAWTOOTH, fails_to, kept, sawtooth
+from paper.claims.structures import SAMPLES_OF_SAWTOOTH, balanced, fails_to, sawtooth
 from paper.data import TURNING
 from paper.figures.energy_growth import CEILING, FLOOR, sizes
 from paper.products import numbers
@@ -105,7 +105,7 @@ def of_structures(
     stiff_truss: xr.Dataset,
 ) -> dict:
     """Energies of stiff and rotating structures, and the tolerance of a reference."""
-    runs = kept(structures, TURNING)
+    runs = balanced(structures, TURNING)
     most_steps_per_period = by_name(fails_to(runs))
     alternating = sawtooth(stiff_soft.v.isel(component=0))
     change = by_name(100 * long_times.max_sum_change)

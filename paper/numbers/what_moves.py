@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from paper.measures.what_moves import CHOSEN, QUANTITIES, of_choices, of_medians, of_records, without_drift
+from paper.measures.what_moves import CHOSEN, QUANTITIES, choice_spread, median_changes, record_changes, without_drift
 from paper.products import numbers
 from study.words import listed, number, percent, span
 
@@ -29,12 +29,12 @@ def of_what_moves(moves: xr.Dataset) -> dict:
     smaller = []
     for name in QUANTITIES:
         quantity, short = moves[name], name.partition("_")[0]
-        change = 100 * of_medians(quantity).change
+        change = 100 * median_changes(quantity).change
         for variant in ("spacing", "two", "four", "damping", "strength"):
             found[f"moves_{short}_{variant}"] = span(change.sel(variant=variant), "+.1f").replace("-", "−")
         for count in CHOSEN:
-            found[f"moves_{short}_choice_{count}"] = span(100 * of_choices(quantity, count), ".0f")
-        single = of_records(quantity).sel(variant="spacing")
+            found[f"moves_{short}_choice_{count}"] = span(100 * choice_spread(quantity, count), ".0f")
+        single = record_changes(quantity).sel(variant="spacing")
         beyond = (single > NOTICED).where(single.notnull())
         found[f"moves_{short}_single"] = percent(float(beyond.mean()))
         found[f"moves_{short}_worst"] = number(100 * float(single.where(np.isfinite(single)).max()), 3)

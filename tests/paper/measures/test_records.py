@@ -6,7 +6,7 @@ import xarray as xr
 
 from paper.claims import records
 from paper.measures.record_error import order, predicted, scatter
-from paper.measures.what_moves import of_choices, of_medians, of_records
+from paper.measures.what_moves import choice_spread, median_changes, record_changes
 
 
 def _errors(load=0.0, averaged=0.0):
@@ -64,14 +64,16 @@ def _moves(step):
 
 def test_medians_change_by_the_step_and_choices_by_the_records():
     moves = _moves(0.01)
-    medians = of_medians(moves.peak_drift).isel(period=0)
+    medians = median_changes(moves.peak_drift).isel(period=0)
     assert medians.change.values == pytest.approx([0, 0.01, -0.1])
     assert medians.low.values == pytest.approx([0, 0.01, -0.1]) and medians.high.values == pytest.approx(
         [0, 0.01, -0.1]
     )
-    assert 0 < of_choices(moves.peak_drift, 40).item() < of_choices(moves.peak_drift, 4).item()
-    assert of_records(moves.peak_drift).sel(variant="spacing").values == pytest.approx(0.01)
-    assert of_records(moves.residual_drift).isel(variant=2, period=0).values == pytest.approx([0.04, 0.08, 0.12, 0.4])
+    assert 0 < choice_spread(moves.peak_drift, 40).item() < choice_spread(moves.peak_drift, 4).item()
+    assert record_changes(moves.peak_drift).sel(variant="spacing").values == pytest.approx(0.01)
+    assert record_changes(moves.residual_drift).isel(variant=2, period=0).values == pytest.approx(
+        [0.04, 0.08, 0.12, 0.4]
+    )
 
 
 @pytest.mark.parametrize("step, holds", [(0.01, True), (0.2, False)])
@@ -86,7 +88,7 @@ def test_a_median_over_collapses_is_no_drift_and_is_named():
         collapsing[name].loc[{"period": 0.2, "record": ["b", "c", "d"]}] = np.inf
     finding = records.step_moves_least(collapsing)
     assert finding.holds and "at the period of 0.2 s most motions collapse" in finding.qualification
-    assert np.isnan(of_medians(collapsing.peak_drift).change.sel(period=0.2)).all()
+    assert np.isnan(median_changes(collapsing.peak_drift).change.sel(period=0.2)).all()
     assert not records.step_moves_least(moves).qualification
 
 
