@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.collections import PathCollection, QuadMesh
+from matplotlib.collections import LineCollection, PathCollection, QuadMesh
 from matplotlib.figure import Figure
 
 #: Columns of the table: title of the panel, label of the curve, coordinates, and value of a cell of a map.
@@ -13,7 +13,7 @@ COLUMNS = ["panel", "curve", "x", "y", "value"]
 
 
 def _parts(axes: Axes) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
-    """Label, x, y and value of the points of each curve, scatter and map of a panel; values of curves are NaN."""
+    """Label, x, y and value of the points of each curve, interval, scatter and map; only maps have values."""
     for line in axes.lines:
         # a line across a panel has coordinates of the panel
         if line.get_transform() == axes.transData:
@@ -22,6 +22,10 @@ def _parts(axes: Axes) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray
     for one in axes.collections:
         if isinstance(one, PathCollection):
             x, y = np.ma.filled(np.ma.asarray(one.get_offsets(), float), np.nan).T
+            yield str(one.get_label()), x, y, np.full(x.shape, np.nan)
+        elif isinstance(one, LineCollection) and one.get_transform() == axes.transData:
+            # the ends of intervals
+            x, y = np.concatenate([np.reshape(ends, (-1, 2)) for ends in one.get_segments()]).T
             yield str(one.get_label()), x, y, np.full(x.shape, np.nan)
         elif isinstance(one, QuadMesh):
             corners = np.asarray(one.get_coordinates())
@@ -39,7 +43,7 @@ def _parts(axes: Axes) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray
 
 
 def points(figure: Figure) -> pd.DataFrame:
-    """The points of all curves, scatters and maps of a figure, a row for each point, with the columns ``COLUMNS``.
+    """The points of all curves, intervals, scatters and maps, a row for each point, with the columns ``COLUMNS``.
 
     A panel has its title, or its number if it has none; a curve has its label in the legend, which may be empty.
     """

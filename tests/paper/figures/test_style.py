@@ -15,6 +15,7 @@ from paper.figures import style
 from paper.figures.large_steps import CLASSES
 from paper.figures.linear_accuracy import draw
 from paper.figures.style import OUTCOME_STYLES, curve_styles, letter, save
+from paper.points import points
 from paper.published import SCHEMES
 from study.experiments.coordinates import scheme_coordinates
 from tests.paper.figures.printing import faults, printed
@@ -166,6 +167,15 @@ def test_a_figure_has_its_points_and_its_text(tmp_path):
         ["2", "", 0.5, 0.5, 9.0],
         ["2", "", 1.5, 0.5, 10.0],
     ]
+
+
+def test_the_points_of_a_figure_hold_the_ends_of_its_intervals():
+    figure, ax = plt.subplots()
+    ax.hlines([1.0, 2.0], [0.1, 0.2], [0.3, 0.4], label="interval")
+    table = points(figure)
+    assert set(table.curve) == {"interval"}
+    assert table[["x", "y"]].values.tolist() == [[0.1, 1.0], [0.3, 1.0], [0.2, 2.0], [0.4, 2.0]]
+    plt.close(figure)
 
 
 @pytest.mark.parametrize("ends, labels", [((0.002, 4000), ["0.01", "1", "100"]), ((2e-5, 20), None)])
