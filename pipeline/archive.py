@@ -124,10 +124,10 @@ def described(project: Path) -> ROCrate:
         crate.add(ContextEntity(crate, url, {"@type": "CreativeWork", "name": name, "version": url.rpartition("/")[2]}))
         for url, name in PROFILES.items()
     ]
-    made = products()
+    result_files = products()
     about = {"name": cited["title"], "version": __version__}
     workflow = crate.add_workflow(project / "snakefile", "snakefile", main=True, lang="snakemake", properties=about)
-    given = [
+    inputs = [
         crate.add_file(project / file, file.as_posix(), properties={"name": file.name})
         for file in sources(project)
         if file.name != "snakefile"
@@ -136,15 +136,15 @@ def described(project: Path) -> ROCrate:
     if used:
         text = io.StringIO(yaml.safe_dump(used, sort_keys=False, allow_unicode=True))
         about = {"name": "configuration that was used", "encodingFormat": "application/yaml"}
-        given.append(crate.add_file(text, "configuration.yaml", properties=about))
-    packed = {one.id for one in given}
-    own = own_files(used)
-    given += [
+        inputs.append(crate.add_file(text, "configuration.yaml", properties=about))
+    packed = {entry.id for entry in inputs}
+    user_files = own_files(used)
+    inputs += [
         crate.add_file(file, file.as_posix(), properties={"name": file.name})
-        for file in own
+        for file in user_files
         if file.as_posix() not in packed
     ]
-    results = [crate.add_file(file, file.as_posix(), properties={"name": file.name}) for file in made]
+    results = [crate.add_file(file, file.as_posix(), properties={"name": file.name}) for file in result_files]
     packages = [
         crate.add(
             SoftwareApplication(
@@ -156,7 +156,7 @@ def described(project: Path) -> ROCrate:
         for one in sorted(distributions(), key=lambda one: str(one.metadata["Name"]))
     ]
     workflow["softwareRequirements"] = packages
-    times = [file.stat().st_mtime for file in made]
+    times = [file.stat().st_mtime for file in result_files]
     run = crate.add(
         ContextEntity(
             crate,
@@ -172,7 +172,7 @@ def described(project: Path) -> ROCrate:
         )
     )
     run["instrument"], run["result"] = workflow, results
-    run["object"] = [one for one in given if _is_input(one.id, own)]
+    run["object"] = [entry for entry in inputs if _is_input(entry.id, user_files)]
     crate.root_dataset["mentions"] = run
     return crate
 

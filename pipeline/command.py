@@ -40,16 +40,16 @@ def _declared(module: str, dataset: str) -> Experiment:
     importlib.import_module(module)
     declared = DECLARED.get((module, dataset))
     if not isinstance(declared, Experiment):
-        made = [name for of, name in DECLARED if of == module]
-        raise SystemExit(f"{module} makes no dataset '{dataset}'; {did_you_mean(dataset, made)}")
+        names = [name for of, name in DECLARED if of == module]
+        raise SystemExit(f"{module} makes no dataset '{dataset}'; {did_you_mean(dataset, names)}")
     return declared
 
 
-def _check_labels(made: xr.Dataset, module: str) -> None:
+def _check_labels(dataset: xr.Dataset, module: str) -> None:
     """Refuse a dataset without title or a variable without ``long_name``."""
-    if "title" not in made.attrs:
+    if "title" not in dataset.attrs:
         raise SystemExit(f"the dataset of {module} needs a title among its attributes.")
-    for name, variable in made.variables.items():
+    for name, variable in dataset.variables.items():
         if "long_name" not in variable.attrs:
             raise SystemExit(f"the variable '{name}' of {module} needs the attribute 'long_name'.")
 
@@ -70,11 +70,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("dataset")
     parser.add_argument("outputs", nargs="+", metavar="OUTPUT")
     parser.add_argument("options", metavar="'JSON OPTIONS'")
-    given = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     try:
-        for place in given.scheme:
+        for place in options.scheme:
             register_own(place)
-        _make(_declared(given.module, given.dataset), given.outputs, given.options)
+        _make(_declared(options.module, options.dataset), options.outputs, options.options)
     except (NotWritten, ValueError) as error:
         raise SystemExit(str(error)) from None
 
@@ -84,19 +84,19 @@ def _make(declared: Experiment, outputs: list[str], text: str) -> None:
     paths, options = [check_writable(path) for path in outputs], _options(declared, text)
     try:
         with io.reading_only(declared.reads(options)):
-            made = declared.function(**options)
+            result = declared.function(**options)
     except (ArithmeticError, KeyError, ValueError, RuntimeError, FileNotFoundError) as error:
         raise SystemExit(f"{module}: {error}") from error
-    results = (made,) if isinstance(made, xr.Dataset) else made
-    if not isinstance(results, tuple) or not all(isinstance(one, xr.Dataset) for one in results):
-        raise SystemExit(f"{module} must return a dataset or a tuple of datasets, not {type(made).__name__}.")
-    for one in results:
-        _check_labels(one, module)
+    results = (result,) if isinstance(result, xr.Dataset) else result
+    if not isinstance(results, tuple) or not all(isinstance(part, xr.Dataset) for part in results):
+        raise SystemExit(f"{module} must return a dataset or a tuple of datasets, not {type(result).__name__}.")
+    for dataset in results:
+        _check_labels(dataset, module)
     if len(results) != len(paths):
         raise SystemExit(f"{module} makes {len(results)} datasets, for which {len(paths)} outputs were given.")
-    for one, path in zip(results, paths, strict=True):
-        one.attrs = provenance(one.attrs.pop("title"), f"python -m {module}") | one.attrs
-        write(one, path)
+    for dataset, path in zip(results, paths, strict=True):
+        dataset.attrs = provenance(dataset.attrs.pop("title"), f"python -m {module}") | dataset.attrs
+        write(dataset, path)
 
 
 if __name__ == "__main__":

@@ -52,23 +52,27 @@ def complete(configuration: Any) -> Any:
 def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
     """The model of the whole configuration. Every section except ``own_schemes`` belongs to an experiment."""
     tree: dict[str, Any] = {}
-    for one in experiments:
-        if isinstance(one, Experiment) and (one.options is None or one.model is not None):
-            *above, last = one.section.split(".")
+    for experiment in experiments:
+        if isinstance(experiment, Experiment) and (experiment.options is None or experiment.model is not None):
+            *above, last = experiment.section.split(".")
             place = tree
             for key in above:
                 place = place.setdefault(key, {})
                 if not isinstance(place, dict):
-                    raise ValueError(f"{one.module} declares '{one.section}', below the section of another experiment.")
-            fields: dict[str, Any] = arguments_of(one.function)
+                    raise ValueError(
+                        f"{experiment.module} declares '{experiment.section}', below the section of another experiment."
+                    )
+            fields: dict[str, Any] = arguments_of(experiment.function)
             if last in place:
-                raise ValueError(f"{one.module} declares the section '{one.section}', which another experiment has.")
+                raise ValueError(
+                    f"{experiment.module} declares the section '{experiment.section}', which another experiment has."
+                )
             try:
-                place[last] = one.model or create_model(last, __config__=_STRICT, **fields)
+                place[last] = experiment.model or create_model(last, __config__=_STRICT, **fields)
             except PydanticSchemaGenerationError as error:
                 raise ValueError(
-                    f"{one.module}: the type of an argument of '{one.function.__name__}' is not one that a "
-                    f"configuration can hold: {str(error).splitlines()[0]}"
+                    f"{experiment.module}: the type of an argument of '{experiment.function.__name__}' is not one that "
+                    f"a configuration can hold: {str(error).splitlines()[0]}"
                 ) from None
     own: Any = (OwnSchemes, [])
     return create_model("configuration", __base__=_nested("sections", tree), own_schemes=own)
@@ -110,15 +114,15 @@ def _sentence(mistake: Any, model: type[BaseModel]) -> str:
             reason = str(mistake["ctx"]["error"])
             return f"{place}: {reason}{'' if reason.endswith(('.', '?')) else '.'}"
         case "list_type" if location[-1] == "schemes":
-            wanted = "a list, or the word all"
+            expected = "a list, or the word all"
         case kind if kind in _TYPES:
-            wanted = _TYPES[kind]
+            expected = _TYPES[kind]
         case "too_short" | "too_long":
             bound, many = ("at least", "min_length") if mistake["type"] == "too_short" else ("at most", "max_length")
             return f"{place} must have {bound} {mistake['ctx'][many]} items, not {mistake['ctx']['actual_length']}."
         case _:
-            wanted = mistake["msg"].removeprefix("Input should be ")
-    return f"{place} must be {wanted}{'' if isinstance(received, dict | list) else f', not {received!r}'}."
+            expected = mistake["msg"].removeprefix("Input should be ")
+    return f"{place} must be {expected}{'' if isinstance(received, dict | list) else f', not {received!r}'}."
 
 
 def _place(location: Iterable[Any]) -> str:
@@ -188,24 +192,24 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
     _register_own_schemes(configuration)
     whole = complete(configuration)
     check_form(model_of(declared), whole)
-    made = set(datasets_of(declared, whole))
+    datasets = set(datasets_of(declared, whole))
     _check_makers(declared, whole)
-    for one in declared:
-        if isinstance(one, Merged):
+    for experiment in declared:
+        if isinstance(experiment, Merged):
             continue
-        for job, options in one.jobs(whole).items():
-            place = f"{one.section}.{job}" if one.named_jobs and job else one.section
-            reason = one.check(options, whole)
+        for job, options in experiment.jobs(whole).items():
+            place = f"{experiment.section}.{job}" if experiment.named_jobs and job else experiment.section
+            reason = experiment.check(options, whole)
             if reason is not None:
                 raise ValueError(f"{place}.{reason}")
-            reads = one.reads(options)
+            reads = experiment.reads(options)
             if isinstance(reads, str):
-                raise ValueError(f"{one.module}: reads must return a list of datasets, not {reads!r}.")
+                raise ValueError(f"{experiment.module}: reads must return a list of datasets, not {reads!r}.")
             for name in reads:
-                if name not in made:
+                if name not in datasets:
                     raise ValueError(
                         f"{place} reads '{name}', a dataset that this configuration does not make; "
-                        f"{did_you_mean(name, sorted(made))}"
+                        f"{did_you_mean(name, sorted(datasets))}"
                     )
     return whole
 
@@ -236,9 +240,9 @@ def _register_own_schemes(configuration: Any) -> None:
 def _check_makers(experiments: Iterable[Experiment | Merged], configuration: Mapping) -> None:
     """Refuse a dataset that two experiments make."""
     makers: dict[str, str] = {}
-    for one in experiments:
-        maker = one.module if isinstance(one, Experiment) else one.makes
-        for name in datasets_of([one], configuration):
+    for experiment in experiments:
+        maker = experiment.module if isinstance(experiment, Experiment) else experiment.makes
+        for name in datasets_of([experiment], configuration):
             if makers.setdefault(name, maker) is not maker:
                 raise ValueError(f"the dataset '{name}' is made by {makers[name]} and by {maker}; rename one of them.")
 
@@ -246,11 +250,11 @@ def _check_makers(experiments: Iterable[Experiment | Merged], configuration: Map
 def datasets_of(experiments: Iterable[Experiment | Merged], configuration: Mapping) -> list[str]:
     """Names of the datasets that a configuration makes and keeps."""
     names: list[str] = []
-    for one in experiments:
-        if isinstance(one, Merged):
-            names.append(one.makes)
-        elif one.split is None or one.along:
-            names += [name for name in one.makes if not one.temporary]
+    for experiment in experiments:
+        if isinstance(experiment, Merged):
+            names.append(experiment.makes)
+        elif experiment.split is None or experiment.along:
+            names += [name for name in experiment.makes if not experiment.temporary]
         else:
-            names += [f"{name}/{job}" for job in one.jobs(configuration) for name in one.makes]
+            names += [f"{name}/{job}" for job in experiment.jobs(configuration) for name in experiment.makes]
     return names

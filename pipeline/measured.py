@@ -21,8 +21,8 @@ def run(file: str, *command: str) -> None:
         if end.code:
             raise
     seconds = time.monotonic() - begin
-    own, of_children = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    processor = sum(one.ru_utime + one.ru_stime for one in (own, of_children))
+    process, children = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    processor = sum(usage.ru_utime + usage.ru_stime for usage in (process, children))
     Path(file).parent.mkdir(parents=True, exist_ok=True)
     Path(file).write_text(f"s\tcpu_time\tmax_rss\n{seconds:.3f}\t{processor:.3f}\t{_memory():.1f}\n")
 

@@ -38,43 +38,43 @@ def _of_each(kind: str, products: list[Product], sources: Sources) -> Step:
     """The step that makes all figures or pages, with one job for each."""
     folder, formats = _FILES[kind]
     jobs = {
-        one.name: job(
-            ["paper.products", one.module, one.name, "results", f"{folder}/{one.name}.{formats[0]}"],
-            [*_data([one]), *sources.of([one.module, "paper.products"])],
+        product.name: job(
+            ["paper.products", product.module, product.name, "results", f"{folder}/{product.name}.{formats[0]}"],
+            [*_data([product]), *sources.of([product.module, "paper.products"])],
         )
-        for one in products
+        for product in products
     }
     outputs = tuple(f"{folder}/{{job}}.{form}" for form in formats)
-    listed = {one.name: (_HEADINGS.get(one.name, _HEADINGS[kind]), one.caption) for one in products}
+    listed = {product.name: (_HEADINGS.get(product.name, _HEADINGS[kind]), product.caption) for product in products}
     return Step(kind, kind.capitalize(), outputs, jobs, report={outputs[-1]: listed}, group="paper")
 
 
 def _of_all(kind: str, products: list[Product], sources: Sources) -> Step:
     """The step that makes all tables, claims or numbers in one job: each takes less time than starting a process."""
     name, output, formats = _WHOLES[kind]
-    outputs = tuple(f"{output}/{one.name}.{form}" for one in products for form in formats) or (output,)
-    modules = [f"paper.{name}.__main__", *(one.module for one in products)]
-    one = job([f"paper.{name}", "results", output], [*_data(products), *sources.of(modules)])
+    outputs = tuple(f"{output}/{product.name}.{form}" for product in products for form in formats) or (output,)
+    modules = [f"paper.{name}.__main__", *(product.module for product in products)]
+    task = job([f"paper.{name}", "results", output], [*_data(products), *sources.of(modules)])
     listed = {file: {"": (_HEADINGS[kind], file.removeprefix("results/"))} for file in outputs if file.endswith(".csv")}
-    return Step(name, name.capitalize(), outputs, {"": one}, quick=True, report=listed)
+    return Step(name, name.capitalize(), outputs, {"": task}, quick=True, report=listed)
 
 
 def steps_of(products: list[Product], root: Path, sources: Sources) -> list[Step]:
     """The steps that make all products and the texts."""
-    of_kind = {kind: [one for one in products if one.kind == kind] for kind in (*_FILES, *_WHOLES)}
-    steps = [_of_each(kind, of_kind[kind], sources) for kind in _FILES]
-    steps += [_of_all(kind, of_kind[kind], sources) for kind in _WHOLES]
+    by_kind = {kind: [product for product in products if product.kind == kind] for kind in (*_FILES, *_WHOLES)}
+    steps = [_of_each(kind, by_kind[kind], sources) for kind in _FILES]
+    steps += [_of_all(kind, by_kind[kind], sources) for kind in _WHOLES]
     included = [file for step in steps for file in step.products if file.endswith(_INCLUDED)]
     included = [file for file in included if not (file.endswith(".csv") and file.startswith("results/figures/"))]
     names = ["paper/references.bib", "CITATION.cff", *(f"paper/text/{path.name}" for path in (*TEXTS, *SHARED))]
     texts = [root / name for name in names]
-    one = job(["paper.compile", "results", "results"], [*included, *texts, *sources.of(["paper.compile"])])
+    task = job(["paper.compile", "results", "results"], [*included, *texts, *sources.of(["paper.compile"])])
     outputs = tuple(f"results/{path.stem}.pdf" for path in TEXTS)
     listed = {file: {"": ("Article", Path(file).stem)} for file in outputs}
     outputs += ("results/README.md",)
     return [
         *steps,
-        Step("manuscript", "Article, supplement and replication", outputs, {"": one}, quick=True, report=listed),
+        Step("manuscript", "Article, supplement and replication", outputs, {"": task}, quick=True, report=listed),
     ]
 
 
@@ -86,9 +86,9 @@ def check_datasets(label: str, files: Iterable[str], datasets: Iterable[str]) ->
     ValueError
         If the configuration does not make such a dataset; the message names the product and the dataset.
     """
-    made = {f"{name}.nc" for name in datasets}
+    names = {f"{name}.nc" for name in datasets}
     for file in files:
-        if file.endswith(".nc") and file not in made:
+        if file.endswith(".nc") and file not in names:
             name = file.removesuffix(".nc")
             raise ValueError(f"{label} reads '{name}', a dataset that this configuration does not make.")
 
@@ -101,7 +101,7 @@ def check_places(products: Iterable[Product]) -> None:
     ValueError
         If a product lies outside the folder; the message names the product and the folder.
     """
-    for one in products:
-        folder, *_ = _WHOLES.get(one.kind, ("",))
-        if not one.module.startswith(f"paper.{folder}"):
-            raise ValueError(f"{one.label} is declared in {one.module}: move it to paper/{folder}.")
+    for product in products:
+        folder, *_ = _WHOLES.get(product.kind, ("",))
+        if not product.module.startswith(f"paper.{folder}"):
+            raise ValueError(f"{product.label} is declared in {product.module}: move it to paper/{folder}.")

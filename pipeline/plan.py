@@ -18,7 +18,7 @@ from pipeline.sources import Sources
 from study.declaration.experiment import discover
 
 
-def plan(root: Path, given: Any) -> dict[str, Any]:
+def plan(root: Path, values: Any) -> dict[str, Any]:
     """The plan for a configuration.
 
     Raises
@@ -28,20 +28,20 @@ def plan(root: Path, given: Any) -> dict[str, Any]:
         the configuration lacks; the message is one sentence.
     """
     experiments, products = discover(), paper_products.discover()
-    configuration = check(experiments, given)
-    made = datasets_of(experiments, configuration)
+    configuration = check(experiments, values)
+    names = datasets_of(experiments, configuration)
     paper.check_places(products)
-    for one in products:
-        paper.check_datasets(one.label, one.files, made)
-    paper.check_datasets("the site", reads(), made)
+    for product in products:
+        paper.check_datasets(product.label, product.files, names)
+    paper.check_datasets("the site", reads(), names)
     paper_products.check(products, configuration)
     sources = Sources(root, "study", "reference", "pipeline", "paper", "docs")
     data = datasets.steps_of(experiments, configuration, sources)
     drawn = paper.steps_of(products, root, sources)
-    kept = [file for step in [*data, *drawn] if not step.temporary for file in step.products]
+    lasting = [file for step in [*data, *drawn] if not step.temporary for file in step.products]
     return {
         "configuration": configuration,
-        "products": kept,
+        "products": lasting,
         "steps": [asdict(step) for step in [*data, *drawn, site.step(root, configuration, sources)]],
     }
 

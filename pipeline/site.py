@@ -10,8 +10,8 @@ from pipeline.step import Step, job
 
 def step(root: Path, configuration: Mapping, sources: Sources) -> Step:
     """The step that makes the site, with pages of a user's own schemes."""
-    own = configuration["own_schemes"]
-    files = [*(f"results/{file}" for file in reads()), *shown(root), *(place.rpartition(":")[0] for place in own)]
-    files += sources.of(["docs.build", *(one.module for one in TABLES)])
-    one = job(["docs.build", "results", "results/site", *own], files)
-    return Step("site", "Site", ("results/site/index.html",), {"": one})
+    schemes = configuration["own_schemes"]
+    files = [*(f"results/{file}" for file in reads()), *shown(root), *(place.rpartition(":")[0] for place in schemes)]
+    files += sources.of(["docs.build", *(table.module for table in TABLES)])
+    task = job(["docs.build", "results", "results/site", *schemes], files)
+    return Step("site", "Site", ("results/site/index.html",), {"": task})

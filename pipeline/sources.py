@@ -32,14 +32,14 @@ class Sources:
 
     def of(self, modules: Iterable[str]) -> list[Path]:
         """Files of the given modules and of all modules that they import, and the data files that they read."""
-        found: set[str] = set()
+        names: set[str] = set()
         for module in modules:
             if module not in self._known:
                 self._known[module] = {module} | self._graph.find_upstream_modules(module)
-            found |= self._known[module]
-        if any(module.startswith(("study.", "reference.")) for module in found):
-            found.update(_FIRST)
-        paths = [self.root.joinpath(*name.split(".")) for name in sorted(found)]
+            names |= self._known[module]
+        if any(module.startswith(("study.", "reference.")) for module in names):
+            names.update(_FIRST)
+        paths = [self.root.joinpath(*name.split(".")) for name in sorted(names)]
         files = [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths]
         folders = dict.fromkeys(path.parent for path in files if path.relative_to(self.root).parts[0] == "paper")
         data = (path for folder in folders for path in sorted(folder.iterdir()) if path.suffix in _DATA)

@@ -45,10 +45,10 @@ def planned(root: str, configuration: Any) -> dict[str, Any]:
 def _listings(value: Any) -> Iterator[list[tuple[str, int]]]:
     """Names and times of change of the files in each folder that a configuration names."""
     if isinstance(value, str) and os.path.isdir(value):
-        yield sorted((one.name, one.stat().st_mtime_ns) for one in os.scandir(value))
+        yield sorted((part.name, part.stat().st_mtime_ns) for part in os.scandir(value))
     elif isinstance(value, dict | list):
-        for one in value.values() if isinstance(value, dict) else value:
-            yield from _listings(one)
+        for part in value.values() if isinstance(value, dict) else value:
+            yield from _listings(part)
 
 
 def _planned(root: str, configuration: str, listings: str) -> dict[str, Any]:
