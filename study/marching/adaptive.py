@@ -50,7 +50,7 @@ class Trial(NamedTuple):
         Time, and size of the next trial step.
     target
         Index of the next stated time, at which a step must end.
-    taken, place
+    steps, place
         Number of accepted steps, and index at which the next sample is stored.
     estimated, unsolved
         Number of trial steps rejected by the estimate, and number of trial steps rejected because no balance was found
@@ -67,7 +67,7 @@ class Trial(NamedTuple):
     t: jax.Array
     dt: jax.Array
     target: jax.Array
-    taken: jax.Array
+    steps: jax.Array
     place: jax.Array
     estimated: jax.Array
     unsolved: jax.Array
@@ -103,11 +103,11 @@ class AdaptiveMarch(eqx.Module):
         march, problem = self.march, self.march.problem
         state, effort = started(march.scheme, problem, u0, v0, dt)
         here = problem.at(state).at_time(0.0)
-        with counting() as of_control:
+        with counting() as control_effort:
             carried = self.controller.start(here, state, tolerance)
             dt = self.controller.first(carried, dt, tolerance)
             estimator = self.estimator.start(march.scheme, here, state)
-        effort = effort.including(of_control)
+        effort = effort.including(control_effort)
         status = jnp.where(effort.converged, jnp.where(_finite(state), RUNNING, NOT_FINITE), NO_SOLUTION)
         none = jnp.zeros((), int)
         trial = Trial(
@@ -133,8 +133,8 @@ class AdaptiveMarch(eqx.Module):
 
     def _sample(self, trial: Trial, initial, state, t, dt, estimate) -> dict[str, jax.Array]:
         # in one array, because storing an array takes as long as a step of one unknown
-        of_step = jnp.stack([t, dt, estimate, trial.estimated.astype(float), trial.unsolved.astype(float)])
-        return {**self.march._sample(self.march.problem, initial, state, t), OF_STEP: of_step}
+        step_numbers = jnp.stack([t, dt, estimate, trial.estimated.astype(float), trial.unsolved.astype(float)])
+        return {**self.march._sample(self.march.problem, initial, state, t), OF_STEP: step_numbers}
 
     def turn(self, trial: Trial, initial, tolerance) -> tuple[Trial, dict[str, jax.Array]]:
         """Progress of the run after one trial step, and the sample of that step."""
@@ -148,7 +148,7 @@ class AdaptiveMarch(eqx.Module):
 
         problem = march.problem.at(trial.state)
         now = jnp.where(lands, self.times[trial.target], t + dt)
-        with counting() as of_control:
+        with counting() as control_effort:
             state, effort, estimates, estimator = self.estimator.step(
                 scheme, problem, trial.estimator, trial.state, t, dt
             )
@@ -160,7 +160,7 @@ class AdaptiveMarch(eqx.Module):
             decision = self.controller.decide(
                 trial.controller, estimate / tolerance, k, dt, here, state, now, tolerance
             )
-        effort = effort.including(of_control)
+        effort = effort.including(control_effort)
         solved = jnp.asarray(effort.converged) & _finite(state) & jnp.isfinite(estimate)
         solved &= ~jnp.asarray(self.estimator.misses(quotients))
         accepted = solved & decision.accepted
@@ -170,11 +170,11 @@ class AdaptiveMarch(eqx.Module):
         next_dt = jnp.where(solved, jnp.minimum(next_dt, end), AFTER_FAILURE * dt)
 
         bounded = jnp.all(jnp.abs(state.u) <= march.bound)
-        kept = accepted & bounded
-        one = kept.astype(int)
-        taken = trial.taken + one
+        valid = accepted & bounded
+        increment = valid.astype(int)
+        steps = trial.steps + increment
         status = jnp.where(accepted & (now >= end), 0, RUNNING)
-        status = jnp.where((status == RUNNING) & (taken >= self.most), TOO_MANY_STEPS, status)
+        status = jnp.where((status == RUNNING) & (steps >= self.most), TOO_MANY_STEPS, status)
         too_small = (status == RUNNING) & (next_dt < SMALLEST_STEP * end)
         status = jnp.where(too_small, jnp.where(jnp.isfinite(estimate), STEP_TOO_SMALL, NOT_FINITE), status)
         status = jnp.where(too_small & ~jnp.asarray(effort.converged), NO_SOLUTION, status)
@@ -188,14 +188,14 @@ class AdaptiveMarch(eqx.Module):
         rejected = trial.rejected.then(effort.of_trial())
         old = trial.state, trial.reduced, trial.estimator, trial.controller, trial.scales, t, rejected
         new = state, reduced, estimator, decision.carried, scales, now, Effort().of_trial()
-        state_, reduced, estimator, controller, scales, t, rejected = jax.tree.map(partial(jnp.where, kept), new, old)
+        state_, reduced, estimator, controller, scales, t, rejected = jax.tree.map(partial(jnp.where, valid), new, old)
         return Trial(
             status,
             t,
             next_dt,
-            trial.target + (kept & lands).astype(int),
-            taken,
-            trial.place + one,
+            trial.target + (valid & lands).astype(int),
+            steps,
+            trial.place + increment,
             trial.estimated + (solved & ~accepted).astype(int),
             trial.unsolved + (~solved).astype(int),
             state_,

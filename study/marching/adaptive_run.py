@@ -108,9 +108,9 @@ def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts, grid) -> tupl
 
         def step(carry, ends):
             state, largest, effort = carry
-            state, of_step = stepped(scheme, problem.at(state), state, ends[0], ends[1] - ends[0])
+            state, step_effort = stepped(scheme, problem.at(state), state, ends[0], ends[1] - ends[0])
             sizes = march.estimator.sizes(problem.at(state).at_time(ends[1]), state)
-            return (state, tuple(map(jnp.maximum, largest, sizes)), effort.then(of_step.of_trial())), None
+            return (state, tuple(map(jnp.maximum, largest, sizes)), effort.then(step_effort.of_trial())), None
 
         state, effort = started(scheme, problem, *_start(march.march, starts), grid[1])
         begin = state, march.estimator.sizes(problem.at(state).at_time(0.0), state), effort.of_trial()
@@ -160,8 +160,8 @@ def _joined(parts: Sequence[tuple[np.ndarray, dict]], lanes: bool) -> dict[str, 
         first = parts[0][1][name]
         whole[name] = np.full((first.shape[0], longest, *first.shape[2:]), np.nan)
         for lane in range(first.shape[0]):
-            own = np.concatenate([part[name][lane, : n[lane]] for n, part in parts])
-            whole[name][lane, : len(own)] = own
+            values = np.concatenate([part[name][lane, : n[lane]] for n, part in parts])
+            whole[name][lane, : len(values)] = values
     return whole
 
 
@@ -218,7 +218,7 @@ class Adaptive:
         tolerance, dt = (np.broadcast_to(x, self._lanes) if self._lanes else x for x in (control.tolerance, control.dt))
         trial, samples, values = self._marched(control, tolerance, dt)
         status = np.asarray(trial.status).astype(np.int32)
-        failed, steps, t = status != COMPLETED, np.asarray(trial.taken), np.asarray(trial.t)
+        failed, steps, t = status != COMPLETED, np.asarray(trial.steps), np.asarray(trial.t)
         if on_failure != "ignore" and failed.any():
             self._report_failures(trial, on_failure)
         if "change_of_energy" in values:
@@ -304,7 +304,7 @@ class Adaptive:
         status = np.asarray(trial.status)
         failed = np.flatnonzero(status)
         first = failed[0]
-        how, step, at, size = (np.ravel(x)[first] for x in (status, trial.taken, trial.t, trial.dt))
+        how, step, at, size = (np.ravel(x)[first] for x in (status, trial.steps, trial.t, trial.dt))
         many = f"{failed.size} of {status.size} runs failed, the first of them, lane {first}: " if status.ndim else ""
         cause = ""
         if not (self._over or self._scheme.explicit):

@@ -163,8 +163,8 @@ def checked_bound(
     for problem in problems:
         if problem.load is not None:
             masses = np.asarray(diagonal(1.0 if problem.mass is None else problem.mass))
-            of_load = OF_LOAD * duration**2 * _largest_load(problem, duration) / masses[masses > 0].min()
-            farthest = max(farthest, of_load)
+            reached = OF_LOAD * duration**2 * _largest_load(problem, duration) / masses[masses > 0].min()
+            farthest = max(farthest, reached)
     return float(farthest) or np.inf
 
 
@@ -187,10 +187,10 @@ def _sizes(load, times):
 
 
 def number_of_lanes(
-    problem: Problem, u0: Displacements, v0: Displacements, own: Mapping[str, np.ndarray], over: Mapping
+    problem: Problem, u0: Displacements, v0: Displacements, arguments: Mapping[str, np.ndarray], over: Mapping
 ) -> int:
     """Number of lanes of an ensemble, 0 for a single run; an argument in ``own`` has the shape () or (lanes,)."""
-    lengths = {name: len(value) for name, value in own.items() if value.ndim}
+    lengths = {name: len(value) for name, value in arguments.items() if value.ndim}
     lengths |= {name: len(value) for name, value in (("u0", u0), ("v0", v0)) if value.ndim > np.ndim(problem.u0)}
     lengths |= {f"over['{name}']": len(value) for name, value in over.items()}
     if len(set(lengths.values())) > 1:

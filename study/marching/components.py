@@ -285,10 +285,10 @@ class Lanes:
         return np.moveaxis(sums[::-1] if operation.params["reverse"] else sums, 0, operation.params["axis"])
 
     def _dot(self, operation: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        (of_x, of_y), (shared_x, shared_y) = operation.params["dimension_numbers"]
-        x = np.moveaxis(x, (*of_x, *shared_x), range(len(of_x) + len(shared_x)))
-        y = np.moveaxis(y, (*of_y, *shared_y), range(len(of_y) + len(shared_y)))
-        inner, shared = x.shape[: len(of_x)], x.shape[len(of_x) :][: len(shared_x)]
+        (dims_x, dims_y), (shared_x, shared_y) = operation.params["dimension_numbers"]
+        x = np.moveaxis(x, (*dims_x, *shared_x), range(len(dims_x) + len(shared_x)))
+        y = np.moveaxis(y, (*dims_y, *shared_y), range(len(dims_y) + len(shared_y)))
+        inner, shared = x.shape[: len(dims_x)], x.shape[len(dims_x) :][: len(shared_x)]
         left, right = (math.prod(_.shape[len(inner + shared) :]) for _ in (x, y))
         x = x.reshape(math.prod(inner), -1, left, 1)
         y = y.reshape(math.prod(inner), -1, 1, right)
@@ -299,13 +299,13 @@ class Lanes:
     def _while(self, operation: Any, values: list) -> list:
         condition, body = (operation.params[f"{name}_jaxpr"] for name in ("cond", "body"))
         first, second = (operation.params[f"{name}_nconsts"] for name in ("cond", "body"))
-        of_condition, of_body, begin = values[:first], values[first : first + second], values[first + second :]
+        condition_values, body_values, begin = values[:first], values[first : first + second], values[first + second :]
         types = [of.aval for of in operation.outvars]
         varies, before = [_varies(x) for x in begin], None
         while varies != before:
-            after = _depend(body.jaxpr, [*map(_varies, of_body), *varies])
+            after = _depend(body.jaxpr, [*map(_varies, body_values), *varies])
             varies, before = [a or b for a, b in zip(varies, after, strict=True)], varies
-        apart = any(_depend(condition.jaxpr, [*map(_varies, of_condition), *varies]))
+        apart = any(_depend(condition.jaxpr, [*map(_varies, condition_values), *varies]))
         varies = [vary or apart for vary in varies]
 
         def packed(values):
@@ -315,11 +315,11 @@ class Lanes:
             return [_value(x) if v else x for x, v in zip(carry, varies, strict=True)]
 
         def goes_on(carry):
-            (goes,) = self.results(condition, [*of_condition, *unpacked(carry)])
+            (goes,) = self.results(condition, [*condition_values, *unpacked(carry)])
             return self._full(goes[()]) if apart else goes
 
         def turn(carry):
-            return packed(self.results(body, [*of_body, *unpacked(carry)]))
+            return packed(self.results(body, [*body_values, *unpacked(carry)]))
 
         def turn_of_some(state):
             going, carry = state
@@ -345,10 +345,10 @@ class Lanes:
 
         branches = operation.params["branches"]
         if _varies(choice):
-            found = jax.tree.map(chosen, *map(results, branches))
+            outcome = jax.tree.map(chosen, *map(results, branches))
         else:
-            found = lax.switch(choice, [functools.partial(results, branch) for branch in branches])
-        return [_value(x) for x in found]
+            outcome = lax.switch(choice, [functools.partial(results, branch) for branch in branches])
+        return [_value(x) for x in outcome]
 
     def _scan(self, operation: Any, values: list) -> list:
         params = operation.params
@@ -486,11 +486,11 @@ def _alone(operation: Any, values: list) -> list:
     if not indices or any(isinstance(x, jax.core.Tracer) for x in values):
         return _function(operation)(*values)
     if name in _OF_INDICES:
-        found = [_OF_INDICES[name](operation.params, *values)]
+        results = [_OF_INDICES[name](operation.params, *values)]
     else:
         with jax.ensure_compile_time_eval():
-            found = _function(operation)(*values)
-    return [np.broadcast_to(np.asarray(x, of.dtype), of.shape) for x, of in zip(found, types, strict=True)]
+            results = _function(operation)(*values)
+    return [np.broadcast_to(np.asarray(x, of.dtype), of.shape) for x, of in zip(results, types, strict=True)]
 
 
 def _whole_numbers(params: dict) -> np.ndarray:
@@ -500,8 +500,8 @@ def _whole_numbers(params: dict) -> np.ndarray:
 
 #: Operations on indices that NumPy computes, because JAX would compile a program for each of them.
 _OF_INDICES: dict[str, Callable] = {
-    name: lambda params, *operands, of_numpy=of_numpy: of_numpy(*operands)
-    for name, of_numpy in {
+    name: lambda params, *operands, numpy_function=numpy_function: numpy_function(*operands)
+    for name, numpy_function in {
         "add": np.add,
         "and": np.bitwise_and,
         "eq": np.equal,
@@ -608,8 +608,8 @@ def _numbered(operation: Any, values: list, places: int = 1, **params: Any) -> t
         if k != places:
             numbers[k], end = np.arange(end, end + x.size).reshape(x.shape), end + x.size
     with jax.ensure_compile_time_eval():
-        found = operation.primitive.bind(*map(jnp.asarray, numbers), **operation.params | params)
-    return moved, np.asarray(found)
+        results = operation.primitive.bind(*map(jnp.asarray, numbers), **operation.params | params)
+    return moved, np.asarray(results)
 
 
 def _gathered(operation: Any, values: list) -> np.ndarray:

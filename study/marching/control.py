@@ -75,7 +75,7 @@ def checked_control(
     times: Any,
     dt: Any,
     steps: Any,
-    of_load: Callable[[float], np.ndarray],
+    load_times: Callable[[float], np.ndarray],
 ) -> Control:
     """Settings that determine the steps of a run, from the arguments of :func:`study.run`.
 
@@ -117,12 +117,12 @@ def checked_control(
         duration = float(control.sizes.sum())
     if not (is_number(duration) and 0 < duration < np.inf):
         raise ValueError(f"duration must be a time greater than zero, not {duration!r}.")
-    inside = np.zeros(0) if isinstance(control, Prescribed) else of_load(float(duration))
+    inside = np.zeros(0) if isinstance(control, Prescribed) else load_times(float(duration))
     if times is not None:
-        given = real_numbers("times", times).ravel()
-        if not np.all((given > 0) & (given <= duration)):
+        numbers = real_numbers("times", times).ravel()
+        if not np.all((numbers > 0) & (numbers <= duration)):
             raise ValueError(f"times must lie between zero and the duration, {duration:g} s, not {times!r}.")
-        inside = np.union1d(inside, given)
+        inside = np.union1d(inside, numbers)
     first = checked_step_size(FIRST_STEP * duration if dt is None else dt)
     most = MOST_STEPS if steps is None else positive_integer("steps", steps)
     return Control(chosen, control, values, first, np.union1d(inside, [duration]), most)

@@ -121,18 +121,18 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     last = int(steps.max())
     # lanes that pad a tile start from NaN: they fail before their first step and add no Newton iterations
     in_tiles = partial(_in_tiles, shape=shape, size=size)
-    of_lanes = {name: in_tiles(value[order], filler=value[order[-1]]) for name, value in arguments.items()}
+    tiled = {name: in_tiles(value[order], filler=value[order[-1]]) for name, value in arguments.items()}
     groups = (
         in_tiles(u0[order], filler=np.nan),
         in_tiles(v0[order], filler=0.0),
         in_tiles(dt[order], filler=dt[0]) if dt.ndim else np.full((shape[0], size), dt),
         in_tiles(steps[order], filler=last) if steps.ndim else [None] * shape[0],
-        [{name: value[group] for name, value in of_lanes.items()} for group in range(shape[0])],
+        [{name: value[group] for name, value in tiled.items()} for group in range(shape[0])],
     )
 
-    def run(u0, v0, dt, own, arguments, on_pause):
+    def run(u0, v0, dt, lane_steps, arguments, on_pause):
         # a group ends with its last lane; the number of steps of all groups makes them use one compiled program
-        return program.run(u0, v0, dt, last, every, samples, own, on_pause=on_pause, arguments=arguments)
+        return program.run(u0, v0, dt, last, every, samples, lane_steps, on_pause=on_pause, arguments=arguments)
 
     results = _on_cores(run, list(zip(*groups, strict=True)))
     back = np.argsort(order)

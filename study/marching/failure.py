@@ -46,8 +46,8 @@ def likely_cause(
         motion = stability.at_start(problem) if motion is None else motion
         if stability.excess(scheme, motion, dt, np.inf):
             return f"{stability.sentence(scheme, motion, dt)}; take smaller steps or an implicit scheme."
-    found = frequencies(problem)
-    highest = None if found is None else found[-1]
+    modes = frequencies(problem)
+    highest = None if modes is None else modes[-1]
     beyond = ", and may be larger beyond the kinks of the force" if problem.kinked else ""
     at_start = "" if highest is None else f" (it is {highest * dt:.3g} at the start{beyond})"
     if highest == 0:

@@ -32,12 +32,12 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
         raise TypeError(f"over must be a mapping of names to arrays, such as over={{'scale': [1, 2]}}, not {over!r}.")
     arguments = inspect.signature(make).parameters
     takes_any = any(p.kind is p.VAR_KEYWORD for p in arguments.values())
-    taken = {*RESERVED, *(name for observer in observers for name in observer.variables)}
+    reserved = {*RESERVED, *(name for observer in observers for name in observer.variables)}
     values = {name: _array(name, value) for name, value in over.items()}
     for name, value in values.items():
         if name not in arguments and not takes_any:
             raise ValueError(f"over has '{name}', which the function that makes the problem does not take.")
-        if name in taken:
+        if name in reserved:
             raise ValueError(f"over has '{name}', a name that the result has already; rename the argument.")
         if value.dtype.kind not in "fiu" or value.ndim == 0 or not np.isfinite(value).all():
             raise ValueError(f"over['{name}'] must be an array of finite numbers (lanes, ...), not {over[name]!r}.")
@@ -76,25 +76,25 @@ def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) 
         flat = value.reshape(len(value), -1)
         ends |= {*flat.argmin(axis=0).tolist(), *flat.argmax(axis=0).tolist()}
     # arrays of JAX, as in the march: the product of a NumPy number and a sparse matrix of JAX is not a sparse matrix
-    made = {lane: make(**{name: jnp.asarray(value[lane]) for name, value in over.items()}) for lane in sorted(ends)}
-    for lane, problem in made.items():
+    problems = {lane: make(**{name: jnp.asarray(value[lane]) for name, value in over.items()}) for lane in sorted(ends)}
+    for lane, problem in problems.items():
         if not isinstance(problem, Problem):
             raise TypeError(f"the function given with over= must return a study.Problem, not {problem!r}.")
         if problem.massless:
             raise ValueError(
                 f"lane {lane} of over has an unknown without mass, which a family of problems cannot have."
             )
-    return list(made.values())
+    return list(problems.values())
 
 
 def times_of_lanes(
-    make: Callable[..., Problem], over: Mapping[str, np.ndarray], made: Sequence[Problem], duration: float
+    make: Callable[..., Problem], over: Mapping[str, np.ndarray], problems: Sequence[Problem], duration: float
 ) -> Times:
     """Times within ``duration`` at which the steps of all lanes should end, from their loads.
 
-    They are the declared kinks of the loads of ``made``, some lanes as numbers, or events of the loads of all lanes.
+    They are the declared kinks of the loads of ``problems``, which are some lanes, or events of all loads.
     """
-    loads = [problem.load for problem in made if problem.load is not None]
+    loads = [problem.load for problem in problems if problem.load is not None]
     if not loads:
         return np.zeros(0)
     if any(np.size(getattr(load, "kinks", ())) for load in loads):
@@ -102,7 +102,7 @@ def times_of_lanes(
     lanes = {name: jnp.asarray(value) for name, value in over.items()}
 
     def of_lanes(t):
-        return jax.vmap(lambda own: make(**own).load(t))(lanes)  # type: ignore[misc]
+        return jax.vmap(lambda values: make(**values).load(t))(lanes)  # type: ignore[misc]
 
     times = beside_jumps(of_lanes, events(of_lanes, duration), duration)
     return times[(times > 0) & (times < duration)]

@@ -579,20 +579,20 @@ def _with_block(block: _Block, operation: Any, values: list) -> Callable[[Place]
 
 def _gathered(block: _Block, operation: Any, values: list) -> Callable[[Place], Any]:
     x, starts = values
-    of_x, params = operation.invars[0].aval.shape, operation.params
+    shape_x, params = operation.invars[0].aval.shape, operation.params
     dims, sizes = params["dimension_numbers"], params["slice_sizes"]
     alone = {*dims.collapsed_slice_dims, *dims.operand_batching_dims}
     fills = params["mode"] == lax.GatherScatterMode.FILL_OR_DROP
 
     def at(place):
         offsets = iter([place[d] for d in dims.offset_dims])
-        of_batch = tuple(k for d, k in enumerate(place) if d not in dims.offset_dims)
-        inside = [0 if d in alone else next(offsets) for d in range(len(of_x))]
+        batch_dims = tuple(k for d, k in enumerate(place) if d not in dims.offset_dims)
+        inside = [0 if d in alone else next(offsets) for d in range(len(shape_x))]
         for d, batch in zip(dims.operand_batching_dims, dims.start_indices_batching_dims, strict=True):
-            inside[d] = of_batch[batch]
+            inside[d] = batch_dims[batch]
         missing: Any = False
         for k, d in enumerate(dims.start_index_map):
-            start, last = block.entry(starts, (*of_batch, k)), of_x[d] - sizes[d]
+            start, last = block.entry(starts, (*batch_dims, k)), shape_x[d] - sizes[d]
             missing = missing | (start < 0) | (start > last)
             inside[d] = inside[d] + _within(start, last)
         inner = block.entry(x, tuple(inside))

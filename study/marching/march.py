@@ -220,16 +220,16 @@ class March(eqx.Module):
     def _advance_in_kernels(self, progress: Progress, dt, until, steps) -> Progress | None:
         """As :meth:`_advance`, in kernels; None if they are refused."""
 
-        def step(number, of_lane, others):
-            (failure, state, carried), (dt, steps, arguments) = of_lane, others
-            of_lane = self.step_of_lane(self._problem(arguments), number, failure, state, carried, dt, steps)
-            goes_on = of_lane[0] == 0
-            return of_lane, goes_on if steps is None else goes_on & (number + 1 < steps)
+        def step(number, lane, others):
+            (failure, state, carried), (dt, steps, arguments) = lane, others
+            lane = self.step_of_lane(self._problem(arguments), number, failure, state, carried, dt, steps)
+            goes_on = lane[0] == 0
+            return lane, goes_on if steps is None else goes_on & (number + 1 < steps)
 
-        begin, *of_lanes = progress
+        begin, *lanes = progress
         others = jnp.broadcast_to(dt, progress.failure.shape), steps, self.arguments
         interpret = jax.default_backend() == "cpu"
-        end = kernel.advanced(step, tuple(of_lanes), others, begin, until, PATIENCE, interpret)
+        end = kernel.advanced(step, tuple(lanes), others, begin, until, PATIENCE, interpret)
         return None if end is None else Progress(until, *end)
 
     def proceed(

@@ -55,7 +55,7 @@ class Parts(NamedTuple):
     number: int | None = None
     only: int | None = None
 
-    def written(self, marched: Callable[[slice], xr.Dataset], lanes: int, of_lane: "Lane") -> xr.Dataset:
+    def written(self, marched: Callable[[slice], xr.Dataset], lanes: int, lane: "Lane") -> xr.Dataset:
         """March and write the missing parts, and open all parts as one dataset.
 
         Parameters
@@ -64,7 +64,7 @@ class Parts(NamedTuple):
             Function that marches the lanes of a slice.
         lanes
             Number of lanes.
-        of_lane
+        lane
             The program of a lane.
 
         Raises
@@ -76,7 +76,7 @@ class Parts(NamedTuple):
         """
         count = self.number
         if count is None:
-            count = max(math.ceil(lanes / MOST_LANES), math.ceil(lanes * of_lane.size / MOST_BYTES))
+            count = max(math.ceil(lanes / MOST_LANES), math.ceil(lanes * lane.size / MOST_BYTES))
         if not 1 <= count <= lanes:
             raise ValueError(f"an ensemble of {lanes} lanes has 1 to {lanes} parts, not {count!r}.")
         if self.only is not None and not 0 <= self.only < count:
@@ -85,11 +85,11 @@ class Parts(NamedTuple):
             )
         ends = np.linspace(0, lanes, count + 1).astype(int).tolist()
         slices = {self._path(k, count): slice(*ends[k : k + 2]) for k in range(count)}
-        run = of_lane.digest(count)
+        run = lane.digest(count)
         chosen = list(slices) if self.only is None else [self._path(self.only, count)]
-        found = sorted(Path(self.folder).glob("part_*.nc"))
+        paths = sorted(Path(self.folder).glob("part_*.nc"))
         # a job that opened all files of many jobs would keep the file system busy
-        files = {path: _opened(path, run) for path in found if self.only is None or path in (found[0], *chosen)}
+        files = {path: _opened(path, run) for path in paths if self.only is None or path in (paths[0], *chosen)}
         missing = [path for path in chosen if path not in files]
         for path in tqdm(missing, disable=None if len(missing) > 1 else True, leave=False):
             for unfinished in path.parent.glob(f".{path.name}.*.unfinished"):  # left by a run that was killed
@@ -125,16 +125,16 @@ class Lane(NamedTuple):
         The program.
     size
         Number of bytes of the results and arguments of a lane.
-    given
+    arguments
         Arguments of all lanes.
     """
 
     program: Any
     size: int
-    given: Any
+    arguments: Any
 
     @classmethod
-    def traced(cls, march_of: Callable, make: Callable, first: tuple, samples: int, given: Any) -> "Lane":
+    def traced(cls, march_of: Callable, make: Callable, first: tuple, samples: int, arguments: Any) -> "Lane":
         """Trace the program of a lane.
 
         Parameters
@@ -145,7 +145,7 @@ class Lane(NamedTuple):
             Function that makes the problem of a lane; u₀, v₀ and Δt of the first lane, and its arguments of ``make``.
         samples
             Number of samples of each record.
-        given
+        arguments
             Arguments of all lanes.
         """
 
@@ -159,12 +159,12 @@ class Lane(NamedTuple):
         sample, others = (
             sum(x.size * x.dtype.itemsize for x in jax.tree.leaves(one)) for one in (results[0], (results[1], first))
         )
-        return cls(program, samples * sample + others, given)
+        return cls(program, samples * sample + others, arguments)
 
     def digest(self, *others: Any) -> str:
         """A digest of program, arguments and other values, equal in every process."""
         digest = hashlib.blake2b(repr((reads_of_program(self.program), others)).encode(), digest_size=16)
-        for name, value in jax.tree.leaves_with_path(self.given):
+        for name, value in jax.tree.leaves_with_path(self.arguments):
             array = np.ascontiguousarray(value)
             digest.update(repr((jax.tree_util.keystr(name), array.shape, array.dtype.str)).encode())
             digest.update(array.tobytes())

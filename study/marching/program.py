@@ -91,24 +91,24 @@ def _each_tile(march: March, function: Callable, lanes: tuple) -> Any:
     return lax.map(lambda tile: function(*tile), lanes) if march.lanes else function(*lanes)
 
 
-def _proceed(march: March, counts, each_step: bool, stored, progress, initial, dt, own):
+def _proceed(march: March, counts, each_step: bool, stored, progress, initial, dt, lane_steps):
     until, every, first = counts
-    end = until if own is None else jnp.minimum(until, own.max())
-    progress, stored = march.proceed(progress, stored, initial, dt, end, every, first, each_step, own)
+    end = until if lane_steps is None else jnp.minimum(until, lane_steps.max())
+    progress, stored = march.proceed(progress, stored, initial, dt, end, every, first, each_step, lane_steps)
     return progress, stored, march.result(progress)
 
 
 @partial(jit, static_argnums=(0, 4, 5))
-def _whole(form: _Form, numbers: list, counts, begin: tuple, room: int, each_step: bool, own):
+def _whole(form: _Form, numbers: list, counts, begin: tuple, room: int, each_step: bool, lane_steps):
     """Samples and result of a run in one call, which saves the time to pass its progress between calls."""
     march = form.march(numbers)
 
-    def one(u0, v0, dt, arguments, own):
-        of_tile = march.with_arguments(arguments)
-        progress, initial, stored = of_tile.start(u0, v0, dt, room)
-        return _proceed(of_tile, counts, each_step, stored, progress, initial, dt, own)[1:]
+    def one(u0, v0, dt, arguments, lane_steps):
+        tile_march = march.with_arguments(arguments)
+        progress, initial, stored = tile_march.start(u0, v0, dt, room)
+        return _proceed(tile_march, counts, each_step, stored, progress, initial, dt, lane_steps)[1:]
 
-    return _each_tile(march, one, (*begin, own))
+    return _each_tile(march, one, (*begin, lane_steps))
 
 
 @partial(jit, static_argnums=(0, 3))
@@ -126,8 +126,8 @@ def _stretch(form: _Form, numbers: list, counts, each_step: bool, stored, lanes:
     """Progress, samples and result of a run after one more stretch."""
     march = form.march(numbers)
 
-    def one(stored, progress, initial, dt, arguments, own):
-        return _proceed(march.with_arguments(arguments), counts, each_step, stored, progress, initial, dt, own)
+    def one(stored, progress, initial, dt, arguments, lane_steps):
+        return _proceed(march.with_arguments(arguments), counts, each_step, stored, progress, initial, dt, lane_steps)
 
     return _each_tile(march, one, (stored, *lanes))
 
@@ -186,7 +186,7 @@ class Program:
         steps: int,
         every: int,
         samples: int,
-        own: CountPerRun | None = None,
+        lane_steps: CountPerRun | None = None,
         pause: int | None = None,
         on_pause: Callable[[int], bool] = lambda step: True,
         arguments: Any = None,
@@ -201,7 +201,7 @@ class Program:
             Number of steps.
         every, samples
             Number of steps between two samples, and number of samples after the first one.
-        own
+        lane_steps
             Number of steps of each lane, if they differ.
         pause
             Largest number of steps between two pauses, at which the run can be interrupted; by default the steps of
@@ -220,19 +220,19 @@ class Program:
         begin = _canonical((u0, v0, dt, arguments))
         with reading(self.form.reads):
             try:
-                return program._run(begin, steps, every, samples, own, pause, on_pause)
+                return program._run(begin, steps, every, samples, lane_steps, pause, on_pause)
             except jax.errors.JaxRuntimeError as error:
                 if not program._march.in_kernels:
                     raise
                 kernel.report_refusal(error)
                 _without_kernels.add(self.form)
-            return self._with_steps_alone()._run(begin, steps, every, samples, own, pause, on_pause)
+            return self._with_steps_alone()._run(begin, steps, every, samples, lane_steps, pause, on_pause)
 
     def _with_steps_alone(self) -> "Program":
         """The program without kernels."""
         return Program(replace(self._march, in_kernels=False))
 
-    def _run(self, begin, steps, every, samples, own, pause, on_pause) -> Result:
+    def _run(self, begin, steps, every, samples, lane_steps, pause, on_pause) -> Result:
         u0 = begin[0]
         room = self._room(u0, AT_ONCE)
         # a march without an inner loop is faster if steps are short, as with one unknown
@@ -243,24 +243,24 @@ class Program:
             pause = max(1, int(most / (lanes * (u0.size / lanes) ** 1.5)))
         if samples < room and steps <= pause:
             counts = np.array([steps, every, 0])
-            stored, result = _whole(self.form, self.numbers, counts, begin, room, each_step, own)
+            stored, result = _whole(self.form, self.numbers, counts, begin, room, each_step, lane_steps)
             place = (slice(None),) * self._lanes + (slice(samples + 1),)
             return as_result(result, {name: np.array(np.asarray(values)[place]) for name, values in stored.items()})
         room = self._room(u0, IN_STRETCHES)
-        return self._in_stretches(begin, steps, every, samples, own, room, each_step, pause, on_pause)
+        return self._in_stretches(begin, steps, every, samples, lane_steps, room, each_step, pause, on_pause)
 
     def _room(self, u0: Displacements, most: int) -> int:
         """Number of samples for which a program has room: a power of two, which is one if the march has no records."""
         return min(most, 2 ** max(0, int(math.log2(ROOM / u0.size)))) if self._has_records else 1
 
-    def _in_stretches(self, begin, steps, every, samples, own, room, each_step, pause, on_pause) -> Result:
+    def _in_stretches(self, begin, steps, every, samples, lane_steps, room, each_step, pause, on_pause) -> Result:
         progress, initial, stored = _start(self.form, self.numbers, begin, room)
         before = (slice(None),) * self._lanes
         shapes = {n: (*v.shape[: self._lanes], samples + 1, *v.shape[self._lanes + 1 :]) for n, v in stored.items()}
         whole = {name: np.empty(shape) for name, shape in shapes.items()}
         for first, until in _stretches(steps, every, samples, room, pause):
             counts = np.array([until, every, first])
-            lanes = progress, initial, *begin[2:], own
+            lanes = progress, initial, *begin[2:], lane_steps
             progress, stored, result = _stretch(self.form, self.numbers, counts, each_step, stored, lanes)
             new = min(room, samples + 1 - first)
             for name, values in stored.items():

@@ -96,10 +96,10 @@ def final_state(
         if reason:
             raise ValueError(reason)
     starts = []
-    for name, given, own in (("u0", u0, equation.u0), ("v0", v0, equation.v0)):
-        if given is not None and np.shape(given) != np.shape(own):
-            raise ValueError(f"{name} must have the shape {np.shape(own)} of the problem, not {np.shape(given)}.")
-        starts.append(jnp.asarray(own if given is None else given, float))
+    for name, start, default in (("u0", u0, equation.u0), ("v0", v0, equation.v0)):
+        if start is not None and np.shape(start) != np.shape(default):
+            raise ValueError(f"{name} must have the shape {np.shape(default)} of the problem, not {np.shape(start)}.")
+        starts.append(jnp.asarray(default if start is None else start, float))
     if np.ndim(dt) or (not isinstance(dt, jax.core.Tracer) and not (np.isfinite(dt) and dt > 0)):
         raise ValueError(f"dt must be one number, finite and greater than zero, not {dt}.")
     march = March.of(equation, method, chosen)
@@ -110,17 +110,17 @@ def final_state(
             f"'{name}' is recorded along time, and final_state returns one value per run: observe a reduction, such as "
             f"{', '.join(fit[:3])}, or a Quantity with reduce=."
         )
-    given, reads = (starts[0], starts[1], jnp.asarray(dt, float)), reads_of(march)
+    arguments, reads = (starts[0], starts[1], jnp.asarray(dt, float)), reads_of(march)
     with reading(reads):
-        if not (reads.traced or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves((march, given)))):
-            return _end(march, *given, count)
+        if not (reads.traced or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves((march, arguments)))):
+            return _end(march, *arguments, count)
         message = (
             f"a derivative of the final state of '{equation.title}' is NaN, because the run failed, or because a "
             f"function of the problem has no finite derivative where its value is finite: {DOUBLE_WHERE}."
         )
         # the numbers that JAX differentiates may also be captured by functions
-        converted, numbers = jax.closure_convert(lambda u0, v0, dt: _end(march, u0, v0, dt, count), *given)
-        return watched(converted(*watched(given, message), *watched(numbers, message)), message)
+        converted, numbers = jax.closure_convert(lambda u0, v0, dt: _end(march, u0, v0, dt, count), *arguments)
+        return watched(converted(*watched(arguments, message), *watched(numbers, message)), message)
 
 
 @eqx.filter_jit

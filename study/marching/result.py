@@ -81,7 +81,7 @@ def _parameters(scheme: Scheme) -> str:
     shown = {
         f.name: getattr(scheme, f.name) for f in fields(scheme) if not f.metadata.get("static")
     }  # labels are static
-    values = (f"{name}={_parameters(one) if isinstance(one, Scheme) else repr(one)}" for name, one in shown.items())
+    values = (f"{name}={_parameters(x) if isinstance(x, Scheme) else repr(x)}" for name, x in shown.items())
     return f"{type(scheme).__name__}({', '.join(values)})"
 
 
@@ -150,15 +150,15 @@ class Labels:
             if ends_early:
                 value[_without_meaning(result, steps, every, samples)] = np.nan
             values[name] = value
-        given = {"dt": dt, "steps": steps, "u0": u0, "v0": v0}
-        own = {n: v for n, v in given.items() if v.ndim > (len(self._component) if n in ("u0", "v0") else 0)}
-        shared = {n: v[()] for n, v in given.items() if n not in own and v.size <= MOST_IN_ATTRIBUTE}
+        arguments = {"dt": dt, "steps": steps, "u0": u0, "v0": v0}
+        by_lane = {n: v for n, v in arguments.items() if v.ndim > (len(self._component) if n in ("u0", "v0") else 0)}
+        shared = {n: v[()] for n, v in arguments.items() if n not in by_lane and v.size <= MOST_IN_ATTRIBUTE}
         along = "sample" if dt.ndim else "t"
         data = {}
         for name, value in values.items():
             data[name] = self.variable(name, value, (*lane, along) if name in result.samples else lane)
         coordinates: dict[str, tuple] = {
-            name: ((*lane, *self._component[: value.ndim - 1]), value, OF_LANE[name]) for name, value in own.items()
+            name: ((*lane, *self._component[: value.ndim - 1]), value, OF_LANE[name]) for name, value in by_lane.items()
         }
         if samples:
             t = np.multiply.outer(dt, np.arange(samples + 1) * every)

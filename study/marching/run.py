@@ -99,9 +99,9 @@ def _check_memory(march: March, u0: Displacements, v0: Displacements, dt: PerRun
     if (samples + 1) * u0.size <= ANY_MEMORY:
         return
     one_by_one = u0.ndim > np.ndim(march.problem.u0) and not march.lanes
-    one = (u0[0], v0[0], dt.ravel()[0]) if one_by_one else (u0, v0, dt)
-    _, _, stored = eqx.filter_eval_shape(march.start, *one, 1)
-    lanes = u0.size // one[0].size
+    lane = (u0[0], v0[0], dt.ravel()[0]) if one_by_one else (u0, v0, dt)
+    _, _, stored = eqx.filter_eval_shape(march.start, *lane, 1)
+    lanes = u0.size // lane[0].size
     check_memory({name: lanes * math.prod(a.shape[1:]) * a.dtype.itemsize for name, a in stored.items()}, samples + 1)
 
 
@@ -264,11 +264,11 @@ def run(
     _check_fit(equation, method, chosen)
     make: Any = None if over is None else problem
     if controlled:
-        of_load = partial(times_of_problem, equation, sides=True)
+        load_times = partial(times_of_problem, equation, sides=True)
         if over is not None:
-            of_load = partial(times_of_lanes, problem, values, equations)  # type: ignore[arg-type]
+            load_times = partial(times_of_lanes, problem, values, equations)  # type: ignore[arg-type]
         control = checked_control(
-            equation, method, chosen, estimator, controller, tolerance, duration, times, dt, steps, of_load
+            equation, method, chosen, estimator, controller, tolerance, duration, times, dt, steps, load_times
         )
         limit = checked_bound(bound, equations, start, velocity, float(control.times[-1]))
         lanes = number_of_lanes(equation, start, velocity, {"tolerance": control.tolerance, "dt": control.dt}, values)
@@ -292,12 +292,12 @@ def run(
         """March the lanes of a part, or all of them, or the single run, and label the result."""
         u0, v0 = (x[part] if x.ndim > np.ndim(equation.u0) else x for x in (start, velocity))
         sizes, counts = (x[part] if x.ndim else x for x in (step_size, count))
-        own = {name: value[part] for name, value in values.items()}
+        lane_values = {name: value[part] for name, value in values.items()}
         begin = u0, v0, sizes
         if lanes:
             shape = (len(range(lanes)[part]), *np.shape(equation.u0))
             begin = np.broadcast_to(u0, shape), np.broadcast_to(v0, shape), sizes
-        _check_memory(plain.with_arguments(own), *begin, room)
+        _check_memory(plain.with_arguments(lane_values), *begin, room)
 
         def marched(march: March, place: Any = slice(None)) -> Result:
             """March the lanes at ``place``, or the single run."""
@@ -305,9 +305,9 @@ def run(
             if not lanes:
                 return _march_alone(program, *begin, int(count), every, room)
             march_lanes = march_one_by_one if few else march_in_tiles
-            of_place = begin[0][place], begin[1][place], sizes[place] if sizes.ndim else sizes
-            arguments = {name: value[place] for name, value in own.items()}
-            return march_lanes(program, (*of_place, arguments), counts[place] if counts.ndim else counts, every, room)
+            starts = begin[0][place], begin[1][place], sizes[place] if sizes.ndim else sizes
+            arguments = {name: value[place] for name, value in lane_values.items()}
+            return march_lanes(program, (*starts, arguments), counts[place] if counts.ndim else counts, every, room)
 
         result = _traced(bool(values), marched, plain)
         unsolved = result.status == NO_SOLUTION
@@ -318,18 +318,18 @@ def run(
             result = jax.tree.map(lambda all_, new: _replaced(all_, unsolved, new), result, again) if lanes else again
         motion = stability.taken_from(result.values) if watches else None
         if on_failure is not _SILENT:
-            of_begin = None if values else begin[:2]
-            _report_failures(result, equation, method, of_begin, sizes, on_failure, motion, part.start or 0)
+            lane_starts = None if values else begin[:2]
+            _report_failures(result, equation, method, lane_starts, sizes, on_failure, motion, part.start or 0)
         if motion is not None:
             _report_excess(result, method, motion, sizes, counts, part.start or 0)
         labels = Labels(equation, method, chosen)
         ds = labels.dataset(result, u0, v0, sizes, counts, every, room, bool(lanes))
         if not values:
             return ds
-        for of_first_lane in ("u0", "v0"):
-            ds.attrs.pop(of_first_lane, None)
+        for first_lane in ("u0", "v0"):
+            ds.attrs.pop(first_lane, None)
         return ds.assign_coords(
-            {name: (("lane", *(f"{name}_{axis}" for axis in range(1, x.ndim))), x) for name, x in own.items()}
+            {name: (("lane", *(f"{name}_{axis}" for axis in range(1, x.ndim))), x) for name, x in lane_values.items()}
         )
 
     if save is None:
@@ -341,7 +341,7 @@ def run(
         for x, n in ((start, np.ndim(equation.u0)), (velocity, np.ndim(equation.u0)), (step_size, 0))
     )
     arguments = {name: value[0] for name, value in values.items()}
-    of_lane = _traced(
+    lane = _traced(
         bool(values),
         Lane.traced,
         partial(March.of, scheme=method, observers=chosen, bound=limit),
@@ -351,7 +351,7 @@ def run(
         {"u0": start, "v0": velocity, "dt": step_size, "steps": count, "every": every, "samples": room} | values,
     )
     parts = save if isinstance(save, Parts) else Parts(save)
-    return parts.written(dataset, lanes, of_lane)
+    return parts.written(dataset, lanes, lane)
 
 
 def _traced(family: bool, trace: Callable, *arguments: Any) -> Any:
@@ -417,9 +417,9 @@ def _report_excess(
     excess = np.where(result.status == COMPLETED, stability.excess(scheme, motion, dt, steps), 0.0)
     if excess.any():
         lane = int(np.argmax(excess))
-        own = float(np.broadcast_to(dt, excess.shape).ravel()[lane])
+        step_size = float(np.broadcast_to(dt, excess.shape).ravel()[lane])
         where = f" in lane {first_lane + lane}" if np.ndim(excess) else ""
-        what = stability.sentence(scheme, motion.of_lane(lane), own, where)
+        what = stability.sentence(scheme, motion.of_lane(lane), step_size, where)
         warnings.warn(f"{what}; the run has completed, but its results may be wrong.", RuntimeWarning, stacklevel=4)
 
 

@@ -142,7 +142,7 @@ def _linearised(problem: Problem, u, v) -> tuple:
 def _about_places(problem: Problem, u, v) -> tuple:
     """The matrices, where K and C about u = 0 are zero if that is no equilibrium or need not be passed."""
     places: tuple = (u, v, problem.history), (jnp.zeros_like(u), jnp.zeros_like(v), problem.at_rest().history)
-    stacked = jax.tree.map(lambda *of_places: jnp.stack(of_places), *(places[:1] if problem.linear else places))
+    stacked = jax.tree.map(lambda *matrices: jnp.stack(matrices), *(places[:1] if problem.linear else places))
     mass, *tangents = lax.map(lambda place: _matrices(problem.remembering(place[2]), *place[:2]), stacked)
     if not problem.linear:
         pull, at_zero = (jnp.abs(problem.at_rest().static_force(x)).max() for x in (u, jnp.zeros_like(u)))
@@ -153,14 +153,14 @@ def _about_places(problem: Problem, u, v) -> tuple:
 
 def _matrices(problem: Problem, u, v) -> tuple:
     n = u.size
-    of_u = None if problem.linear else lambda u: problem.varying_force(u, v)
-    of_v = (lambda v: problem.varying_force(u, v)) if problem.takes_velocity else None
+    force_of_u = None if problem.linear else lambda u: problem.varying_force(u, v)
+    force_of_v = (lambda v: problem.varying_force(u, v)) if problem.takes_velocity else None
     if n <= FEW:
-        matrices = [dense(1.0 if problem.mass is None else problem.mass, n), _full(of_u, u, problem.stiffness)]
-        return *matrices, _full(of_v, v, problem.damping) if problem.damped else None
-    products = [partial(_times, of_u, u, problem.stiffness)]
+        matrices = [dense(1.0 if problem.mass is None else problem.mass, n), _full(force_of_u, u, problem.stiffness)]
+        return *matrices, _full(force_of_v, v, problem.damping) if problem.damped else None
+    products = [partial(_times, force_of_u, u, problem.stiffness)]
     if problem.damped:
-        products.append(partial(_times, of_v, v, problem.damping))
+        products.append(partial(_times, force_of_v, v, problem.damping))
     vectors = [_highest(problem, product, n) for product in products]
     sizes = [jnp.diag(jnp.stack([x @ product(x) for x in vectors])) for product in products]
     return jnp.eye(len(vectors)), sizes[0], sizes[1] if problem.damped else None
@@ -214,8 +214,8 @@ def _highest_of_tridiagonal(a, b):
     def is_above(x):
         """Whether x is above all eigenvalues: all pivots of the matrix minus x are negative."""
 
-        def pivot(before, of_row):
-            diagonal, square = of_row
+        def pivot(before, row):
+            diagonal, square = row
             now = diagonal - x - square / before
             return now, now < 0
 
@@ -356,13 +356,13 @@ def excess(scheme: Scheme, motion: SmallMotion, dt, steps) -> np.ndarray:
     """Largest (ω + c) Δt of the unstable modes of each lane, of the shape of dt; zero within the stability limit."""
     shape = np.broadcast_shapes(motion.mass.shape[:-3], np.shape(dt), np.shape(steps))
     near = np.broadcast_to(~(_highest_bound(motion) * dt <= SAFE * (scheme.stability_limit or 1.0)), shape)
-    found = np.zeros(shape)
+    largest = np.zeros(shape)
     if not near.any():
-        return found
+        return largest
     k, c = _modes(SmallMotion(*(np.broadcast_to(x, (*shape, *x.shape[-3:]))[near] for x in motion if x is not None)))
     dt, steps = (np.broadcast_to(np.broadcast_to(x, shape)[near][..., None], k.shape) for x in (dt, steps))
-    found[near] = np.where(_is_unstable(scheme, k, c, dt, steps), (np.sqrt(k) + np.abs(c)) * dt, 0.0).max(axis=-1)
-    return found
+    largest[near] = np.where(_is_unstable(scheme, k, c, dt, steps), (np.sqrt(k) + np.abs(c)) * dt, 0.0).max(axis=-1)
+    return largest
 
 
 def stable_part(scheme: Scheme, motion: SmallMotion, dt: float) -> tuple[float, int]:
@@ -375,24 +375,24 @@ def stable_part(scheme: Scheme, motion: SmallMotion, dt: float) -> tuple[float, 
         rows = np.broadcast_arrays(k, c, dt * parts[:, None], np.inf)
         return _is_unstable(scheme, *rows)
 
-    found = unstable(PARTS)
-    first = int(found.any(axis=1).argmax())
+    beyond = unstable(PARTS)
+    first = int(beyond.any(axis=1).argmax())
     if first == 0:
-        return 0.0, int(found[0].argmax())
+        return 0.0, int(beyond[0].argmax())
     low, high = PARTS[first - 1], PARTS[first]
     for _ in range(REFINEMENTS):
         finer = np.linspace(low, high, REFINED)
-        found = unstable(finer)
-        last = int(found.any(axis=1).argmax())
+        beyond = unstable(finer)
+        last = int(beyond.any(axis=1).argmax())
         low, high = finer[last - 1], finer[last]
-    return float(low), int(found[last].argmax())
+    return float(low), int(beyond[last].argmax())
 
 
-def sentence(scheme: Scheme, motion: SmallMotion, dt: float, of_lane: str = "") -> str:
+def sentence(scheme: Scheme, motion: SmallMotion, dt: float, suffix: str = "") -> str:
     """What exceeds the stability limit, the limit, and the step that would hold, without a full stop."""
     part, mode = stable_part(scheme, motion, dt)
     k, c = _modes(motion)
-    where = ("at the start" if mode < len(k) / len(motion.mass) else "about u = 0") + of_lane
+    where = ("at the start" if mode < len(k) / len(motion.mass) else "about u = 0") + suffix
     k, c = k[mode], c[mode]
     root = np.abs(np.roots([1.0, c, k])).max()
     overdamped = not c.imag and c.real**2 >= HEAVY * k
