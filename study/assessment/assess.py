@@ -19,8 +19,8 @@ from study.assessment.certified import KINKS, cases_of, certified, undeclared
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.deadline import Budget, OutOfTime, within
 from study.assessment.errors import DEFAULT
-from study.assessment.of_program import assess_program, narrowed
 from study.assessment.periods import highest_frequency_along, length_of, model_of, remark_on_record, slowest_period
+from study.assessment.program import assess_program, narrowed
 from study.assessment.progress import Progress
 from study.assessment.scales import lack_of_energy, measured, remarks_on_scales, with_reference
 from study.assessment.search import ENERGY, Search
@@ -331,7 +331,7 @@ def _assess_each(
         raise KeyboardInterrupt
     if not results:
         raise OutOfTime(late)
-    if left := [name for name in schemes if name not in results]:
+    if missing := [name for name in schemes if name not in results]:
         cause = "interrupted" if progress.stopped else "out of time"
-        warnings.warn(f"{cause}: {', '.join(left)} were not assessed.", RuntimeWarning, stacklevel=3)
+        warnings.warn(f"{cause}: {', '.join(missing)} were not assessed.", RuntimeWarning, stacklevel=3)
     return results

@@ -184,9 +184,9 @@ class Reference:
         ends = np.concatenate([[-np.inf], all_kinks, [np.inf]])
         after = np.searchsorted(ends, grid)
         distance = np.minimum(grid - ends[after - 1], ends[after] - grid)
-        kept = distance > 0.1 * np.minimum(np.diff(grid, prepend=-np.inf), np.diff(grid, append=np.inf))
-        kept[[0, -1]] = True
-        merged = np.union1d(grid[kept], all_kinks)
+        apart = distance > 0.1 * np.minimum(np.diff(grid, prepend=-np.inf), np.diff(grid, append=np.inf))
+        apart[[0, -1]] = True
+        merged = np.union1d(grid[apart], all_kinks)
         sparse = np.diff(np.searchsorted(merged, force_kinks)) < POINTS_BETWEEN_KINKS
         stretches = np.linspace(force_kinks[:-1], force_kinks[1:], POINTS_BETWEEN_KINKS + 1)
         return np.union1d(merged, stretches[:, sparse])

@@ -30,8 +30,8 @@ EMPHASISED = 6
 def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     """Sentences on the fastest scheme of each kind that keeps an error of a quantity; if none does, on the reasons."""
     table = of_assessment(assessed, error, quantity)
-    kept = table[table["step_size"].notna()]
-    if kept.empty:
+    suitable = table[table["step_size"].notna()]
+    if suitable.empty:
         reasons = ", ".join(sorted(set(table.verdict)))
         return f"No scheme was found to keep {percent(error)} of {quantity}: {reasons}."
     titles = dict(zip(assessed.scheme.values, assessed.scheme_title.values, strict=True))
@@ -41,7 +41,7 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
         f"{caveats(assessed, row)}"
         for row in firsts(table).itertuples()
     ]
-    ties = [titles[name] for name in kept.index[1:] if kept.ties_with_fastest[name]]
+    ties = [titles[name] for name in suitable.index[1:] if suitable.ties_with_fastest[name]]
     return f"For {percent(error)} of {quantity}: {'; '.join(best)}." + (
         f" Measured times do not distinguish it from {listed(ties)}; the number of evaluations decides." if ties else ""
     )

@@ -73,7 +73,7 @@ def needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
 
 def controlled(table: pd.DataFrame, titles: dict[str, str], error: str) -> str:
     """A table of the tolerances that keep an error; empty if there is no such tolerance."""
-    kept = table[table["tolerance"] > 0] if "tolerance" in table else table[:0]
+    suitable = table[table["tolerance"] > 0] if "tolerance" in table else table[:0]
     rows = [
         (
             titles[row.Index],
@@ -81,7 +81,7 @@ def controlled(table: pd.DataFrame, titles: dict[str, str], error: str) -> str:
             f"{row.controlled_force_evaluations:,.0f}",
             number(row.control_over_equal, 2),
         )
-        for row in kept.itertuples()
+        for row in suitable.itertuples()
     ]
     head = (f"controlled steps, {error}", "tolerance", "forces", "forces over forces with equal steps")
     return table_of(head, rows) if rows else ""
@@ -100,11 +100,11 @@ def answers(assessed: xr.Dataset, tables: list[pd.DataFrame], quantity: str, tit
     head += [f"controlled steps, {assessed.attrs['controller']}"] if "controller" in assessed.attrs else []
     rows = []
     for limit, table in zip(assessed.allowed_error.values, tables, strict=True):
-        asked = [of_own(assessed, table, name) for name in requested]
-        asked += [printed(of_controller(assessed, table))] if "tolerance" in table else []
+        cells = [of_own(assessed, table, name) for name in requested]
+        cells += [printed(of_controller(assessed, table))] if "tolerance" in table else []
         best = [f"{best_of(assessed, row)} ({row.kind})" for _, row in firsts(table).iterrows()]
         none = [f"no scheme was found ({listed(sorted(set(table.verdict)))})"]
-        rows.append((percent(limit), *asked, *[*(best or none), ""][:2]))
+        rows.append((percent(limit), *cells, *[*(best or none), ""][:2]))
     return table_of([*head, "best", "best of the other kind"], rows, text=tuple(range(1, len(head) + 2)))
 
 
