@@ -213,14 +213,14 @@ def of_problems(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     ``cost`` is the variable that decides: ``seconds`` from ``LARGE`` unknowns on, otherwise ``force_evaluations``.
     Times are NaN until they are measured.
     """
-    found = []
+    datasets = []
     for one in parts:
-        own = one.assign(_power_law(one.step_size)).sel(periods=one.decided, drop=True)
-        own = own.assign(seconds=own.step_size * np.nan)
-        own = own.assign_coords(cost="seconds" if one.unknowns >= LARGE else "force_evaluations")
-        of_scheme = [name for name in own.coords if name != "scheme" and "scheme" in own[name].dims]
-        found.append(own.drop_vars(of_scheme).expand_dims("problem"))
-    ds = xr.concat(found, "problem", join="outer", coords="all", compat="override", data_vars="all")
+        problem_needs = one.assign(_power_law(one.step_size)).sel(periods=one.decided, drop=True)
+        problem_needs = problem_needs.assign(seconds=problem_needs.step_size * np.nan)
+        problem_needs = problem_needs.assign_coords(cost="seconds" if one.unknowns >= LARGE else "force_evaluations")
+        labels = [name for name in problem_needs.coords if name != "scheme" and "scheme" in problem_needs[name].dims]
+        datasets.append(problem_needs.drop_vars(labels).expand_dims("problem"))
+    ds = xr.concat(datasets, "problem", join="outer", coords="all", compat="override", data_vars="all")
     return ds.assign(verdict=ds.verdict.fillna(NO_VALUE).astype(np.int8))
 
 
@@ -255,8 +255,8 @@ def decisions(needed: xr.Dataset) -> xr.Dataset:
     for condition, of_codes in FILTERS.values():
         admitted = needed.sel(condition=condition, drop=True)
         admitted = admitted.isel(scheme=np.flatnonzero((needed.in_codes == 1) | (not of_codes)))
-        of_kinds = [_decided(admitted.isel(scheme=np.flatnonzero(admitted.explicit == flag))) for flag in (1, 0)]
-        parts.append(xr.concat(of_kinds, _index(kind=KINDS)))
+        by_kind = [_decided(admitted.isel(scheme=np.flatnonzero(admitted.explicit == flag))) for flag in (1, 0)]
+        parts.append(xr.concat(by_kind, _index(kind=KINDS)))
     ds = xr.concat(parts, _index(filter=list(FILTERS)))
     return ds.transpose("problem", "quantity", "allowed_error", "kind", "filter")
 
@@ -266,13 +266,13 @@ def _decided(needed: xr.Dataset) -> xr.Dataset:
     ties = cost(needed) <= TIED * cost(needed).min("scheme")
     error = needed.largest_error.fillna(needed.error).where(ties).fillna(np.inf)
     place, exists = error.argmin("scheme"), ties.any("scheme")
-    kept = needed.drop_vars([str(name) for name in needed.coords if "scheme" in needed[name].dims])
-    found = kept.isel(scheme=place)
-    found = found.assign({name: found[name].where(exists) for name in found if name != "verdict"})
-    verdict = xr.where(exists, found.verdict, kept.verdict.min("scheme")).astype(np.int8)
+    numbers = needed.drop_vars([str(name) for name in needed.coords if "scheme" in needed[name].dims])
+    decision = numbers.isel(scheme=place)
+    decision = decision.assign({name: decision[name].where(exists) for name in decision if name != "verdict"})
+    verdict = xr.where(exists, decision.verdict, numbers.verdict.min("scheme")).astype(np.int8)
     for name in ("scheme", "scheme_title"):
-        found[name] = place.dims, np.where(exists, needed[name].values[place.values], "")
-    return found.assign(verdict=verdict, ties=ties.sum("scheme"))
+        decision[name] = place.dims, np.where(exists, needed[name].values[place.values], "")
+    return decision.assign(verdict=verdict, ties=ties.sum("scheme"))
 
 
 def ranked(needed: xr.Dataset) -> list[str]:
@@ -283,10 +283,10 @@ def ranked(needed: xr.Dataset) -> list[str]:
     """
     kinds = []
     for flag in (1, 0):
-        left, names = needed.isel(scheme=np.flatnonzero(needed.explicit == flag)), list[str]()
-        while left.step_size.notnull().any():
-            names.append(_decided(left).scheme.item())
-            left = left.drop_sel(scheme=names[-1])
+        remaining, names = needed.isel(scheme=np.flatnonzero(needed.explicit == flag)), list[str]()
+        while remaining.step_size.notnull().any():
+            names.append(_decided(remaining).scheme.item())
+            remaining = remaining.drop_sel(scheme=names[-1])
         kinds.append(names)
     costs = cost(needed).to_series()
     return sum(sorted(filter(None, kinds), key=lambda names: costs[names].min()), list[str]())
@@ -298,11 +298,11 @@ def dominated(measures: xr.DataArray, scheme: str, equal: float = 1e-6) -> list[
     ``measures`` has small numbers for good schemes, over (respect, scheme). Numbers within a relative and absolute
     difference of ``equal`` count as equal, and two infinities too.
     """
-    own = measures.sel(scheme=scheme).values
+    numbers = measures.sel(scheme=scheme).values
 
     def better(other: np.ndarray) -> bool:
         with np.errstate(invalid="ignore"):
-            close = np.isclose(other, own, rtol=equal, atol=equal)
-        return bool(((other < own) | close).all() and ((other < own) & ~close).any())
+            close = np.isclose(other, numbers, rtol=equal, atol=equal)
+        return bool(((other < numbers) | close).all() and ((other < numbers) & ~close).any())
 
     return [name for name in measures.scheme.values if name != scheme and better(measures.sel(scheme=name).values)]

@@ -131,14 +131,14 @@ def spectrum(
             steps=_counts(duration, dt),
             observe=[Peak(), Evaluations()],
         )
-        found = ds.peak.where(ds.status == 0).values.reshape(error.shape[1:])
-        error[s] = np.abs(found / exact.peak_drift.values - 1)
+        peaks = ds.peak.where(ds.status == 0).values.reshape(error.shape[1:])
+        error[s] = np.abs(peaks / exact.peak_drift.values - 1)
         for name, values in counts.items():
-            values[s] = (ds[name].values / _counts(duration, dt)).reshape(found.shape)
-    of_error = {"long_name": "relative error of the peak drift, at the steps and between them", "units": "1"}
-    of_runs = xr.Dataset(
+            values[s] = (ds[name].values / _counts(duration, dt)).reshape(peaks.shape)
+    error_attributes = {"long_name": "relative error of the peak drift, at the steps and between them", "units": "1"}
+    runs = xr.Dataset(
         {
-            "error": (("scheme", *dims), error, of_error),
+            "error": (("scheme", *dims), error, error_attributes),
             **{
                 f"{name}_per_step": (
                     ("scheme", *dims),
@@ -169,9 +169,9 @@ def spectrum(
         },
         attrs={"title": "Steps that schemes need for the peak drift of yielding oscillators under records"},
     )
-    kept = of_runs.error <= allowed_error
+    kept = runs.error <= allowed_error
     needed = [largest_size(some, "step_size") for some in (kept, kept[:, commensurate])]
     condition = xr.IndexVariable("condition", ["any_step", "practice"], {"long_name": "condition on the steps"})
     size = {"long_name": "largest step that keeps the error, as all finer ones do", "units": "s"}
     largest = xr.concat(needed, condition)
-    return of_runs.assign(largest_step_size=largest.where(largest > 0).assign_attrs(size)), as_runs(of_runs)
+    return runs.assign(largest_step_size=largest.where(largest > 0).assign_attrs(size)), as_runs(runs)
