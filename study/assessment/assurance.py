@@ -93,8 +93,8 @@ def reference_of(assessed: xr.Dataset) -> str:
             f"{attributes['witness']}; between the steps, {attributes['interpolation']}. They differ by {differences}."
         )
     return (
-        f"{attributes['reference']} and, independent of it, {attributes['witness']}, both with a relative tolerance of "
-        f"{attributes['reference_tolerance']:g}. They differ by {differences}."
+        f"The reference comes from {attributes['reference']} and, independently, {attributes['witness']}, both with a "
+        f"relative tolerance of {number(attributes['reference_tolerance'])}. They differ by {differences}."
     )
 
 

@@ -95,11 +95,13 @@ def curves(
     limits: Sequence[float] = (),
     emphasised: Sequence[str] | None = None,
     stable: xr.DataArray | None = None,
+    order: Sequence[str] = (),
 ) -> str:
     """Values of every scheme against the step sizes or times of its runs, as SVG; empty if there is nothing to draw.
 
-    Schemes that are not ``emphasised`` are grey; by default none is. A dotted line marks the step of each emphasised
-    scheme in ``stable``, its limit of stability.
+    Schemes that are not ``emphasised`` are grey; by default none is. Colours follow from the place in ``order``, by
+    default of the emphasised schemes, so that figures with one order agree. A dotted line marks the step of each
+    emphasised scheme in ``stable``, its limit of stability.
     """
     from matplotlib.figure import Figure
 
@@ -120,7 +122,7 @@ def curves(
         if name not in strong:
             axes.plot(worst.x, worst.y, color=PALE, lw=0.8)
             continue
-        s = strong.index(name)
+        s = list(order or strong).index(name)
         colour = COLOURS[s % len(COLOURS)]
         style: dict[str, Any] = {"color": colour, "marker": MARKERS[s % len(MARKERS)], "mfc": "none"}
         axes.plot(worst.x, worst.y, **style, ms=5, lw=1.4, markevery=IN_OCTAVE, label=str(selected.scheme_title.values))
@@ -169,8 +171,9 @@ def maps(assessed: xr.Dataset) -> str:
         axes.set_title(str(assessed.scheme_title.sel(scheme=name).values), fontsize=9)
     for axes in panels[assessed.sizes["scheme"] :]:
         axes.remove()
-    ticks = range(0, assessed.sizes["map_step_size"], max(1, assessed.sizes["map_step_size"] // 4))
+    ticks = range(0, assessed.sizes["map_step_size"], max(1, assessed.sizes["map_step_size"] // 3))
     panels[0].set_xticks(list(ticks), [f"{assessed.map_step_size.values[i]:.2g}" for i in ticks])
+    panels[0].invert_xaxis()
     panels[0].set_yticks(range(assessed.sizes["excitation"]), [f"{x:g}" for x in assessed.excitation.values])
     figure.supxlabel("step size, s", fontsize=10)
     figure.supylabel("multiple of start and load", fontsize=10)

@@ -29,6 +29,8 @@ ESTIMATE = 100, 40
 #: There are at least two points.
 STIFFEST = 100
 
+#: Round-off of the real or imaginary part of a root, as a part of its size.
+ROUND_OFF = 1e-9
 #: Largest number of unknowns of a problem whose damping ratios are computed.
 MOST_OF_DAMPING = 300
 
@@ -104,10 +106,12 @@ def _damping_ratios(problem: Problem) -> str:
     if not np.isfinite(u_rates).all() or not np.isfinite(v_rates).all():
         return ""
     roots = np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [u_rates, v_rates]]))
-    roots = roots[np.abs(roots.imag) > 1e-9 * np.abs(roots)]
+    roots = roots[np.abs(roots.imag) > ROUND_OFF * np.abs(roots)]
     if not roots.size:
         return "no small motion oscillates"
-    return f"damping ratios {span(np.abs(roots.real / np.abs(roots)), '.3g')}"
+    ratios = np.abs(roots.real / np.abs(roots))
+    ratios[ratios < ROUND_OFF] = 0.0
+    return f"damping ratios {span(ratios, '.3g')}" if ratios.any() else "no damping of small motions"
 
 
 def model_of(problem: Problem, duration: float, spacing: float | None) -> list[str]:

@@ -1,6 +1,8 @@
 """``study.report``: an assessment as one self-contained page of HTML."""
 
+import itertools
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -65,9 +67,12 @@ def tables_of(assessed: xr.Dataset, quantity: str) -> list[pd.DataFrame]:
 
 
 def emphasised(assessed: xr.Dataset, tables: list[pd.DataFrame]) -> list[str]:
-    """Schemes whose curves are emphasised: those that were asked for, then the first of each kind in each table."""
+    """Schemes whose curves are emphasised: those that were asked for, then the first of each kind in each table.
+
+    If there are none, they are the first schemes of the assessment.
+    """
     best = (name for table in tables for name in firsts(table).index)
-    return list(dict.fromkeys([*asked_for(assessed), *best]))[:EMPHASISED]
+    return (list(dict.fromkeys([*asked_for(assessed), *best])) or assessed.scheme.values.tolist())[:EMPHASISED]
 
 
 def _answer(assessed: xr.Dataset, quantity: str, titles: dict[str, str]) -> str:
@@ -83,19 +88,19 @@ def _answer(assessed: xr.Dataset, quantity: str, titles: dict[str, str]) -> str:
     return answers(assessed, tables, quantity, titles) + (f"<p>{text_of(' '.join(notes))}</p>" if notes else "")
 
 
-def _quantity_section(assessed: xr.Dataset, quantity: str, titles: dict[str, str]) -> list[str]:
-    """Errors of a quantity, and the steps that keep it, as parts of a page."""
+def _quantity_section(assessed: xr.Dataset, quantity: str, titles: dict[str, str], order: Sequence[str]) -> list[str]:
+    """Errors of a quantity, and the steps that keep it, as parts of a page; ``order`` sets the colours of schemes."""
     limits, values = assessed.allowed_error.values, assessed.error.sel(quantity=quantity)
     tables = tables_of(assessed, quantity)
-    strong = emphasised(assessed, tables) or assessed.scheme.values[:EMPHASISED].tolist()
+    strong = emphasised(assessed, tables)
     caption = (
         f"Worst error of {quantity} around each step, {assessed.relative_to.sel(quantity=quantity).item()}. Dashed: "
         f"allowed errors. In colour: {'your own, and ' * bool(asked_for(assessed))}the best of each kind."
     )
     stable = assessed.stable_step_size.sel(excitation=1.0) if "stable_step_size" in assessed else None
-    against_step = curves(assessed, assessed.step_size, "step size, s", values, "error", limits, strong, stable)
+    against_step = curves(assessed, assessed.step_size, "step size, s", values, "error", limits, strong, stable, order)
     times = times_of_runs(assessed)
-    against_time = curves(assessed, times, "time of a run, s", values, "error", limits, strong)
+    against_time = curves(assessed, times, "time of a run, s", values, "error", limits, strong, order=order)
     time_note = "." if "seconds_per_run" in assessed else ", which is its number of steps times the time of a step."
     parts = [
         f"<h2>Error of {text_of(quantity)}</h2>",
@@ -151,8 +156,10 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     drawn = next((svg for name in quantities if (svg := motion(assessed.sel(quantity=name)))), "")
     parts.append(f'<h2>Model and reference motion</h2><p>{model}</p><div class="pair">{values}')
     parts.append(f"{figure_of(drawn, 'The reference, and its largest value as a point.') if drawn else ''}</div>")
+    strong = (emphasised(assessed, tables_of(assessed, quantity)) for quantity in quantities)
+    order = list(dict.fromkeys(itertools.chain.from_iterable(strong)))
     for quantity in quantities:
-        parts += _quantity_section(assessed, quantity, titles)
+        parts += _quantity_section(assessed, quantity, titles, order)
     if np.isfinite(assessed.energy_imbalance).any():
         drawn = curves(assessed, assessed.step_size, "step size, s", assessed.energy_imbalance, "imbalance of energies")
         caption = "Largest error of the balance of energy, dissipation and work, relative to the energy put in."

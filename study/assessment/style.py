@@ -11,6 +11,7 @@ details { margin-top: .5rem; }
 .answer table { font-size: 1.1rem; }
 .answer td:nth-child(2) { font-weight: 700; }
 .answer td.text { min-width: 15rem; }
+.answer tr > :first-child { white-space: nowrap; }
 .tight, .pair table { font-size: .85rem; }
 .tight th, .tight td { padding: .2rem .4rem; }
 .tight td:nth-child(2) { text-align: left; color: #555; }

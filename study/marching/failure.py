@@ -45,7 +45,9 @@ def likely_cause(
     if stability.has_limit(scheme, problem):
         motion = stability.at_start(problem) if motion is None else motion
         if stability.excess(scheme, motion, dt, np.inf):
-            return f"{stability.sentence(scheme, motion, dt)}; take smaller steps or an implicit scheme."
+            stable, _ = stability.stable_part(scheme, motion, dt)
+            remedy = "smaller steps or an implicit scheme" if stable else "another scheme, or steps of little growth"
+            return f"{stability.sentence(scheme, motion, dt)}; take {remedy}."
     modes = frequencies(problem)
     highest = None if modes is None else modes[-1]
     beyond = ", and may be larger beyond the kinks of the force" if problem.kinked else ""

@@ -404,7 +404,7 @@ def sentence(scheme: Scheme, motion: SmallMotion, dt: float, suffix: str = "") -
         digits += 1
     ratio = f" with the damping ratio {c.real / 2 / np.sqrt(k):.3g}" if c.real and k and not overdamped else ""
     if not part:
-        return f"'{scheme.title}' amplifies small motions with {name} = {value:.4g} {where}{ratio} at every step"
+        return f"'{scheme.title}' amplifies small motions at every step, here with {name} = {value:.4g} {where}{ratio}"
     return (
         f"{name} = {value:.{digits}g} {where} exceeds {limit:.{digits}g}, the stability limit of "
         f"'{scheme.title}'{ratio}, which allows steps up to {step_size(dt * part, digits=digits)}"

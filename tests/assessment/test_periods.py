@@ -20,6 +20,8 @@ def test_a_chain_is_described_by_its_periods_and_damping_ratios():
     ]
     through_force = study.Problem(lambda u, v: u + 0.4 * v, 1.0)
     assert model_of(through_force, 1.0, None)[1] == "damping ratios 0.2; no load"
+    drag = study.Problem(lambda u, v: u + 0.4 * v * abs(v), 1.0)
+    assert model_of(drag, 1.0, None)[1] == "no damping of small motions; no load"
     overdamped = study.Problem(lambda u: u, 1.0, damping=3.0)
     assert model_of(overdamped, 1.0, None)[1] == "no small motion oscillates; no load"
     assert model_of(study.Problem(lambda u: -u, 1.0, damping=0.1), 2.0, None)[0] == "1 unknown, 2 s"

@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 
 import study
 from study.__main__ import main
+from study.assessment.drawing import COLOURS, curves
 from study.assessment.report import emphasised, page, tables_of
 from study.mechanics.definition import Problem
 from study.user_files import Unloadable, load
@@ -93,6 +94,16 @@ def test_your_own_scheme_stands_before_the_best_and_its_curve_is_emphasised(asse
     tables = tables_of(ds, "displacement")
     assert emphasised(ds, tables) == ["newmark", "rk4"]
     assert emphasised(ds.assign_attrs(asked_for=""), tables)[0] == "rk4"
+
+
+def test_a_scheme_has_one_colour_in_all_figures_of_a_page(assessed):
+    ds = xr.load_dataset(assessed[0].with_suffix(".nc"))
+    names = ds.scheme.values.tolist()
+    for place, name in enumerate(names):
+        drawn = curves(
+            ds, ds.step_size, "step", ds.error.isel(quantity=0), "error", emphasised=[name], order=["?", *names]
+        )
+        assert [colour for colour in COLOURS[1:] if colour in drawn] == [COLOURS[place + 1]]
 
 
 def test_the_drawn_motion_is_the_motion(assessed):

@@ -11,6 +11,8 @@ from jax.experimental.sparse import BCOO
 
 import study
 from study.marching import stability
+from study.marching.failure import likely_cause
+from study.marching.result import NOT_FINITE
 from study.marching.run import sweep
 
 #: Positive solution z of z⁴/24 − z³/6 + z²/2 − z + 1 = 1: rk4 is stable on u̇ = −c u up to cΔt = z.
@@ -201,6 +203,17 @@ def test_an_unstable_scheme_is_reported_if_it_amplifies_the_motion():
     # the roots of the scheme have the size 1 + Ω⁶/288 or less, so that 1000 steps with Ω = 0.1 change nothing
     assert not warned(oscillator(1.0), "dormand_prince6", dt=0.1, steps=1000)
     assert "at every step" in warned(oscillator(1.0), "dormand_prince6", dt=2.0, steps=1000)
+
+
+@pytest.mark.parametrize(
+    "name, remedy",
+    [
+        ("dormand_prince6", "take another scheme, or steps of little growth."),
+        ("central_difference", "take smaller steps or an implicit scheme."),
+    ],
+)
+def test_smaller_steps_are_no_remedy_if_no_step_is_stable(name, remedy):
+    assert likely_cause(oscillator(1.0), study.schemes[name], NOT_FINITE, 3.0).endswith(remedy)
 
 
 def test_in_single_precision_a_step_at_the_limit_holds():
