@@ -77,12 +77,13 @@ class _LogLabels(LogFormatterSciNotation):
     """Labels of a logarithmic axis: plain numbers where they are short, otherwise powers with legible exponents."""
 
     def format_ticks(self, values: Sequence[float]) -> list[str]:
-        labels, (low, high) = super().format_ticks(values), sorted(self.axis.get_view_interval())
+        axis: Any = self.axis
+        labels, (low, high) = super().format_ticks(values), sorted(axis.get_view_interval())
         plain = _PLAIN[0] < low and high < _PLAIN[1]
-        size, name = plt.rcParams["font.size"], self.axis.axis_name
+        size, name = plt.rcParams["font.size"], axis.axis_name
         # panels with a common axis share this object, which belongs to the axis of one of them
-        shared = getattr(self.axis.axes, f"get_shared_{name}_axes")()
-        for axes in shared.get_siblings(self.axis.axes):
+        shared = getattr(axis.axes, f"get_shared_{name}_axes")()
+        for axes in shared.get_siblings(axis.axes):
             axes.tick_params(name, which="both", labelsize=size if plain else size / _EXPONENT)
         return [f"{value:g}" if plain and label else label for value, label in zip(values, labels, strict=True)]
 

@@ -40,7 +40,7 @@ def _smallest(text: Text) -> float:
     formulas = [line for line in text.get_text().split("\n") if "$" in line]
     font = FontProperties(size=text.get_fontsize())
     glyphs = [glyph for line in formulas for glyph in MathTextParser("path").parse(line, 72, font).glyphs]
-    return min([text.get_fontsize()] + [size for _, size, *_ in glyphs])
+    return float(min([text.get_fontsize(), *(size for _, size, *_ in glyphs)]))
 
 
 def printed(figure: Figure) -> list[Printed]:
