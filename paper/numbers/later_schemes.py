@@ -6,7 +6,7 @@ import xarray as xr
 from paper.claims.later_schemes_in_motion import excess_of_tangent
 from paper.claims.ledger import Verdict
 from paper.products import numbers
-from paper.tables.decision import TABULATED
+from study.runs.needs import DECIDED
 
 #: Schemes with a model of the structure in their coefficients. Their claims of stability are judged together.
 WITH_MODEL = ("chen_ricles", "chang", "kr_alpha")
@@ -92,7 +92,7 @@ def _later(decisions: xr.Dataset, needs: xr.Dataset) -> dict[str, str]:
     """Share of later schemes among the schemes that the table of decisions names, by kind, such as "3 of 20"."""
     years = needs.scheme_source.to_series().str.extract(r"\((\d{4})", expand=False).astype(int)
     counts = {}
-    tabulated = decisions.sel(filter="all", quantity=[name for name in TABULATED if name in decisions.quantity])
+    tabulated = decisions.sel(filter="all", quantity=[name for name in DECIDED if name in decisions.quantity])
     for kind in decisions.kind.values:
         chosen = [name for name in tabulated.scheme.sel(kind=kind).values.ravel() if name]
         counts[f"later_{kind}"] = f"{(years[chosen] > YEAR).sum()} of {len(chosen)}"
