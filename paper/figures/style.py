@@ -2,7 +2,7 @@
 
 import os
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from functools import partial
 from io import BytesIO
 from pathlib import Path
@@ -76,7 +76,7 @@ _STYLE_NUMBERS = {
 class _LogLabels(LogFormatterSciNotation):
     """Labels of a logarithmic axis: plain numbers where they are short, otherwise powers with legible exponents."""
 
-    def format_ticks(self, values: Sequence[float]) -> list[str]:
+    def format_ticks(self, values: list[float]) -> list[str]:
         axis: Any = self.axis
         labels, (low, high) = super().format_ticks(values), sorted(axis.get_view_interval())
         plain = _PLAIN[0] < low and high < _PLAIN[1]

@@ -95,5 +95,5 @@ def test_a_median_over_collapses_is_no_drift_and_is_named():
 def test_a_period_at_which_one_variant_collapses_has_no_change_of_drift():
     drift = _moves(0.01).peak_drift
     collapsing = drift.where((drift.variant != "damping") | (drift.record == "a"), np.inf)
-    assert of_medians(collapsing).to_array().isnull().all() and of_choices(collapsing, 4).isnull().all()
-    assert of_medians(drift).change.notnull().all() and of_choices(drift, 4).notnull().all()
+    assert median_changes(collapsing).to_array().isnull().all() and choice_spread(collapsing, 4).isnull().all()
+    assert median_changes(drift).change.notnull().all() and choice_spread(drift, 4).notnull().all()
