@@ -29,6 +29,8 @@ BOUNCE = float(
     2 * np.sqrt(2 * _HEIGHT / _GRAVITY)
     + 2 * (np.pi - np.arctan(np.sqrt(2 * _GRAVITY * _HEIGHT) * _CONTACT / _GRAVITY)) / _CONTACT
 )
+#: Time in s by which steps of the named oscillators are counted.
+SCALES = dict.fromkeys(("yielding", "hysteretic", "belt", "shaken", "pulse"), PERIOD) | {"bouncing": BOUNCE}
 
 #: Time in s between two samples of the ground motions.
 SPACING = 0.02

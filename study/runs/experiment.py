@@ -15,7 +15,7 @@ from study.assessment.periods import highest_frequency_along
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Checked, Count, ProblemName, Schemes, Tolerances, rising, section
 from study.marching.result import STATUSES_OR_NOT_RUN
-from study.problem.inelastic import BOUNCE, PERIOD
+from study.problem.inelastic import SCALES
 from study.problem.named import approximate_periods, problems, time_scales
 from study.program.confirmation import CERTAIN, Limit
 from study.runs.measured import Motion, Start, measured
@@ -68,6 +68,8 @@ def _jobs(options: Options) -> dict[str, Options]:
 def _check(options: Options, configuration: Mapping) -> str | None:
     if options["decided"] not in options["periods"]:
         return f"problems.{options['problem']}.decided: {options['decided']:g} is not one of the periods."
+    if options["problem"] not in approximate_periods | SCALES | time_scales:
+        return f"problems.{options['problem']}: its steps cannot be counted; declare a time_scale with @named."
     return None
 
 
@@ -85,7 +87,7 @@ def time_scale(problem: str) -> float:
     """Time by which steps are counted, in s: exact period of a spring, or the time scale of another problem."""
     if problem in approximate_periods:
         return io.open_dataset(f"reference/{problem}").period.item()
-    return {"bouncing": BOUNCE, **time_scales}.get(problem, PERIOD)
+    return (SCALES | time_scales)[problem]
 
 
 class _Ladder:

@@ -91,6 +91,16 @@ def test_numbers_of_steps_have_two_digits():
     assert 1 in OF_SPACING and min(OF_SPACING) == 1 / 40
 
 
+def test_every_problem_has_a_time_by_which_steps_are_counted(monkeypatch):
+    """Without one, the steps would be counted in an arbitrary time, so the configuration is refused."""
+    options = {"problem": "shaken", "periods": [1.0], "decided": 1.0}
+    assert experiment._check(options, {}) is None
+    monkeypatch.setattr(experiment, "SCALES", {})
+    assert experiment._check(options, {}) == (
+        "problems.shaken: its steps cannot be counted; declare a time_scale with @named."
+    )
+
+
 def test_the_bouncing_mass_returns_after_its_period():
     assert time_scale("bouncing") == BOUNCE
     ds = study.run("bouncing", "rk4", dt=BOUNCE / 20_000, steps=20_000)
