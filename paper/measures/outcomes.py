@@ -35,7 +35,8 @@ def fewest_steps(atlas: xr.Dataset, allowed_error: float) -> xr.DataArray:
     """
     kept = (atlas.max_energy_error <= allowed_error).all("amplitude")
     largest = largest_size(kept, "step_size_over_period")
-    return np.ceil(1 / largest.where(largest > 0) - 1e-9)
+    steps = 1 / largest.where(largest > 0)
+    return steps.copy(data=np.ceil(steps.values - 1e-9))
 
 
 def most_steps(atlas: xr.Dataset) -> str:

@@ -30,11 +30,12 @@ def test_a_map_is_chaotic_by_its_exponent_and_its_perturbation(a_step, apart, ho
 )
 def test_a_twentieth_is_reasonable_where_twenty_steps_suffice(steps, holds, reason):
     problems = ["hardening", "softening", "double_well"]
-    needed = filled(
-        99.0, problem=problems, scheme=["average_acceleration"], allowed_error=[0.01, 0.1], periods=[10, 100]
-    )
-    needed.loc[{"allowed_error": 0.1, "periods": 100}] = np.reshape(steps, (3, 1))
-    data = xr.Dataset({"fewest_steps_per_period": needed, "most_steps_per_period": 128})
+    along = {"problem": problems, "scheme": ["average_acceleration"], "amplitude": [0.1, 1.0]}
+    error = filled(0.01, **along, step_size_over_period=[1 / 128, 1 / 32, 1 / 21, 1 / 20, 1 / 10])
+    for problem, most in zip(problems, steps, strict=True):
+        too_large = error.step_size_over_period > 1 / most if most > 0 else error.step_size_over_period > 0
+        error.loc[{"problem": problem, "amplitude": 1.0}] += 0.1 * too_large
+    data = xr.Dataset({"max_energy_error": error})
     finding = stability.a_twentieth_at_every_amplitude(data)
     assert (finding.holds, finding.qualification) == (holds, reason)
     assert ("more than 128" in finding.ours) == bool(np.isnan(steps).any())
