@@ -1,6 +1,7 @@
 """Errors and costs at many step sizes, on an oscillator under a pulse, whose motion has a closed form."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -156,7 +157,7 @@ def test_with_kinks_all_steps_that_confirm_a_need_are_run_from_all_starts(monkey
 
     monkeypatch.setattr(experiment, "measured", measured)
     motion = SimpleNamespace(sampled=False, spacing=np.nan, names=["displacement"], own="own", kinked=kinked)
-    ladder = experiment._Ladder(None, motion, 1.0, [1.0], 1.0)
+    ladder: Any = experiment._Ladder(None, motion, 1.0, [1.0], 1.0)
     ladder.search([("displacement", 0.01)], 1000, ["other"])
     ((found, coarser),) = ladder.needed([("displacement", 0.01)])
     assert found == need and coarser < need
