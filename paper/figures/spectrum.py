@@ -49,9 +49,9 @@ def draw(spectrum: xr.Dataset) -> Figure:
     left[0].set_ylabel("sufficient step (ms)")
     share, off = 100 * share_beyond(spectrum), spectrum.divides.values == 0
     for place, (name, look) in enumerate(curves.items()):
-        of_scheme, steps = share.sel(scheme=name), 1e3 * spectrum.step_size
-        right.plot(steps[off], of_scheme[off], **look | {"marker": ""})
-        right.plot(steps[~off], of_scheme[~off], **look | {"linestyle": "", "markersize": thinned(6, 1.3, place)})
+        shares, steps = share.sel(scheme=name), 1e3 * spectrum.step_size
+        right.plot(steps[off], shares[off], **look | {"marker": ""})
+        right.plot(steps[~off], shares[~off], **look | {"linestyle": "", "markersize": thinned(6, 1.3, place)})
     right.axvline(spacing, color="0.85", linewidth=2.5, zorder=0)
     right.set(xscale="log", xlabel="step (ms)", xlim=(spacing / 4.2, 4.2 * spacing))
     right.set_ylabel(f"runs beyond {100 * spectrum.allowed_error.item():g} % (%)")

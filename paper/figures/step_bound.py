@@ -31,8 +31,8 @@ def draw(bound: xr.Dataset) -> Figure:
     by_potential.set(xlabel="energy error over the square of ωΔt", xlim=(0, None))
     by_potential.set_yticks(range(len(names)), names)
     by_potential.invert_yaxis()
-    of_periods = 100 * predicted.sel(quantity="period")
-    ends = [of_periods.min(), of_periods.max()]
+    period_errors = 100 * predicted.sel(quantity="period")
+    ends = [period_errors.min(), period_errors.max()]
     measured.plot(ends, ends, color="0.6", linewidth=0.8, label="measured as predicted")
     measured.set(xscale="log", yscale="log", xlabel="predicted period error (%)", ylabel="measured period error (%)")
     letter(by_potential, 0, "energy")

@@ -22,14 +22,14 @@ EXPONENTS = {
 @numbers(growth="error_growth")
 def of_error_growth(growth: xr.Dataset) -> dict:
     """Exponents of growth, and the cases in which an extrapolated step keeps the error."""
-    found = {}
+    entries = {}
     for name, (measure, keeps) in EXPONENTS.items():
         values = exponents(growth.isel(scheme=np.flatnonzero(growth.keeps_energy == keeps)), measure).values
-        found[name] = span(values[np.isfinite(values)]) if np.isfinite(values).any() else None
+        entries[name] = span(values[np.isfinite(values)]) if np.isfinite(values).any() else None
     ratio = (growth.extrapolated_error / growth.allowed_error).values[
         growth.extrapolated_steps_per_period.notnull().values
     ]
-    return found | {
+    return entries | {
         "growth_schemes": growth.sizes["scheme"],
         "growth_longest": f"{growth.periods.values[-1].item():,}",
         "growth_known": f"{growth.known.item():,}",

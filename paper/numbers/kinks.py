@@ -31,8 +31,8 @@ def of_kinks(kinks: xr.Dataset, reference: xr.Dataset) -> dict:
     """Observed orders with kinks, and the gain in accuracy that Runge-Kutta keeps, at steps that resolve the motion."""
     kinks = kinks.isel(steps_per_period=np.flatnonzero(kinks.steps_per_period.values >= RESOLVED))
     coarsest = kinks.isel(steps_per_period=0)
-    of_two = [name for name in kinks.scheme.values if kinks.order.sel(scheme=name) >= 2]
-    of_rk4 = kinks.observed_order.sel(scheme="rk4", problem=KINKED)
+    second_order = [name for name in kinks.scheme.values if kinks.order.sel(scheme=name) >= 2]
+    rk4_order = kinks.observed_order.sel(scheme="rk4", problem=KINKED)
     average, rk4 = (kinks.error.sel(scheme=name) for name in ("average_acceleration", "rk4"))
     gain = {p: (average / rk4).sel(problem=p) for p in ("hardening", *KINKED)}
     equal = {p: at_equal_forces(kinks).sel(problem=p) for p in KINKED}
@@ -46,7 +46,7 @@ def of_kinks(kinks: xr.Dataset, reference: xr.Dataset) -> dict:
         "momentum_method_needs_a_potential": bool(
             "energy_momentum" in kinks.scheme and dissipating.sel(scheme="energy_momentum").isnull().all()
         ),
-        "order_lost_on_kinks": bool((of_rk4 < LOST).all()),
+        "order_lost_on_kinks": bool((rk4_order < LOST).all()),
         "accuracy_kept_on_kinks": all(bool((gain[p] > GAINED).all()) for p in KINKED),
         **{f"kinks_equal_{p}": span(ratio, ".2g") for p, ratio in equal.items()},
         "kinks_highest_order": f"{float(highest):.0f}",
@@ -66,7 +66,7 @@ def of_kinks(kinks: xr.Dataset, reference: xr.Dataset) -> dict:
         "kinks_spacing_parts": f"{int(kinks.steps_per_spacing[0])}",
         "kinks_yoshida": _orders(kinks, "yielding", "yoshida4"),
         "kinks_average": _orders(kinks, "yielding", "average_acceleration"),
-        "kinks_bouncing": _orders(kinks, "bouncing", *of_two),
+        "kinks_bouncing": _orders(kinks, "bouncing", *second_order),
         "kinks_steps": int(kinks.steps_per_period[0]),
         "kinks_finest": f"{int(kinks.steps_per_period[-1]):,}",
         "kinks_gain_smooth": f"{gain['hardening'][0].item():.0f}",

@@ -33,12 +33,12 @@ def of_record_error(errors: xr.Dataset) -> dict:
     def within(error):
         """Share of the runs within the prediction, with Student's interval of its mean over the records."""
         kept = (error <= law).where(runs)
-        of_records = kept.mean(["period", "ratio"]).values
-        half = student.ppf(0.975, len(of_records) - 1) * of_records.std(ddof=1) / np.sqrt(len(of_records))
+        record_means = kept.mean(["period", "ratio"]).values
+        half = student.ppf(0.975, len(record_means) - 1) * record_means.std(ddof=1) / np.sqrt(len(record_means))
         mean = kept.mean().item()
         return share_with(mean, max(mean - half, 0), min(mean + half, 1))
 
-    found = {
+    entries = {
         "record_error_records": errors.sizes["record"],
         # without El Centro, which is always a record
         "record_error_own": int((~stochastic).sum()) - 1 or None,
@@ -57,11 +57,11 @@ def of_record_error(errors: xr.Dataset) -> dict:
         "record_error_one_curve": scatters["law"] < ONE_CURVE < min(scatters["step"], scatters["power"]),
     }
     for load in ("samples", "averages"):
-        found[f"record_error_{load}_most"] = number(over_period(errors, load), 2)
+        entries[f"record_error_{load}_most"] = number(over_period(errors, load), 2)
     for name, value in scatters.items():
-        found[f"record_error_scatter_{name}"] = f"{value:.2f}"
+        entries[f"record_error_scatter_{name}"] = f"{value:.2f}"
     of = errors.sel(scheme="rk4")
-    found["record_error_rk4_dividing"] = f"{order(of, 'samples', True):.1f}"
-    found["record_error_rk4_passing"] = f"{order(of, 'samples', False):.1f}"
-    found["record_error_rk4_averaged"] = f"{order(of, 'averages', False):.1f}"
-    return found
+    entries["record_error_rk4_dividing"] = f"{order(of, 'samples', True):.1f}"
+    entries["record_error_rk4_passing"] = f"{order(of, 'samples', False):.1f}"
+    entries["record_error_rk4_averaged"] = f"{order(of, 'averages', False):.1f}"
+    return entries

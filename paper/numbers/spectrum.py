@@ -31,7 +31,7 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
     """Steps that suffice under all records, among commensurate and among all steps; shares of runs beyond the error."""
     needed = spectrum.largest_step_size.min(["record", "reduction"], skipna=False)
     at_spacing, between = (of(spectrum, "average_acceleration") for of in (beyond_at_the_spacing, beyond_between))
-    found = {
+    entries = {
         "spectrum_records": str(spectrum.sizes["record"]),
         "spectrum_stochastic": str(spectrum.sizes["record"] - 1),
         "spectrum_spacing": f"{1e3 * spectrum.spacing.item():g}",
@@ -45,14 +45,14 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
         "dividing_matters": bool(at_spacing.mean() < between.mean()),
     }
     for short, scheme in (("average", "average_acceleration"), ("rk4", "rk4")):
-        of_scheme = needed.sel(scheme=scheme)
+        sizes = needed.sel(scheme=scheme)
         for name, condition in (("dividing", "practice"), ("any", "any_step")):
-            long = of_scheme.sel(condition=condition, period=spectrum.period >= LONG)
-            found[f"spectrum_{short}_{name}"] = span(1e3 * long, ".2g")
-            found[f"spectrum_{short}_{name}_steps"] = span(long.period / long, ".0f")
-            found[f"spectrum_{short}_{name}_short"] = (
-                f"{SHORT / of_scheme.sel(condition=condition, period=SHORT).item():.0f}"
+            long = sizes.sel(condition=condition, period=spectrum.period >= LONG)
+            entries[f"spectrum_{short}_{name}"] = span(1e3 * long, ".2g")
+            entries[f"spectrum_{short}_{name}_steps"] = span(long.period / long, ".0f")
+            entries[f"spectrum_{short}_{name}_short"] = (
+                f"{SHORT / sizes.sel(condition=condition, period=SHORT).item():.0f}"
             )
-        found[f"spectrum_{short}_at_spacing"] = with_interval(beyond_at_the_spacing(spectrum, scheme))
-        found[f"spectrum_{short}_between"] = with_interval(beyond_between(spectrum, scheme))
-    return found
+        entries[f"spectrum_{short}_at_spacing"] = with_interval(beyond_at_the_spacing(spectrum, scheme))
+        entries[f"spectrum_{short}_between"] = with_interval(beyond_between(spectrum, scheme))
+    return entries

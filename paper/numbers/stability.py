@@ -34,10 +34,10 @@ def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str
     limits = spectral.stability_limit.sel(damping_ratio=0.0, scheme=atlas.scheme)
     explicit = atlas.isel(scheme=np.flatnonzero((atlas.explicit.values == 1) & np.isfinite(limits.values)))
     limit = limits.sel(scheme=explicit.scheme)
-    left = explicit.step_size_over_period * explicit.period * explicit.highest_frequency < limit
+    below = explicit.step_size_over_period * explicit.period * explicit.highest_frequency < limit
     lost = sum(is_outcome(explicit, name) for name in FAILURES) > 0
     dims = ["scheme", "amplitude", "step_size_over_period"]
-    return by_name((lost & left).sum(dims) / left.sum(dims))
+    return by_name((lost & below).sum(dims) / below.sum(dims))
 
 
 @numbers(
@@ -74,10 +74,10 @@ def of_stability(
     in_chaos = roots.steps_together.where((roots.step_size >= onset) & (roots.step_size < several))
     lost_left = _lost_left_of_the_limit(atlas, spectral)
     fewest = fewest_steps(atlas, 0.1)
-    of_average = fewest.sel(scheme="average_acceleration")
+    average_steps = fewest.sel(scheme="average_acceleration")
     tables = 100 * energy_error.max_energy_error.sel(period_used="printed", steps_per_period=20)
     of_both = tables.sel(problem=PROBLEMS, scheme=FAITHFUL)
-    at_all_amplitudes = of_average.fillna(np.inf)
+    at_all_amplitudes = average_steps.fillna(np.inf)
     twenty = fewest.sel(problem="hardening") <= 20
     near = near_1996(atlas)
     by_scheme = {
@@ -108,7 +108,7 @@ def of_stability(
         ),
         **{
             f"needed_{name}": f"{value:.0f}" if np.isfinite(value) else most_steps(atlas)
-            for name, value in by_name(of_average).items()
+            for name, value in by_name(average_steps).items()
         },
         "needed_twenty": ", ".join(atlas.scheme_title.values[twenty.values]) or "none",
     }

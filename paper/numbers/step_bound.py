@@ -18,7 +18,7 @@ def of_step_bound(bound: xr.Dataset, rule: xr.Dataset) -> dict:
     close = confirmed(bound)
     periods = bound.coefficient.sel(quantity="period")
     ratio = periods.sel(scheme="average_acceleration") / periods.sel(scheme="central_difference")
-    found = {
+    values = {
         "bound_potentials": len(np.unique(bound.potential)),
         "bound_motions": bound.sizes["motion"],
         "bound_error": f"{100 * bound.allowed_error.item():g}",
@@ -37,5 +37,5 @@ def of_step_bound(bound: xr.Dataset, rule: xr.Dataset) -> dict:
     }
     for name in SCHEMES:
         convex = bound.convex_coefficient.sel(scheme=name).item()
-        found[f"bound_convex_{name}"] = f"{math.floor(100 * math.sqrt(bound.allowed_error.item() / convex)) / 100:.2f}"
-    return found
+        values[f"bound_convex_{name}"] = f"{math.floor(100 * math.sqrt(bound.allowed_error.item() / convex)) / 100:.2f}"
+    return values

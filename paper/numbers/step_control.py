@@ -42,8 +42,8 @@ def of_step_control(
 ) -> dict:
     """Ratios of estimates to true errors, drift of the energy, and the tables of 1996 with controlled steps."""
     finest = estimates.sel(problem=PROBLEM, scheme=SCHEME).isel(steps_per_period=-1)
-    of_u = finest.estimate / finest.true_displacement_error
-    of_both = finest.estimate / finest.true_error
+    displacement = finest.estimate / finest.true_displacement_error
+    state = finest.estimate / finest.true_error
     grown = growth(step_control).sel(problem=PROBLEM)
     history = 100 * step_control.max_energy_error_of_period.sel(problem=PROBLEM).isel(period=-1)
     cell = {"steps_per_period": CELL, "scheme": SCHEME}
@@ -58,13 +58,13 @@ def of_step_control(
         on_stiff = (stiff.estimate / stiff.true_error).item()
     others = [one for one in ("pi", "dead_band") if one in grown.with_equal]
     return {
-        "control_zx_displacement": f"{of_u.sel(estimator='zienkiewicz_xie').item():.2f}",
-        "control_zx_state": f"{of_both.sel(estimator='zienkiewicz_xie').item():.2f}",
+        "control_zx_displacement": f"{displacement.sel(estimator='zienkiewicz_xie').item():.2f}",
+        "control_zx_state": f"{state.sel(estimator='zienkiewicz_xie').item():.2f}",
         "control_zx_least": f"{finest.ratio.sel(estimator='zienkiewicz_xie').min().item():.2f}",
         "control_zx_stiff": None if on_stiff is None else f"{on_stiff:.2g}",
         "control_zx_is_fooled": on_stiff is not None and bool(on_stiff > FOOLED),
-        "control_three_point": f"{of_both.sel(estimator='three_point').item():.2f}",
-        "control_residual": f"{of_both.sel(estimator='half_step_residual').item():.0f}",
+        "control_three_point": f"{state.sel(estimator='three_point').item():.2f}",
+        "control_residual": f"{state.sel(estimator='half_step_residual').item():.0f}",
         "control_finest": int(estimates.steps_per_period[-1]),
         "control_periods": step_control.attrs["periods"],
         "control_steps": f"{_steps(step_control):.0f}",

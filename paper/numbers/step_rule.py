@@ -24,7 +24,7 @@ def of_step_rule(rule: xr.Dataset) -> dict:
     everywhere_safe, most = safe.min(everywhere), safe.max(everywhere)
     fewest, finest = steps.min(everywhere), steps.max(everywhere)
     ratio = most / everywhere_safe
-    found = {
+    entries = {
         "rule_error": f"{100 * ERROR:g}",
         "rule_periods": f"{rule.periods.item():,}",
         "rule_amplitudes": rule.sizes["amplitude"],
@@ -34,10 +34,10 @@ def of_step_rule(rule: xr.Dataset) -> dict:
         "rule_exceptions": ", ".join(rule.scheme_title.values[(ratio > NO_RULE).values]) or "none",
     }
     for name in SCHEMES:
-        found |= {
+        entries |= {
             f"rule_below_{name}": f"{math.floor(100 * everywhere_safe.sel(scheme=name).item()) / 100:.2f}",
             f"rule_most_{name}": f"{most.sel(scheme=name).item():.2f}",
             f"rule_steps_{name}": f"{number(fewest.sel(scheme=name).item(), 2)} to "
             + number(finest.sel(scheme=name).item(), 2),
         }
-    return found
+    return entries

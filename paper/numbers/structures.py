@@ -109,11 +109,11 @@ def of_structures(
     most_steps_per_period = by_name(fails_to(runs))
     alternating = sawtooth(stiff_soft.v.isel(component=0))
     change = by_name(100 * long_times.max_sum_change)
-    own, exact = (
+    numerical, exact = (
         long_times[[f"{prefix}oscillatory_energy_{spring}" for spring in (1, 2, 3)]].to_dataarray().sum("variable")
         for prefix in ("", "reference_")
     )
-    exact_change = 100 * abs(exact / own.isel(t=0, scheme=0) - 1).max().item()
+    exact_change = 100 * abs(exact / numerical.isel(t=0, scheme=0) - 1).max().item()
     turning = [stiff_bar, stiff_truss]
     fails = ~runs.sel(scheme="average_acceleration")
     finest_failing = fails.steps_per_period.where(fails).max("steps_per_period")

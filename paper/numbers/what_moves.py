@@ -15,7 +15,7 @@ NOTICED = 0.01
 def of_what_moves(moves: xr.Dataset) -> dict:
     """Changes of medians and of single records by step, damping, strength and choice of records."""
     collapsed = [f"{period:g}" for period in without_drift(moves)]
-    found = {
+    entries = {
         "moves_runs": f"{int(moves.runs):,}",
         "moves_records": moves.sizes["record"],
         "moves_failed": int(moves.failed.sum()),
@@ -31,13 +31,13 @@ def of_what_moves(moves: xr.Dataset) -> dict:
         quantity, short = moves[name], name.partition("_")[0]
         change = 100 * median_changes(quantity).change
         for variant in ("spacing", "two", "four", "damping", "strength"):
-            found[f"moves_{short}_{variant}"] = span(change.sel(variant=variant), "+.1f").replace("-", "−")
+            entries[f"moves_{short}_{variant}"] = span(change.sel(variant=variant), "+.1f").replace("-", "−")
         for count in CHOSEN:
-            found[f"moves_{short}_choice_{count}"] = span(100 * choice_spread(quantity, count), ".0f")
+            entries[f"moves_{short}_choice_{count}"] = span(100 * choice_spread(quantity, count), ".0f")
         single = record_changes(quantity).sel(variant="spacing")
         beyond = (single > NOTICED).where(single.notnull())
-        found[f"moves_{short}_single"] = percent(float(beyond.mean()))
-        found[f"moves_{short}_worst"] = number(100 * float(single.where(np.isfinite(single)).max()), 3)
+        entries[f"moves_{short}_single"] = percent(float(beyond.mean()))
+        entries[f"moves_{short}_worst"] = number(100 * float(single.where(np.isfinite(single)).max()), 3)
         smaller.append(abs(change.sel(variant="spacing")).max() < abs(change.sel(variant="damping")).min())
-    found["moves_step_is_least"] = bool(np.all(smaller))
-    return found
+    entries["moves_step_is_least"] = bool(np.all(smaller))
+    return entries
