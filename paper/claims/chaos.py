@@ -92,8 +92,8 @@ def orders_of_means(chaos: xr.Dataset, problem: str = "ueda") -> dict[str, tuple
     for name in one.scheme.values:
         at = known.sel(scheme=name).values
         if at.sum() > 2:
-            parts = (part.sel(scheme=name).values[at] for part in (difference, variance))
-            orders[name] = _power(one.steps_per_period.values[at], *parts, shared)
+            differences, variances = (part.sel(scheme=name).values[at] for part in (difference, variance))
+            orders[name] = _power(one.steps_per_period.values[at], differences, variances, shared)
         else:
             orders[name] = (np.nan, np.nan)
     return orders

@@ -47,7 +47,7 @@ def median_changes(quantity: xr.DataArray) -> xr.Dataset:
 
 def _known(quantity: xr.DataArray) -> xr.DataArray:
     """Whether the medians of all variants are finite, by period."""
-    return np.isfinite(quantity.median("record")).all("variant")
+    return (abs(quantity.median("record")) < np.inf).all("variant")
 
 
 def choice_spread(quantity: xr.DataArray, number: int) -> xr.DataArray:
