@@ -39,6 +39,7 @@ def usual_rules():
     [pytest.param(place, marks=() if place == "driven.py:driven" else pytest.mark.exhaustive) for place in PROBLEMS],
 )
 def test_a_problem_is_assessed(place):
+    """A file of examples that no longer works as the problem of an assessment."""
     duration, wanted = PROBLEMS[place]
     problem = load(f"{FOLDER / place}", (study.Problem,))
     quantities = load(f"{FOLDER / wanted}", (dict,)) if wanted else None
@@ -59,6 +60,7 @@ def test_the_scheme_of_the_examples_has_its_order():
 
 @pytest.mark.pipeline
 def test_the_parts_of_a_snakefile_are_the_ensemble(tmp_path):
+    """Parts of an ensemble that differ from the ensemble in one run, or that Snakemake gathers wrongly."""
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(FOLDER / "parts.smk"), "--cores", "1", "--config"]
     subprocess.run([*command, "lanes=600", "parts=2"], cwd=tmp_path, check=True)
     drift = load(f"{FOLDER / 'intensities.py'}:fragility", (FunctionType,))(600).drift

@@ -28,6 +28,7 @@ TEXTS = {"README.md": README, "CONTRIBUTING.md": CONTRIBUTING} | {f"docs/pages/{
 
 
 def test_the_examples_of_the_readme_print_what_follows_them(tmp_path, monkeypatch, capsys):
+    """An example of the README that prints another answer than the one below it."""
     run_examples(README, "README.md", tmp_path, monkeypatch)
     printed = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
     (stated,) = blocks(README, "text")

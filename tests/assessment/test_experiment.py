@@ -32,6 +32,7 @@ def _edited(path: Path, old: str, new: str) -> None:
 
 @pytest.mark.pipeline
 def test_the_pipeline_assesses_a_problem_and_a_scheme_in_files(tmp_path):
+    """A problem or scheme in a file that the pipeline loads wrongly, or whose change it does not notice."""
     folder = copied(tmp_path)
     options = {
         "problem": "examples/driven.py:driven",

@@ -65,6 +65,7 @@ def test_recommend_states_whether_equal_steps_are_cheaper(assessed):
 
 
 def test_the_report_lists_the_tolerances(assessed):
+    """A search for tolerances whose results do not reach the page of all quantities."""
     # once for each of u, u̇, ü and energy
     assert page(assessed).count("<th>controlled steps") == 4 and "controlled steps, PI</th>" in page(assessed)
 

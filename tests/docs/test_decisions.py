@@ -129,6 +129,7 @@ def test_tables_explorer_and_recommend_give_one_answer(tmp_path):
 
 
 def test_the_study_gives_one_answer():
+    """Two of dataset, article, explorer, README and ``study.recommend`` that name different steps for one question."""
     results = PROJECT / "results"
     if not (results / "explorer.html").exists():
         pytest.skip("results/explorer.html is not there; `make` makes it")

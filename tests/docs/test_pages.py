@@ -40,6 +40,7 @@ LONG = {"how_to/choose.md", "how_to/control.md", "index.md"}
     ],
 )
 def test_the_examples_of_a_page_run_in_order(page, tmp_path, monkeypatch):
+    """An example that needs a line which its page does not show."""
     names = run_examples(page.read_text(), page.name, tmp_path, monkeypatch)
     if page.stem == "choose":
         assert (names["runs"].status == 0).any() and names["how"].shape == names["runs"].status.shape
@@ -57,6 +58,7 @@ def test_lines_of_code_fit_a_page(page):
 @pytest.mark.pipeline
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page.read_text(), "yaml")], ids=_relative)
 def test_the_configuration_of_a_page_is_accepted(page, tmp_path):
+    """A key of the configuration that a page names wrongly."""
     folder = copied(tmp_path)
     (folder / "mine.yaml").write_text("\n".join(blocks(page.read_text(), "yaml")))
     planned = call_snakemake(folder, "-n", "--quiet", overlays=["mine.yaml"])
@@ -74,6 +76,7 @@ COMMANDS = [words for page in PAGES for words in commands(page.read_text())]
     ],
 )
 def test_the_commands_of_the_pages_run(words, tmp_path):
+    """An option or a name in a command of a page that does not exist."""
     run_command(words, tmp_path)
 
 

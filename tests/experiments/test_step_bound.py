@@ -7,6 +7,7 @@ from study.experiments import step_bound as experiment
 
 
 def test_runs_confirm_the_modified_energy(monkeypatch):
+    """A wrong coefficient of the modified energy in a potential without a closed form."""
     chosen = {"tanh": (*experiment.POTENTIALS["tanh"][:2], (0.5, 3)), "morse": experiment.POTENTIALS["morse"]}
     monkeypatch.setattr(experiment, "POTENTIALS", chosen)
     ds = experiment.step_bound(0.01, 10).sel(scheme="central_difference")

@@ -71,6 +71,7 @@ def _check_lanes(monkeypatch, problem, scheme, dt=0.02, tolerance=1e-9, **more):
 
 
 def test_every_scheme_by_components_is_a_single_run(monkeypatch, scheme_name):
+    """An operation of one scheme that is wrong for lanes of several unknowns only."""
     _check_lanes(monkeypatch, PROBLEMS["dense with full damping and a load"], scheme_name)
 
 

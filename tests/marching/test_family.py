@@ -128,6 +128,7 @@ def _mesh(side):
     "stiffness", [_mesh(6), _mesh(12)[:12, :12], scipy.sparse.eye_array(36)], ids=["mesh", "row", "diagonal"]
 )
 def test_sparse_matrices_of_jax_depend_on_the_lane_and_are_differentiated(stiffness):
+    """A sparse matrix whose values are those of the first lane in all lanes, or constant in a derivative."""
     n = stiffness.shape[0]
     u0, cubic = np.linspace(0.5, 1.0, n), lambda u: u**3
     of_jax = BCOO.from_scipy_sparse(stiffness)

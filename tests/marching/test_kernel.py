@@ -159,6 +159,7 @@ def _operations(u, k):
 
 
 def test_an_operation_in_a_kernel_is_that_of_whole_arrays(refusals):
+    """A rule for one operation in a kernel that gives a wrong value or type, or an operation without a rule."""
     u, k = np.random.default_rng(0).normal(size=(131, 3)), np.arange(131) % 3  # more than a block
     right = jax.vmap(_operations)(u, k)
     begin = jax.tree.map(jnp.zeros_like, right)
@@ -174,6 +175,7 @@ def test_an_operation_in_a_kernel_is_that_of_whole_arrays(refusals):
 
 
 def test_what_has_no_kernel_marches_step_by_step_and_is_logged(monkeypatch, refusals):
+    """An operation that no kernel can have and that ends the run."""
     over = {"scale": np.array([0.5, 1.0])}
     _check(monkeypatch, _frame, "gauss4", over=over, dt=0.01, steps=5, observe="peak")
     assert refusals() == ["Lanes march step by step on the GPU, because a kernel has no rule for the operation 'lu'."]

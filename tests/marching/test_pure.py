@@ -114,6 +114,8 @@ def test_a_potential_does_not_hinder_derivatives():
 
 
 def test_second_derivatives():
+    """A rule of differentiation that can itself be differentiated in one direction only."""
+
     def motion(damping):
         problem = study.Problem(lambda u: 4 * u + u**3, u0=1.0, damping=damping)
         return study.final_state(problem, "rho_bathe", dt=0.02, steps=50)["u"]

@@ -75,6 +75,7 @@ def _wait(condition, seconds: float = 60.0) -> None:
 
 
 def test_a_second_run_ends_with_a_sentence_and_an_interrupt_the_first(folder, running):
+    """Two runs that write the same results, and processes that survive Ctrl-C."""
     # the first run is paused; otherwise it might end before the second run checks for it
     os.killpg(running.pid, signal.SIGSTOP)
     done = call_snakemake(folder, *PATHS)
@@ -104,6 +105,8 @@ def test_the_pipeline_goes_on_without_its_worker_and_after_interrupts(folder, ru
 
 
 def test_the_snakefile_of_the_catalogue_plans_the_same_jobs(folder):
+    """A path that holds only for the snakefile at the top, so that the one in the folder workflow plans other jobs."""
+
     def planned(snakefile):
         done = call_snakemake(folder, "-n", "--forceall", "--snakefile", snakefile)
         assert done.returncode == 0, done.stderr[-4000:]
@@ -116,6 +119,7 @@ def test_the_snakefile_of_the_catalogue_plans_the_same_jobs(folder):
 
 
 def test_results_that_cannot_be_written_are_named(folder, tmp_path):
+    """A traceback of Snakemake where the folder of results cannot be made."""
     (tmp_path / "results").write_text("a file where a folder should be")
     options = "--directory", str(tmp_path), "--snakefile", str(folder / "snakefile")
     done = call_snakemake(folder, PATHS[0], *options)

@@ -235,6 +235,7 @@ def _mutated(draw):
 @settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
 @given(_mutated(), st.integers(1, 10))
 def test_any_configuration_is_accepted_or_refused_in_one_sentence(config, chance):
+    """A wrong value that no check expects, and that ends with a traceback or names a file outside the results."""
     before = copy.deepcopy(config)
     try:
         whole = _check(config)

@@ -74,10 +74,12 @@ def test_the_listed_figures_and_tables_are_those_that_typst_counts(project, text
 
 @pytest.mark.skipif(shutil.which("pdftotext") is None, reason="Poppler is not installed")
 def test_no_page_of_the_texts_is_overfull(project):
+    """Words and figures that run out of the page, which Typst does not report."""
     check_pages(project / "results")
 
 
 def test_nothing_is_wrong_with_figures_as_they_are_printed(project):
+    """Labels that overlap, and text that is cut off or too small, which only drawn figures show."""
     (article,) = (text for text in TEXTS if text.stem == "manuscript")
     assert faults_of_all(project / "results", uses(article.read_text())["figure"]) == {}
 
@@ -123,10 +125,12 @@ def test_the_readme_states_what_the_study_finds(project):
 
 
 def test_a_second_call_has_nothing_to_do(project):
+    """An input that changes with every call, so that nothing is ever up to date."""
     assert _would_run(project) == set()
 
 
 def test_a_failed_job_states_why_and_is_made_again(copy):
+    """A job that fails or reads an undeclared dataset in silence, or whose product is not made again."""
     product, module = copy / "results" / "houbolt_start.nc", copy / "study" / "experiments" / "houbolt_start.py"
     before, source = product.read_bytes(), module.read_text()
     module.write_text(source.replace("error = np.empty(", "raise ValueError('broken')\n    error = np.empty("))
@@ -146,11 +150,13 @@ def test_a_failed_job_states_why_and_is_made_again(copy):
 
 
 def test_the_linter_of_snakemake_has_nothing_to_say(project):
+    """A rule that Snakemake accepts but advises against."""
     done = call_snakemake(project, "--lint")
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
 
 
 def test_one_core_gives_the_same_bytes_as_two(project, tmp_path):
+    """A product that depends on the number of cores or on when it is made."""
     again = copied(tmp_path)
     products = {"figures/energy_drift.svg", "stability/tiles/rk4_0.nc"}
     done = call_snakemake(again, "--cores", "1", *(f"results/{product}" for product in products))
@@ -161,12 +167,14 @@ def test_one_core_gives_the_same_bytes_as_two(project, tmp_path):
 
 
 def test_an_edited_figure_script_redraws_that_figure(copy):
+    """An edited script after which its figure is not drawn again, or after which too much is."""
     script = copy / "paper" / "figures" / "instability.py"
     script.write_text(script.read_text() + "\n# edited\n")
     assert _would_run(copy) == {"figures/instability", "manuscript", "supplement", "replication", "README"}
 
 
 def test_a_wrong_configuration_stops_before_any_work(project, tmp_path):
+    """A wrong key that Snakemake reports with a traceback, or after it has changed results."""
     (tmp_path / "wrong.yaml").write_text("{cpu_time: {repeat: 3}}")
     before = hashes_of(project)
     done = call_snakemake(project, overlays=[SMALL, tmp_path / "wrong.yaml"])
@@ -176,6 +184,7 @@ def test_a_wrong_configuration_stops_before_any_work(project, tmp_path):
 
 
 def test_an_archive_alone_makes_a_figure_again(project, tmp_path):
+    """A file that a figure needs and the archive lacks."""
     command = [sys.executable, "-m", "pipeline.archive", ".", tmp_path / "archive.zip"]
     subprocess.run(command, cwd=project, check=True, capture_output=True)
     unpacked = tmp_path / "unpacked"
@@ -210,6 +219,7 @@ def test_the_explorer_opens_within_the_report(report, browser):
 
 
 def test_what_is_added_in_one_file_is_made(copy):
+    """A list outside the file of an experiment, figure, table, claim or number that must name it too."""
     for name, text in ADDED.items():
         (copy / name).write_text(text)
     (copy / SMALL).write_text((copy / SMALL).read_text() + "\nlast_displacement: {steps: 50}\n")
@@ -231,6 +241,7 @@ UNUSUAL = {
 
 
 def test_what_is_accepted_runs_to_the_end(copy):
+    """A configuration that is accepted but whose products fail, such as one number of steps where a fit needs two."""
     changes = mutated(2)
     update_config(changes, UNUSUAL)
     (copy / "changes.yaml").write_text(yaml.safe_dump(changes))

@@ -61,6 +61,7 @@ def test_a_string_reaches_the_experiment_as_it_is(tmp_path, monkeypatch, hostile
 
 
 def test_a_configuration_makes_no_objects_and_no_files(tmp_path):
+    """A reader of YAML that runs code of the configuration."""
     folder = copied(tmp_path / "project")
     before = {path.name for path in tmp_path.rglob("*")}
     (folder / "hostile.yaml").write_text("sensitivity: !!python/object/apply:os.mkdir ['pwned']\n")

@@ -52,6 +52,7 @@ def test_the_double_pendulum_reaches_the_known_angles():
 
 
 def test_the_elastic_beam_has_the_printed_angles():
+    """An error in the equations of the beam, whose angles are known from its source alone."""
     target = known["elastic_beam"]
     problem = study.problems["elastic_beam"]
     end = study.run(problem, "gauss4", dt=target.time / 1024, steps=1024, every=1024).u.values[-1]

@@ -75,6 +75,7 @@ def test_a_period_needs_no_closed_form():
 
 
 def test_digits_on_which_the_integrations_differ_are_refused():
+    """An exact solution of a chaotic motion that states more digits than hold."""
     chaotic = study.Problem(
         CubicSpring(-1.0, -1.0).force, u0=0.5, damping=0.3, load=lambda t: 0.5 * jnp.cos(1.2 * t), title="chaotic"
     )

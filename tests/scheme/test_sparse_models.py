@@ -148,6 +148,7 @@ def test_the_form_of_the_force_may_be_declared():
 
 
 def test_ensembles_and_derivatives_of_sparse_models():
+    """A coloured tangent that is wrong in a lane or in a derivative only."""
     model = _model()
     lanes = _motion(model, "average_acceleration", u0=np.stack([START, 0.5 * START]))
     np.testing.assert_allclose(

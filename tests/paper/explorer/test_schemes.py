@@ -41,6 +41,7 @@ def runs():
 
 @pytest.mark.parametrize("problem", STEPS)
 def test_a_scheme_marches_as_in_the_study(runs, problem):
+    """A formula in the JavaScript of the explorer that differs from that of the study."""
     # all schemes are compared on the softening spring, and two schemes on the other springs
     schemes = runs[problem] if problem == "softening" else ("average_acceleration", "energy_momentum")
     rest = study.OutcomeObserver.of(problem)
