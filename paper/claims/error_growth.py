@@ -50,7 +50,13 @@ def phase_error_grows(error_growth):
     linear = bool((abs(conserving - 1) < NEARLY_ONE).where(conserving.notnull(), True).all())
     mean = float(dissipative.mean())
     holds = linear and mean > 1 + NEARLY_ONE
-    return Finding(ours, holds, when(not holds, "at some steps the growth is another"))
+    other = kept.stack(case=["problem", "scheme"])
+    other = other[(abs(other - 1) >= NEARLY_ONE).values]
+    cases = "; ".join(f"{one.scheme_title.item()} on {one.problem_title.item()}" for one in other)
+    reason = (
+        f"a step that divides the period may resonate with the motion: {cases}" if cases else "the losses are small"
+    )
+    return Finding(ours, holds, when(not holds, reason))
 
 
 @claim(

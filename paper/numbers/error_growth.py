@@ -19,13 +19,21 @@ EXPONENTS = {
 }
 
 
+def _middle(values: np.ndarray) -> str | None:
+    """The median of some exponents and, if they differ, their range."""
+    if not values.size:
+        return None
+    middle, both = f"{np.median(values):.2f}", span(values)
+    return (middle if middle == both else f"{middle} ({both})").replace("-", "−")
+
+
 @numbers(growth="error_growth")
 def of_error_growth(growth: xr.Dataset) -> dict:
     """Exponents of growth, and the cases in which an extrapolated step keeps the error."""
     entries = {}
     for name, (measure, keeps) in EXPONENTS.items():
         values = exponents(growth.isel(scheme=np.flatnonzero(growth.keeps_energy == keeps)), measure).values
-        entries[name] = span(values[np.isfinite(values)]) if np.isfinite(values).any() else None
+        entries[name] = _middle(values[np.isfinite(values)])
     ratio = (growth.extrapolated_error / growth.allowed_error).values[
         growth.extrapolated_steps_per_period.notnull().values
     ]

@@ -32,6 +32,8 @@ def test_the_phase_error_grows_with_the_law_or_not():
     assert (
         not claims.phase_error_grows(_growth(kept=1.5)).holds and not claims.phase_error_grows(_growth(lost=1.0)).holds
     )
+    resonant = claims.phase_error_grows(_growth(kept=1.5)).qualification
+    assert resonant.endswith("resonate with the motion: central_difference on hardening")
     growth = _growth()
     growth["phase_error"][0, 1, :, 3] = 1e9  # after the energy is lost
     assert claims.exponents(growth, "phase_error").values.tolist() == [[pytest.approx(1), pytest.approx(2)]]
