@@ -50,7 +50,7 @@ def phase_error_grows(error_growth):
     linear = bool((abs(conserving - 1) < NEARLY_ONE).where(conserving.notnull(), True).all())
     mean = float(dissipative.mean())
     holds = linear and mean > 1 + NEARLY_ONE
-    other = kept.stack(case=["problem", "scheme"])
+    other = conserving.stack(case=["problem", "scheme"])
     other = other[(abs(other - 1) >= NEARLY_ONE).values]
     cases = "; ".join(f"{one.scheme_title.item()} on {one.problem_title.item()}" for one in other)
     reason = (
