@@ -47,7 +47,7 @@ dd { margin: 0; overflow-wrap: anywhere; }
   .pair { grid-template-columns: 1fr 1fr; }
   figure svg { max-width: 26rem; }
   .scroll { overflow: visible; }
-  th, td, td.text { white-space: normal; min-width: 0; padding: .25rem .3rem; }
+  th, td, td.text, .answer td.text { white-space: normal; min-width: 0; padding: .25rem .3rem; }
   figure .wide { min-width: 0; }
 }
 """
