@@ -40,7 +40,8 @@ dd { margin: 0; overflow-wrap: anywhere; }
 }
 @page { size: A4; margin: 14mm; }
 @media print {
-  body { max-width: none; font-size: 10pt; padding: 0; }
+  :root { font-size: 12.5px; }
+  body { max-width: none; font-size: 9pt; padding: 0; }
   details { display: none; }
   figure, tr { break-inside: avoid; }
   h2 { break-after: avoid; }
