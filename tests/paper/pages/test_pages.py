@@ -29,15 +29,15 @@ def test_the_ledger_counts_verdicts_and_leaves_out_what_is_empty():
 def test_every_table_but_the_ledger_is_on_the_page():
     declared = {name for kind, name in PRODUCTS if kind == "table"} - {"claims"}
     assert set(PRODUCTS["page", "tables"].reads) == declared
-    page = tables(orders=WIDE, needs=LEDGER)
+    page = tables(orders=WIDE, models=LEDGER)
     assert (
         '<a href="#orders">' in page
-        and '<h2 id="needs">Steps and forces for an error</h2>' in page
+        and '<h2 id="models">Schemes and steps by kind of model</h2>' in page
         and "column 3 &lt;&amp;&gt;" in page
     )
 
 
-@pytest.mark.parametrize("make", [lambda: claims(LEDGER), lambda: tables(orders=WIDE, needs=LEDGER)])
+@pytest.mark.parametrize("make", [lambda: claims(LEDGER), lambda: tables(orders=WIDE, models=LEDGER)])
 def test_the_pages_fit_every_screen(browser, tmp_path, make):
     path = tmp_path / "page.html"
     path.write_text(make())
