@@ -12,7 +12,6 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-import psutil
 
 from study.algebra.arrays import real_numbers
 from study.algebra.jit import jit
@@ -209,6 +208,8 @@ def check_memory(records: Mapping[str, int], samples: int) -> None:
     samples
         Number of samples.
     """
+    import psutil  # imported here, because few runs need it
+
     memory, needed = psutil.virtual_memory().available, 2 * samples * sum(records.values())
     if needed > memory:
         raise ValueError(
