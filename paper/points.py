@@ -24,8 +24,8 @@ def _parts(axes: Axes) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray
             x, y = np.ma.filled(np.ma.asarray(one.get_offsets(), float), np.nan).T
             yield str(one.get_label()), x, y, np.full(x.shape, np.nan)
         elif isinstance(one, LineCollection) and one.get_transform() == axes.transData:
-            # the ends of intervals, of which there may be none
-            x, y = np.concatenate([np.empty((0, 2)), *one.get_segments()]).T
+            # the ends of intervals, of which there may be none, or one without ends
+            x, y = np.concatenate([np.empty((0, 2)), *(np.reshape(ends, (-1, 2)) for ends in one.get_segments())]).T
             yield str(one.get_label()), x, y, np.full(x.shape, np.nan)
         elif isinstance(one, QuadMesh):
             corners = np.asarray(one.get_coordinates())

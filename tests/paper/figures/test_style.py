@@ -172,6 +172,8 @@ def test_a_figure_has_its_points_and_its_text(tmp_path):
 def test_the_points_of_a_figure_hold_the_ends_of_its_intervals():
     figure, ax = plt.subplots()
     ax.hlines([1.0, 2.0], [0.1, 0.2], [0.3, 0.4], label="interval")
+    ax.hlines([], [], [], label="none")
+    ax.errorbar([np.nan], [1.0], yerr=[np.nan], fmt="none", label="without ends")
     table = points(figure)
     assert set(table.curve) == {"interval"}
     assert table[["x", "y"]].values.tolist() == [[0.1, 1.0], [0.3, 1.0], [0.2, 2.0], [0.4, 2.0]]
