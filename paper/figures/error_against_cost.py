@@ -35,7 +35,7 @@ def _name(axes: Axes, solver: str, places: list[tuple[float, float]], on_left: b
     """Write the name of a solver next to its last point, below it on the left or on its right."""
     offset, side = ((-4, -7), "right") if on_left else ((5, -2.5), "left")
     for place in places[-1:]:
-        name = axes.annotate(SOLVERS[solver], place, offset, textcoords="offset points", ha=side, color="0.3")
+        name = axes.annotate(SOLVERS[solver], place, offset, textcoords="offset points", ha=side, color="0.3", zorder=1)
         name.set_bbox({"fc": "white", "ec": "none", "pad": 0.4, "alpha": 0.8})
 
 
