@@ -105,6 +105,7 @@ def test_a_mistake_ends_with_one_sentence(words, sentence, tmp_path, capsys):
 
 
 def test_the_package_is_a_command():
+    """A wrong command that ends with a traceback."""
     done = subprocess.run([sys.executable, "-m", "study", "run", "hardening"], capture_output=True, text=True)
     assert done.returncode == 2 and "the following arguments are required: SCHEME, --dt, --steps" in done.stderr
     assert "Traceback" not in done.stderr

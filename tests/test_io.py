@@ -93,6 +93,7 @@ def _read(path: Path, failures, reads) -> None:
 
 
 def test_two_writers_and_three_readers_never_meet_half_a_file(tmp_path):
+    """A dataset that a reader can open while it is written."""
     path, spawn = tmp_path / "one.nc", multiprocessing.get_context("spawn")
     io.write(_dataset(1), path)
     failures, reads = spawn.Queue(), spawn.Queue()

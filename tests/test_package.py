@@ -122,6 +122,7 @@ def test_what_the_import_changes_can_be_declined(imports, environment, left):
 
 
 def test_the_import_is_light_and_names_are_there_at_once():
+    """An import of JAX before it is needed, which takes half a second."""
     code = "import sys, study; print({'jax', 'numpy'} & set(sys.modules), {'run', 'marching'} & set(dir(study)))"
     assert _in_a_process(code).strip() == "set() {'run'}"
     code = "import sys, study; study.open_dataset; print('jax' in sys.modules, study.run.__name__)"

@@ -24,6 +24,7 @@ def test_an_option_that_xla_does_not_have_is_left_out(monkeypatch):
 
 
 def test_a_second_process_compiles_nothing(tmp_path):
+    """A compiled program whose key in the cache differs from process to process."""
     code = (
         "import jax, study; hits = []; "
         "jax.monitoring.register_event_listener(lambda name, **_: hits.append(name.rsplit('/', 1)[-1])); "

@@ -87,6 +87,7 @@ def test_the_wheel_holds_study_and_reference_and_neither_the_paper_nor_the_confo
 
 
 def test_the_core_runs_a_scheme_away_from_the_checkout(python, tmp_path):
+    """A file of the package that the wheel lacks."""
     run = "study.run('softening', 'rk4', dt=0.05, steps=100, observe=['max_energy_error']).max_energy_error.item()"
     file, error = _run([python, "-c", f"import study; print(study.__file__, {run})"], tmp_path).split()
     assert Path(file).is_relative_to(python.parent.parent)
@@ -117,6 +118,7 @@ def test_the_core_recommends_a_scheme_from_a_folder_of_results(python, tmp_path)
 
 @pytest.mark.parametrize("form", ["module", "script"])
 def test_the_command_line_lists_schemes(python, tmp_path, form):
+    """A command that the wheel does not install."""
     command = [python, "-m", "study"] if form == "module" else [python.parent / "study"]
     printed = _run([*command, "list", "schemes"], tmp_path)
     assert "average_acceleration" in printed and "rk4" in printed

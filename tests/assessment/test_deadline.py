@@ -32,6 +32,7 @@ def test_a_route_gives_up_when_the_time_is_over(route):
 
 @pytest.mark.parametrize("name", ["hardening", "yielding"])
 def test_a_limit_on_the_time_changes_no_solution(name):
+    """A solution in pieces that is restarted wrongly."""
     problem, t = study.problems[name], np.linspace(0, 1.0, 72)[1:]
     without = diffrax.trajectory(problem, t, 1e-10)
     with within(time.monotonic() + 600, ""):

@@ -98,6 +98,7 @@ def test_your_own_scheme_stands_before_the_best_and_its_curve_is_emphasised(asse
 
 
 def test_a_scheme_has_one_colour_in_all_figures_of_a_page(assessed):
+    """A colour that depends on which schemes a figure shows."""
     ds = xr.load_dataset(assessed[0].with_suffix(".nc"))
     names = ds.scheme.values.tolist()
     for place, name in enumerate(names):

@@ -40,6 +40,7 @@ def test_the_interpolant_is_exact_for_polynomials_of_fifth_degree():
 
 
 def test_a_load_that_acts_for_a_moment_is_not_stepped_over():
+    """A solver whose steps pass over a load that acts for a millisecond."""
     # an impulse of one newton second within a millisecond on an oscillator in free motion
     start, length = 10.003, 1e-3
     blow = study.Problem(
@@ -166,6 +167,7 @@ def test_stiff_problems_take_implicit_routes():
 
 
 def test_a_force_with_a_velocity_is_solved_by_diffrax():
+    """A force with a velocity that goes to heyoka, which cannot translate it, or loses its velocity on the way."""
     drag = study.Problem(lambda u, v: 40 * u + 2 * v**3, 0.5, title="drag")
     assert _names(drag, 2.0) == ["diffrax Dopri8", "CVODE Adams"]
     reference, t = Reference(drag, 2.0), np.linspace(0, 2, 21)

@@ -71,6 +71,7 @@ def test_the_report_lists_the_tolerances(assessed):
 
 
 def test_your_own_quantity_may_have_the_name_of_a_default_one(duffing):
+    """A quantity that replaces the default one of the same name in controlled runs."""
     quantities = {"amplitude": study.Quantity(lambda u: u, reduce="peak")}
     options = {"duration": 10.0, "allowed_errors": [0.1], "maps": False, "controller": "pi"}
     ds = study.assess(duffing, "average_acceleration", quantities=quantities, **options)

@@ -17,6 +17,7 @@ def test_the_frequencies_are_those_of_the_chain_in_closed_form():
 
 
 def test_the_row_is_stiffer_and_the_springs_yield():
+    """A panel that stays elastic, or whose stiff row is not stiffer."""
     soft, _, highest = panel(4, 3, 1.0)
     assert panel(4, 3, 100.0)[2] > 5 * highest
     small = run(soft, "central_difference", dt=0.01, steps=400, observe=["trajectory"]).u
@@ -25,6 +26,7 @@ def test_the_row_is_stiffer_and_the_springs_yield():
 
 
 def test_the_explicit_scheme_follows_the_mesh_and_the_implicit_one_the_motion():
+    """An explicit step that is not limited by the mesh, or an implicit one that is."""
     ds = mesh([[4, 1]], [1.0, 400.0], [20, 40, 80], 2.0, 0.02, 1)
     steps = dict(zip(SCHEMES, ds.steps_per_period.values.T, strict=True))
     assert steps["central_difference"] == pytest.approx(np.ceil(1.02 * np.pi * ds.mesh_ratio.values), abs=1)

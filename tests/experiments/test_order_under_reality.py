@@ -52,6 +52,7 @@ def test_what_does_not_apply_has_no_error(found):
 
 
 def test_references_are_those_of_a_fine_run_of_another_method():
+    """A reference that is wrong in one circumstance, which all orders of the table would share."""
     assert TOLERANCES["rtol"] < 1e-12
     for name, circumstance in circumstances_with([100.0]).items():
         if circumstance.inconsistent or circumstance.unequal:

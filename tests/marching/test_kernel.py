@@ -105,6 +105,7 @@ def test_one_mass_in_kernels_is_a_run(monkeypatch, refusals, scheme):
 
 @pytest.mark.parametrize("scheme", ["central_difference", "rk4", "generalized_alpha"])
 def test_three_storeys_in_kernels_are_runs(monkeypatch, refusals, scheme):
+    """A fault of kernels that appears with several unknowns only."""
     drift = study.Quantity(lambda u: u[2] - u[1], reduce="peak")
     right = _check(
         monkeypatch, _frame, scheme, over={"scale": np.array([0.5, 1.0, 2.0])}, dt=0.01, steps=70, observe=drift
@@ -115,6 +116,7 @@ def test_three_storeys_in_kernels_are_runs(monkeypatch, refusals, scheme):
 @pytest.mark.parametrize("scheme", ["average_acceleration", "central_difference"])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_loads_by_tables_and_histories_in_kernels_are_runs(monkeypatch, refusals, family, scheme):
+    """A table or a history that a kernel reads at a wrong place."""
     make, over = FAMILIES[family]
     peak = study.Quantity(lambda u: u, reduce="peak")
     _check(monkeypatch, make, scheme, over=over, dt=0.013, steps=90, observe=peak)
@@ -135,6 +137,7 @@ def test_newton_iterations_that_fail_in_kernels_start_again(monkeypatch, refusal
 
 
 def test_records_and_pauses_in_kernels_are_those_of_runs(monkeypatch):
+    """A march in kernels that loses a sample where it pauses."""
     monkeypatch.setattr(program, "PAUSE_OF_KERNELS", 17 * 64)
     arguments = {"u0": np.array([0.5, 1.0]), "dt": 0.02, "steps": 60, "every": 12, "observe": ["trajectory", "peak"]}
     _check(monkeypatch, "softening", "average_acceleration", **arguments)
@@ -247,5 +250,6 @@ def test_kernels_with_tables_are_lowered_for_cuda(monkeypatch, refusals, family)
 
 @pytest.mark.exhaustive
 def test_kernels_of_every_scheme_are_lowered_for_cuda(monkeypatch, refusals, scheme_name):
+    """An operation of a scheme that works interpreted and that the compiler for CUDA refuses."""
     assert "triton" in _lowered(monkeypatch, study.problems["hardening"], scheme_name, "max_energy_error")
     assert "triton" in _lowered(monkeypatch, _frame(), scheme_name, "peak") or REFUSED[scheme_name] in refusals()[0]

@@ -31,6 +31,7 @@ def _end(parameters):
 
 
 def test_derivatives_are_exact_to_round_off():
+    """A derivative through Newton iterations that stops before the iteration has converged."""
     at = jnp.asarray([4.0, 2.0])
     with mpmath.workdps(40):
         k, c = mpmath.mpf(4), mpmath.mpf(2)

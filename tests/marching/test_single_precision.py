@@ -8,6 +8,7 @@ import study
 
 
 def test_schemes_run_in_single_precision(sampled_kind):
+    """A number in double precision in a scheme, which makes its whole run one of double precision."""
     arguments = {"dt": 2.0**-8, "steps": 64, "observe": ["trajectory", "max_energy_error"]}
     double = study.run("hardening", sampled_kind, **arguments)
     with jax.enable_x64(False):

@@ -30,6 +30,7 @@ class PieceByPiece(eqx.Module):
 @settings(max_examples=300, deadline=None)
 @given(slopes=slopes, kinks=kinks, rhs=st.floats(-100.0, 100.0), u=st.floats(-2.0, 2.0), c_u=st.floats(1e-4, 1.0))
 def test_random_pieces_are_solved_as_by_bisection(slopes, kinks, rhs, u, c_u):
+    """A force with kinks on which Newton runs in a cycle, or finds a wrong root."""
     force = PieceByPiece(np.array(slopes), np.sort(np.array(kinks)))
     problem = study.Problem(force, u0=0.0)
     assert problem.kinked

@@ -77,6 +77,8 @@ def test_every_step_of_a_rising_force_has_its_root(scheme):
 
 
 def test_a_family_and_several_unknowns_have_the_safeguard_too():
+    """A safeguard that only single runs of one unknown have."""
+
     def springs(scale):
         return study.Problem(lambda u: 100.0 * jnp.tanh(u), u0=scale * jnp.array([4.0, -3.0, 2.0]))
 

@@ -96,6 +96,8 @@ def test_a_scan_follows_what_the_load_reads():
 
 
 def test_a_load_that_calls_the_host_is_scanned_one_time_after_the_other():
+    """A scan at many times in one call, which a function on the host does not take."""
+
     def load(t):
         return jax.pure_callback(lambda t: np.where(t > 3.0, 1.0, 0.0), jax.ShapeDtypeStruct((), float), t)
 

@@ -149,6 +149,7 @@ def test_linear_theory_must_have_the_schemes_of_others(config, inner):
 
 
 def test_a_figure_is_one_new_file(tmp_path):
+    """A list of figures outside their files."""
     shutil.copytree(Path(paper.__file__).parent, tmp_path / "paper", ignore=shutil.ignore_patterns("__pycache__"))
     (tmp_path / "paper" / "figures" / "own.py").write_text(
         '"""A figure."""\n'

@@ -90,6 +90,7 @@ def test_a_second_run_ends_with_a_sentence_and_an_interrupt_the_first(folder, ru
 
 
 def test_no_process_outlives_a_run_that_is_killed(folder, running):
+    """A worker that goes on after Snakemake is killed."""
     running.kill()
     _wait(lambda: not _processes(folder), 15)
 

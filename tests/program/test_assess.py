@@ -285,6 +285,7 @@ def test_a_run_that_ends_its_process_ends_no_other(tmp_path):
     ],
 )
 def test_what_is_wrong_with_all_runs_is_said(run, schemes, sentence, tmp_path):
+    """A program that ignores its step or its scheme, and gets an answer."""
     with pytest.warns(RuntimeWarning, match=sentence):
         ds = study.assess(program(run, tmp_path, schemes), allowed_errors=[0.001])
     wrong = ds.verdict.sel(scheme=schemes[-1])

@@ -40,6 +40,7 @@ def duffing():
     ],
 )
 def test_routes_meet_the_exact_period(route):
+    """A solver whose zero crossings are less accurate than its motion."""
     _, period = agreement.ROUTES[route]
     for name in printed_periods:
         value = period(study.problems[name], printed_periods[name], 1e-15)
@@ -57,6 +58,7 @@ def test_routes_meet_the_exact_period(route):
     ],
 )
 def test_errors_at_the_tightest_tolerance_over_a_hundred_periods(route, whole_periods, anywhere):
+    """An interpolant of a solver that is less accurate between its steps than at them."""
     problem = study.problems["hardening"]
     certified = exact.period(problem, 0.15)
     t = agreement.instants(float(certified[0]))

@@ -20,6 +20,7 @@ def _motions(places):
 
 
 def test_many_oscillators_have_the_motion_of_one():
+    """A peak between two samples, or a yield within an interval, that the solution of many oscillators misses."""
     t = np.linspace(0.0, 6.0, 12_001)[1:]
     for peak, at_samples, ground, period, strength in zip(*_motions(5), GROUNDS, PERIODS, STRENGTHS, strict=True):
         exact = piecewise.trajectory(yielding_under_record(ground, period, strength), t)

@@ -93,6 +93,7 @@ def test_the_pulse_has_a_closed_form():
 
 
 def test_the_references_are_certain_to_many_digits():
+    """A kink or an event that one of the two solvers passes over."""
     ds = inelastic.inelastic(["hardening", "yielding", "hysteretic", "bouncing", "shaken", "pulse"], 2, 8)
     assert ds.u.shape == (6, 16) and np.isfinite(ds.u).all()
     assert (ds.u_uncertainty < 1e-9).all()

@@ -91,6 +91,7 @@ def test_controlled_steps_take_the_force_at_the_time_of_the_load(estimator):
 
 
 def test_references_solve_a_parametric_excitation(excited, exact):
+    """A solver of references that leaves the time out of the internal force."""
     t = np.array([DURATION / 2, DURATION])
     for reference in (diffrax.trajectory(excited, t, 1e-12), sundials.trajectory(excited, t, 1e-12)):
         np.testing.assert_allclose([reference.u[-1], reference.v[-1]], exact, rtol=1e-9)

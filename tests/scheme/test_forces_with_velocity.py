@@ -11,6 +11,7 @@ from tests.scheme.test_convergence import SIXTH, STEPS, motion
 @pytest.mark.parametrize("tangent", ["dense", "diagonal"])
 @pytest.mark.parametrize("name", ["average_acceleration", "central_difference", "gauss4", "kr_alpha", "houbolt"])
 def test_a_force_linear_in_the_velocity_is_damping(name, tangent):
+    """A tangent that lacks the part of the velocity in one scheme."""
     n, coefficients = 6, np.linspace(0.2, 0.8, 6)
 
     def force(u):

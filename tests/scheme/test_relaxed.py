@@ -48,6 +48,8 @@ def test_relaxed_runs_of_several_unknowns_with_accelerations_and_lanes():
 
 
 def test_relaxed_runs_have_derivatives():
+    """A relaxation whose root is constant in a derivative."""
+
     def last(u0):
         return study.final_state("softening", RELAXED, dt=0.05, steps=30, u0=u0)["u"]
 
