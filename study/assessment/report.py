@@ -67,7 +67,7 @@ def tables_of(assessed: xr.Dataset, quantity: str) -> list[pd.DataFrame]:
 
 
 def emphasised(assessed: xr.Dataset, tables: list[pd.DataFrame]) -> list[str]:
-    """Schemes whose curves are emphasised: those that were asked for, then the first of each kind in each table.
+    """Schemes whose curves are emphasised: the requested ones, then the first of each kind in each table.
 
     If there are none, they are the first schemes of the assessment.
     """
