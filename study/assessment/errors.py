@@ -192,47 +192,57 @@ def target(quantity: Quantity, problem: Problem, solution: DenseSolution, finer:
 class ErrorsAlong(Reduction):
     """Largest difference of each quantity from its reference over all steps, relative to the quantity's scale.
 
+    A run is compared with the reference that begins where the run begins.
+
     Attributes
     ----------
     quantities, scales
-        Quantities along time, and the scales of the errors of their components.
+        Quantities along time, and the scales of the errors of their components, each of shape (references, components).
+    first
+        Number of the first interval of each reference, of shape (references,).
     begin, length, coefficients
-        Begin and length of the intervals of the reference, of shape (intervals,), and coefficients of the quintics in
+        Begin and length of the intervals of all references, of shape (intervals,), and coefficients of the quintics in
         them, of shape (intervals, 6, ...).
     """
 
     quantities: tuple[Quantity, ...]
     scales: tuple[jax.Array, ...]
+    first: jax.Array
     begin: jax.Array
     length: jax.Array
     coefficients: jax.Array
 
     @classmethod
-    def of(cls, targets: Sequence[Target]) -> "ErrorsAlong":
-        """The observer for targets that share one reference solution."""
-        solution, length = targets[0].solution, np.diff(targets[0].solution.t)
-        starts, ends = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
-        table = np.stack(quintic(starts, ends, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
+    def of(cls, *references: Sequence[Target]) -> "ErrorsAlong":
+        """The observer for the targets of each reference solution, which have the same quantities."""
+        tables = [_table(targets[0].solution) for targets in references]
+        begin, length, coefficients = (np.concatenate(parts) for parts in zip(*tables, strict=True))
         # padded to a power of two, so that few programs are compiled; no step reaches the padding, which begins at ∞
-        padding = 2 ** math.ceil(math.log2(len(length) + 2)) - len(length)
-        begin = np.append(solution.t[:-1], np.full(padding, np.inf))
+        padding = 2 ** math.ceil(math.log2(len(length) + 1)) - len(length)
         numbers = (
-            begin,
+            np.cumsum([0, *(len(table[0]) for table in tables[:-1])]),
+            np.append(begin, np.full(padding, np.inf)),
             np.append(length, np.ones(padding)),
-            np.append(table, np.zeros((padding, *table.shape[1:])), axis=0),
+            np.append(coefficients, np.zeros((padding, *coefficients.shape[1:])), axis=0),
         )
-        scales = tuple(jnp.asarray(target.scale) for target in targets)
-        return cls(tuple(target.quantity for target in targets), scales, *map(jnp.asarray, numbers))
+        by_quantity = list(zip(*references, strict=True))
+        scales = tuple(jnp.asarray(np.stack([target.scale for target in targets])) for targets in by_quantity)
+        return cls(tuple(targets[0].quantity for targets in by_quantity), scales, *map(jnp.asarray, numbers))
 
     @property
     def variables(self) -> dict[str, dict[str, str]]:  # type: ignore[override]
         return {name: values for quantity in self.quantities for name, values in quantity.variables.items()}
 
     def start(self, problem, state):
-        return jnp.zeros((), int), (jnp.zeros(()),) * len(self.quantities)
+        u, v = self.coefficients[self.first, 0], self.coefficients[self.first, 1]
+        v = v / self.length[self.first].reshape(-1, *(1,) * (v.ndim - 1))
+        distance = (jnp.abs(u - state.u) + jnp.abs(v - state.v)).reshape(len(self.first), -1).sum(axis=1)
+        reference = jnp.argmin(distance)
+        scales = tuple(scale[reference] for scale in self.scales)
+        return self.first[reference], scales, (jnp.zeros(()),) * len(self.quantities)
 
     def update(self, carried, problem, state, t, effort):
-        place, largest = carried
+        place, scales, largest = carried
         # few steps cross two ends of intervals, so the loop seldom takes a turn
         place += (self.begin[place + 1] <= t).astype(place.dtype)
         place = lax.while_loop(lambda i: self.begin[i + 1] <= t, lambda i: i + 1, place)
@@ -242,13 +252,25 @@ class ErrorsAlong(Reduction):
         exact = value(polynomial, s), value(slope, s) / self.length[place]
         errors = [
             jnp.max(jnp.abs(quantity.value(problem, t, state.u, state.v) - quantity.value(problem, t, *exact)) / scale)
-            for quantity, scale in zip(self.quantities, self.scales, strict=True)
+            for quantity, scale in zip(self.quantities, scales, strict=True)
         ]
         # one array of all quantities would be computed entry by entry, twice as long for ensembles
-        return place, tuple(map(jnp.maximum, largest, errors))
+        return place, scales, tuple(map(jnp.maximum, largest, errors))
 
     def result(self, carried, problem, state):
-        return dict(zip(self.variables, carried[1], strict=True))
+        return dict(zip(self.variables, carried[2], strict=True))
+
+
+def _table(solution: DenseSolution) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Begin, length and quintic of each interval of a solution, and a last interval that begins at ∞."""
+    length = np.diff(solution.t)
+    starts, ends = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
+    table = np.stack(quintic(starts, ends, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
+    return (
+        np.append(solution.t[:-1], np.inf),
+        np.append(length, 1.0),
+        np.append(table, np.zeros_like(table[:1]), axis=0),
+    )
 
 
 class ErrorsAtSamples(Reduction):

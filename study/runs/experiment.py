@@ -1,7 +1,7 @@
 """Errors and costs of the schemes at many step sizes: the data from which needs and decisions follow."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Annotated
 
 import numpy as np
@@ -18,7 +18,7 @@ from study.marching.result import STATUSES_OR_NOT_RUN
 from study.problem.inelastic import SCALES
 from study.problem.named import approximate_periods, problems, time_scales
 from study.program.confirmation import CERTAIN, Limit
-from study.runs.measured import Motion, Start, measured
+from study.runs.measured import Motion, Starts, measured
 from study.runs.needs import DECIDED, keeps, unbroken
 from study.runs.records import DIVIDING
 from study.runs.schema import described, divides
@@ -103,16 +103,27 @@ class _Ladder:
         Numbers of steps that were tried only to confirm coarser ones.
     """
 
-    def __init__(self, scheme: Scheme, motion: Motion, scale: float, periods: list[float], decided: float):
-        self.scheme, self.motion, self.scale = scheme, motion, scale
+    def __init__(
+        self,
+        scheme: Scheme,
+        motion: Motion,
+        starts: list[Starts],
+        scale: float,
+        periods: list[float],
+        decided: float,
+    ):
+        self.scheme, self.motion, self.starts, self.scale = scheme, motion, starts, scale
         self.periods, self.decided = np.array(periods), periods.index(decided)
         self.multiple, self.halved = SAMPLES if motion.sampled else 1, motion.sampled
+        self.several = sum(len(group.problems) for group in starts) > 1
         self.rows, self.varied = pd.DataFrame(), pd.DataFrame()
         self.confirming: set[float] = set()
 
-    def _made(self, start: Start, counts: Iterable[float], periods: Iterable[float]) -> pd.DataFrame:
-        counts_of = {self.scale / one: one for one in counts}
-        rows = measured(self.scheme, start, list(counts_of), [length * self.scale for length in periods])
+    def _made(
+        self, starts: Starts, chosen: Sequence[int], counts: Iterable[float], periods: Iterable[float]
+    ) -> pd.DataFrame:
+        counts_of = {self.scale / count: count for count in counts}
+        rows = measured(self.scheme, starts, chosen, list(counts_of), [length * self.scale for length in periods])
         return rows.assign(
             steps_per_period=rows.step_size.map(counts_of), periods=(rows.duration / self.scale).round(9)
         )
@@ -120,13 +131,15 @@ class _Ladder:
     def run(self, counts: Iterable[float]) -> None:
         """Make runs from the problem's own start."""
         if counts := sorted(counts):
-            self.rows = pd.concat([self.rows, self._made(self.motion.own, counts, self.periods)], ignore_index=True)
+            made = self._made(self.starts[0], [0], counts, self.periods)
+            self.rows = pd.concat([self.rows, made], ignore_index=True)
 
-    def vary(self, counts: Iterable[float], starts: list[Start]) -> None:
+    def vary(self, counts: Iterable[float]) -> None:
         """Make runs from other starts over the number of periods that decides."""
-        for start in starts:
-            made = self._made(start, counts, self.periods[[self.decided]])
-            self.varied = pd.concat([self.varied, made], ignore_index=True)
+        for group in self.starts:
+            if others := range(group is self.starts[0], len(group.problems)):
+                made = self._made(group, others, counts, self.periods[[self.decided]])
+                self.varied = pd.concat([self.varied, made], ignore_index=True)
 
     def _errors(self) -> tuple[pd.DataFrame, pd.DataFrame]:
         """Errors from the own start, and the largest from all starts, in ascending (steps_per_period, periods)."""
@@ -163,7 +176,7 @@ class _Ladder:
                 found.append((kept[-1] if len(kept) else math.inf, coarser))
         return found
 
-    def search(self, limits: list[Limit], finest: int, starts: list[Start]) -> None:
+    def search(self, limits: list[Limit], finest: int) -> None:
         """Make runs at half octaves until a finer octave confirms each need, then between need and next coarser step.
 
         All numbers of steps of two digits in between are tried. Under a record, numbers whose steps divide its spacing
@@ -196,9 +209,9 @@ class _Ladder:
             wanted |= {min((one for one in known if one > need), default=need) for need in wanted}
             if self.motion.kinked:
                 wanted |= {count for need, _ in needed[: len(limits)] for count in self._finer(need)[:CONFIRMING]}
-            if not starts or not wanted - varied:
+            if not self.several or not wanted - varied:
                 return
-            self.vary(wanted - varied, starts)
+            self.vary(wanted - varied)
 
     def _finer(self, need: float) -> list[float]:
         """Numbers of steps that confirm a need, up to twice as many, on one geometric ladder."""
@@ -258,7 +271,7 @@ def runs(
     scale = time_scale(problem)
     sampled = scale / SAMPLES if np.size(problems[problem].u0) > 1 else None
     motion = Motion.of(problems[problem], max(periods) * scale, scale / COARSEST, sampled)
-    others = motion.others(starts)
+    all_starts = motion.starts(starts, decided * scale)
     uncertainty = {name: motion.uncertainty[name] for name in DECIDED if name in motion.names}
     limits = [(name, error) for name, own in uncertainty.items() for error in allowed_errors if error >= CERTAIN * own]
     parts: dict[str, xr.Dataset] = {}
@@ -268,8 +281,8 @@ def runs(
         if scheme.refusal(motion.problem):
             continue
         progress(f"{name} on {problem}")
-        ladder = _Ladder(scheme, motion, scale, periods, decided)
-        ladder.search(limits, finest, others)
+        ladder = _Ladder(scheme, motion, all_starts, scale, periods, decided)
+        ladder.search(limits, finest)
         parts[name] = ladder.dataset()
         confirming |= ladder.confirming
     ds = xr.concat(parts.values(), "scheme", join="outer").assign_coords(scheme=list(parts)).reindex(scheme=schemes)

@@ -28,19 +28,24 @@ VARIATION, VARIATION_WITH_KINKS = 0.01, 0.05
 
 
 @dataclass(frozen=True)
-class Start:
-    """A problem with a changed start or load, and the reference of its quantities."""
+class Starts:
+    """Problems that differ at most in initial values, and the reference of the quantities of each."""
 
-    problem: Problem
-    targets: dict[str, Target]
+    problems: list[Problem]
+    targets: list[dict[str, Target]]
     sampled: bool
 
     @cached_property
     def observe(self) -> list[str | Observer]:
         """The observers of a run."""
-        balance = ["energy_balance"] if self.problem.potential is not None or self.problem.dissipative else []
-        along = list(self.targets.values())
-        return [*([errors.ErrorsAtSamples.of(along)] if self.sampled else errors.observers(along)), "effort", *balance]
+        problem = self.problems[0]
+        balance = ["energy_balance"] if problem.potential is not None or problem.dissipative else []
+        along = [list(targets.values()) for targets in self.targets]
+        return [
+            errors.ErrorsAtSamples.of(along[0]) if self.sampled else errors.ErrorsAlong.of(*along),
+            "effort",
+            *balance,
+        ]
 
 
 @dataclass(frozen=True)
@@ -106,16 +111,6 @@ class Motion:
         return [*self.quantities, *([ENERGY] if balance else [])]
 
     @cached_property
-    def own(self) -> Start:
-        """The problem from its own start."""
-        return self._start(self.problem, self.solution)
-
-    def _start(self, problem: Problem, solution: DenseSolution) -> Start:
-        finer = 1 if self.sampled else errors.FINER
-        targets = {name: errors.target(one, problem, solution, finer) for name, one in self.quantities.items()}
-        return Start(problem, targets, self.sampled)
-
-    @cached_property
     def spacing(self) -> float:
         """Time between the samples of a record in the load, in s; NaN if there is no record."""
         return spacing(self.problem, self.duration) or np.nan
@@ -125,26 +120,41 @@ class Motion:
         """Whether the force has kinks. The error then varies irregularly with the step and the start."""
         return self.problem.kinked or self.problem.history is not None
 
-    def others(self, number: int) -> list[Start]:
-        """Other starts of the motion.
+    def starts(self, others: int, duration: float) -> list[Starts]:
+        """The motion's own start, the first of all, and ``others`` other starts with references over a duration.
 
-        Under a record, they begin 1, 2, ... ``number`` samples later, since a multiple of the record would only scale a
-        linear motion. Otherwise the start is multiplied (:func:`study.mechanics.loads.restarted`) by ``number`` equally
-        spaced factors within ``VARIATION`` of one, or within ``VARIATION_WITH_KINKS``.
+        Under a record, they begin 1, 2, ... samples later, since a multiple of the record would only scale a linear
+        motion. Otherwise the start is multiplied (:func:`study.mechanics.loads.restarted`) by equally spaced factors
+        within ``VARIATION`` of one, or within ``VARIATION_WITH_KINKS``. Starts of one unknown that differ in initial
+        values alone are in one item of the list, because their runs march side by side.
         """
         if self.problem.ground is not None and np.isfinite(self.spacing):
-            return [self._solved(later(self.problem, samples)) for samples in range(1, number + 1)]
-        factors = 1 + (VARIATION_WITH_KINKS if self.kinked else VARIATION) * np.linspace(-1, 1, number)
-        return [self._solved(restarted(self.problem, factor)) for factor in factors]
+            problems = [later(self.problem, samples) for samples in range(1, others + 1)]
+        else:
+            factors = 1 + (VARIATION_WITH_KINKS if self.kinked else VARIATION) * np.linspace(-1, 1, others)
+            problems = [restarted(self.problem, factor) for factor in factors]
+        solved = [(self.problem, self.solution), *((problem, self._solved(problem, duration)) for problem in problems)]
+        begins = {(*np.ravel(problem.u0), *np.ravel(problem.v0)) for problem, _ in solved}
+        together = not self.sampled and len(begins) == len(solved)
+        return [self._starts(group) for group in ([solved] if together else [[one] for one in solved])]
 
-    def _solved(self, problem: Problem) -> Start:
-        reference = Reference(problem, self.duration)
-        grid = self.grid if self.sampled else reference.with_kinks(self.grid)
-        return self._start(problem, reference.solution(reference.routes[0], grid, RTOL))
+    def _starts(self, solved: Sequence[tuple[Problem, DenseSolution]]) -> Starts:
+        finer = 1 if self.sampled else errors.FINER
+        targets = [
+            {name: errors.target(quantity, problem, solution, finer) for name, quantity in self.quantities.items()}
+            for problem, solution in solved
+        ]
+        return Starts([problem for problem, _ in solved], targets, self.sampled)
+
+    def _solved(self, problem: Problem, duration: float) -> DenseSolution:
+        reference, grid = Reference(problem, duration), np.append(self.grid[self.grid < duration], duration)
+        return reference.solution(reference.routes[0], grid if self.sampled else reference.with_kinks(grid), RTOL)
 
 
-def measured(scheme: Scheme, start: Start, step_sizes: Sequence[float], durations: Sequence[float]) -> pd.DataFrame:
-    """Runs at each step size over each duration.
+def measured(
+    scheme: Scheme, starts: Starts, chosen: Sequence[int], step_sizes: Sequence[float], durations: Sequence[float]
+) -> pd.DataFrame:
+    """Runs from each chosen one of the starts, at each step size, over each duration.
 
     A run ends with the last step that fits into the duration.
 
@@ -155,18 +165,22 @@ def measured(scheme: Scheme, start: Start, step_sizes: Sequence[float], duration
         the run failed. Quantities along time are compared with the reference over all unknowns, at every step or at
         the samples of the reference.
     """
-    dt, ends = (one.ravel() for one in np.meshgrid(step_sizes, durations, indexing="ij"))
+    grid = np.meshgrid(chosen, step_sizes, durations, indexing="ij")
+    start, dt, ends = (values.ravel() for values in grid)
     steps = np.maximum(np.floor(ends / dt * (1 + 1e-9)), 1).astype(int)
     order = np.argsort(steps, kind="stable")  # lanes of about one length end together
     parts = [order[i : i + FEW] for i in range(0, len(order), FEW)]
-    return pd.concat([_rows(scheme, start, dt[part], steps[part], ends[part]) for part in parts], ignore_index=True)
+    rows = [_rows(scheme, starts, start[part], dt[part], steps[part]) for part in parts]
+    return pd.concat(rows, ignore_index=True).assign(duration=np.concatenate([ends[part] for part in parts]))
 
 
-def _rows(scheme: Scheme, start: Start, dt: np.ndarray, steps: np.ndarray, ends: np.ndarray) -> pd.DataFrame:
-    ds = sweep(start.problem, scheme, dt=dt, steps=steps, observe=start.observe)
-    reached = np.minimum(steps * dt, ends)
-    found = {name: errors.error(target, ds, reached) for name, target in start.targets.items()}
+def _rows(scheme: Scheme, starts: Starts, start: np.ndarray, dt: np.ndarray, steps: np.ndarray) -> pd.DataFrame:
+    begin = {}
+    if len(starts.problems) > 1:
+        begin = {name: np.array([getattr(starts.problems[k], name) for k in start]) for name in ("u0", "v0")}
+    ds = sweep(starts.problems[0], scheme, dt=dt, steps=steps, observe=starts.observe, **begin)
+    found = {name: ds[target.quantity.name].values for name, target in starts.targets[0].items()}
     if "max_energy_imbalance" in ds:
         found[ENERGY] = ds.max_energy_imbalance.values
     counts = {name: ds[name].values for name in ("force_evaluations", "tangent_evaluations", "factorisations")}
-    return pd.DataFrame({"step_size": dt, "duration": ends, "status": ds.status.values} | counts | found)
+    return pd.DataFrame({"step_size": dt, "status": ds.status.values} | counts | found)

@@ -46,6 +46,28 @@ def test_errors_along_time_are_those_at_every_step(dt):
         assert errors.error(target, ds, ends * dt) == pytest.approx(largest, rel=1e-5, abs=2e-9)  # of the quintics
 
 
+def test_each_lane_is_compared_with_the_reference_that_begins_where_it_begins():
+    """The lanes start from 1, from 2 and from an impulse 3; the first reference is longer than the others."""
+    begins, t = [(1.0, 0.0), (2.0, 0.0), (0.0, 3.0)], np.linspace(0.0, 8.0, 81)
+    problem, (quantity,) = study.Problem(lambda u: u, 1.0), errors.named({"u": study.Quantity(lambda u: u)}).values()
+    references = []
+    for (u0, v0), end in zip(begins, (81, 61, 61), strict=True):
+        u, v = u0 * np.cos(t[:end]) + v0 * np.sin(t[:end]), v0 * np.cos(t[:end]) - u0 * np.sin(t[:end])
+        references.append([errors.target(quantity, problem, DenseSolution(t[:end], u, v, -u))])
+    order, dt = [2, 0, 1, 0], np.array([0.4, 0.1, 0.2, 0.3])
+    u0, v0 = np.array(begins)[order].T
+    observer, steps = errors.ErrorsAlong.of(*references), (5.9 / dt).astype(int)
+    ds = study.run(problem, "rk4", dt=dt, steps=steps, u0=u0, v0=v0, observe=observer)
+    for lane, number in enumerate(order):
+        alone = errors.ErrorsAlong.of(references[number])
+        single = study.run(problem, "rk4", dt=dt[lane], steps=steps[lane], u0=u0[lane], v0=v0[lane], observe=alone)
+        assert ds[quantity.name].values[lane] == pytest.approx(single[quantity.name].item(), rel=1e-9, abs=1e-15)
+        motion = study.run(problem, "rk4", dt=dt[lane], steps=steps[lane], u0=u0[lane], v0=v0[lane])
+        exact = u0[lane] * np.cos(motion.t) + v0[lane] * np.sin(motion.t)
+        error = (abs(motion.u - exact).max() / max(begins[number])).item()
+        assert single[quantity.name].item() == pytest.approx(error, rel=1e-2)
+
+
 def test_a_balance_without_energy_to_compare_with_is_left_out_with_a_warning():
     # a mass that hangs on a spring, released from rest at u = 0: the initial energy is zero
     hanging = study.Problem(lambda u: u - 1.0, 0.0, potential=lambda u: u**2 / 2 - u, damping=0.02, title="hanging")

@@ -69,7 +69,7 @@ def test_an_ensemble_on_an_accelerator_is_one_tile(monkeypatch):
 def test_a_pause_changes_no_bit_of_an_ensemble(monkeypatch):
     arguments = {"dt": np.linspace(0.001, 0.1, 300), "steps": 500, "observe": ["trajectory", "max_energy_error"]}
     at_once = study.run("softening", "average_acceleration", **arguments, every=10)
-    monkeypatch.setattr(program, "PAUSE", 70 * 512)
+    monkeypatch.setattr(program, "PAUSE_OF_LANES", 70 * 512)
     xr.testing.assert_identical(study.run("softening", "average_acceleration", **arguments, every=10), at_once)
 
 
@@ -79,7 +79,7 @@ def test_short_and_long_groups_use_one_program(monkeypatch, compiled):
     steps = np.repeat([10, 300], ensemble.TILE)
     arguments = {"dt": 0.001, "u0": np.linspace(0.5, 2.0, len(steps)), "observe": ["max_energy_error"]}
     with monkeypatch.context() as patched:
-        patched.setattr(program, "PAUSE", 100 * ensemble.TILE)
+        patched.setattr(program, "PAUSE_OF_LANES", 100 * ensemble.TILE)
         in_stretches = study.run("hardening", "rk4", steps=steps, **arguments)
     before = len(compiled)
     xr.testing.assert_identical(study.run("hardening", "rk4", steps=steps, **arguments), in_stretches)

@@ -150,14 +150,15 @@ def test_with_kinks_all_steps_that_confirm_a_need_are_run_from_all_starts(monkey
     With kinks the finest number of steps in an octave that fails counts, and else only the needed one.
     """
 
-    def measured(scheme, start, step_sizes, durations):
+    def measured(scheme, starts, chosen, step_sizes, durations):
         counts = 1 / np.array(step_sizes)
-        error = np.where((start == "other") & (counts > 60) & (counts < 70.5), 0.02, 0.5 / counts)
+        error = np.where(([*chosen] == [1]) & (counts > 60) & (counts < 70.5), 0.02, 0.5 / counts)
         return pd.DataFrame({"step_size": step_sizes, "duration": durations[0], "displacement": error})
 
     monkeypatch.setattr(experiment, "measured", measured)
-    motion = SimpleNamespace(sampled=False, spacing=np.nan, names=["displacement"], own="own", kinked=kinked)
-    ladder: Any = experiment._Ladder(None, motion, 1.0, [1.0], 1.0)
-    ladder.search([("displacement", 0.01)], 1000, ["other"])
+    motion = SimpleNamespace(sampled=False, spacing=np.nan, names=["displacement"], kinked=kinked)
+    starts = [SimpleNamespace(problems=["own", "other"])]
+    ladder: Any = experiment._Ladder(None, motion, starts, 1.0, [1.0], 1.0)
+    ladder.search([("displacement", 0.01)], 1000)
     ((found, coarser),) = ladder.needed([("displacement", 0.01)])
     assert found == need and coarser < need
