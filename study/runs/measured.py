@@ -175,10 +175,10 @@ def measured(
 
 
 def _rows(scheme: Scheme, starts: Starts, start: np.ndarray, dt: np.ndarray, steps: np.ndarray) -> pd.DataFrame:
-    begin = {}
+    u0 = v0 = None
     if len(starts.problems) > 1:
-        begin = {name: np.array([getattr(starts.problems[k], name) for k in start]) for name in ("u0", "v0")}
-    ds = sweep(starts.problems[0], scheme, dt=dt, steps=steps, observe=starts.observe, **begin)
+        u0, v0 = (np.array([getattr(starts.problems[k], name) for k in start]) for name in ("u0", "v0"))
+    ds = sweep(starts.problems[0], scheme, dt=dt, steps=steps, observe=starts.observe, u0=u0, v0=v0)
     found = {name: ds[target.quantity.name].values for name, target in starts.targets[0].items()}
     if "max_energy_imbalance" in ds:
         found[ENERGY] = ds.max_energy_imbalance.values
