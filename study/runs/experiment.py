@@ -271,7 +271,7 @@ def runs(
     scale = time_scale(problem)
     sampled = scale / SAMPLES if np.size(problems[problem].u0) > 1 else None
     motion = Motion.of(problems[problem], max(periods) * scale, scale / COARSEST, sampled)
-    all_starts = motion.starts(starts, decided * scale)
+    all_starts = motion.starts(starts)
     uncertainty = {name: motion.uncertainty[name] for name in DECIDED if name in motion.names}
     limits = [(name, error) for name, own in uncertainty.items() for error in allowed_errors if error >= CERTAIN * own]
     parts: dict[str, xr.Dataset] = {}

@@ -120,8 +120,8 @@ class Motion:
         """Whether the force has kinks. The error then varies irregularly with the step and the start."""
         return self.problem.kinked or self.problem.history is not None
 
-    def starts(self, others: int, duration: float) -> list[Starts]:
-        """The motion's own start, the first of all, and ``others`` other starts with references over a duration.
+    def starts(self, others: int) -> list[Starts]:
+        """The motion's own start, the first of all, and ``others`` other starts.
 
         Under a record, they begin 1, 2, ... samples later, since a multiple of the record would only scale a linear
         motion. Otherwise the start is multiplied (:func:`study.mechanics.loads.restarted`) by equally spaced factors
@@ -133,7 +133,7 @@ class Motion:
         else:
             factors = 1 + (VARIATION_WITH_KINKS if self.kinked else VARIATION) * np.linspace(-1, 1, others)
             problems = [restarted(self.problem, factor) for factor in factors]
-        solved = [(self.problem, self.solution), *((problem, self._solved(problem, duration)) for problem in problems)]
+        solved = [(self.problem, self.solution), *((problem, self._solved(problem)) for problem in problems)]
         begins = {(*np.ravel(problem.u0), *np.ravel(problem.v0)) for problem, _ in solved}
         together = not self.sampled and len(begins) == len(solved)
         return [self._starts(group) for group in ([solved] if together else [[one] for one in solved])]
@@ -146,9 +146,10 @@ class Motion:
         ]
         return Starts([problem for problem, _ in solved], targets, self.sampled)
 
-    def _solved(self, problem: Problem, duration: float) -> DenseSolution:
-        reference, grid = Reference(problem, duration), np.append(self.grid[self.grid < duration], duration)
-        return reference.solution(reference.routes[0], grid if self.sampled else reference.with_kinks(grid), RTOL)
+    def _solved(self, problem: Problem) -> DenseSolution:
+        reference = Reference(problem, self.duration)
+        grid = self.grid if self.sampled else reference.with_kinks(self.grid)
+        return reference.solution(reference.routes[0], grid, RTOL)
 
 
 def measured(
