@@ -28,12 +28,12 @@ def computing_times(needed: xr.Dataset) -> xr.DataArray:
     """Computing time over simulated time with each step size, NaN for problems with another ``cost``."""
     times = needed.seconds.copy(deep=True)
     for problem in needed.problem.values[needed.cost.values == "seconds"].tolist():
-        one = needed.step_size.sel(problem=problem)
-        duration = (one.decided * one.time_scale).item()
-        for scheme in one.scheme.values.tolist():
-            step_sizes = np.unique(one.sel(scheme=scheme).values)
+        step_sizes = needed.step_size.sel(problem=problem)
+        duration = (step_sizes.decided * step_sizes.time_scale).item()
+        for scheme in step_sizes.scheme.values.tolist():
+            wanted_sizes = np.unique(step_sizes.sel(scheme=scheme).values)
             wanted = {
-                dt: max(int(duration / dt * (1 + 1e-9)), 1) for dt in step_sizes[np.isfinite(step_sizes)].tolist()
+                dt: max(int(duration / dt * (1 + 1e-9)), 1) for dt in wanted_sizes[np.isfinite(wanted_sizes)].tolist()
             }
             if not wanted:
                 continue
@@ -41,7 +41,9 @@ def computing_times(needed: xr.Dataset) -> xr.DataArray:
             measured = times_of_steps(problems_by_name[problem], schemes_by_name[scheme], wanted)
             for dt, steps in wanted.items():
                 place = {"problem": problem, "scheme": scheme}
-                times.loc[place] = times.loc[place].where(one.sel(scheme=scheme) != dt, measured[dt][0] / (steps * dt))
+                times.loc[place] = times.loc[place].where(
+                    step_sizes.sel(scheme=scheme) != dt, measured[dt][0] / (steps * dt)
+                )
     return times
 
 
@@ -62,7 +64,7 @@ def needs_and_decisions(problems: PlainNames, allowed_errors: Tolerances) -> tup
     """
     needed = of_problems([needs(io.open_dataset(f"runs/{problem}"), allowed_errors) for problem in problems])
     needed["seconds"] = computing_times(needed)
-    in_codes = {one.scheme for one in names_in_codes() if one.code.startswith(CODES)}
+    in_codes = {name.scheme for name in names_in_codes() if name.code.startswith(CODES)}
     names = needed.scheme.values.tolist()
     needed = needed.assign_coords(
         **coordinates.scheme_coordinates(names),

@@ -119,7 +119,7 @@ class _Ladder:
         self.rows, self.varied = pd.DataFrame(), pd.DataFrame()
         self.confirming: set[float] = set()
 
-    def _made(
+    def _rows(
         self, starts: Starts, chosen: Sequence[int], counts: Iterable[float], periods: Iterable[float]
     ) -> pd.DataFrame:
         counts_of = {self.scale / count: count for count in counts}
@@ -131,15 +131,15 @@ class _Ladder:
     def run(self, counts: Iterable[float]) -> None:
         """Make runs from the problem's own start."""
         if counts := sorted(counts):
-            made = self._made(self.starts[0], [0], counts, self.periods)
-            self.rows = pd.concat([self.rows, made], ignore_index=True)
+            rows = self._rows(self.starts[0], [0], counts, self.periods)
+            self.rows = pd.concat([self.rows, rows], ignore_index=True)
 
     def vary(self, counts: Iterable[float]) -> None:
         """Make runs from other starts over the number of periods that decides."""
         for group in self.starts:
             if others := range(group is self.starts[0], len(group.problems)):
-                made = self._made(group, others, counts, self.periods[[self.decided]])
-                self.varied = pd.concat([self.varied, made], ignore_index=True)
+                rows = self._rows(group, others, counts, self.periods[[self.decided]])
+                self.varied = pd.concat([self.varied, rows], ignore_index=True)
 
     def _errors(self) -> tuple[pd.DataFrame, pd.DataFrame]:
         """Errors from the own start, and the largest from all starts, in ascending (steps_per_period, periods)."""
@@ -154,7 +154,7 @@ class _Ladder:
         """The runs over (steps_per_period, periods), and ``error`` and ``largest_error`` also over quantity."""
         names, order = self.motion.names, ("steps_per_period", "quantity", "periods")
         ds = self.rows.drop(columns=[*names, "step_size", "duration"]).set_index([order[0], order[2]]).to_xarray()
-        error, largest = (one.to_xarray().to_dataarray("quantity").transpose(*order) for one in self._errors())
+        error, largest = (errors.to_xarray().to_dataarray("quantity").transpose(*order) for errors in self._errors())
         return ds.assign(error=error, largest_error=largest)
 
     def needed(self, limits: list[Limit]) -> list[tuple[float, float]]:
@@ -163,18 +163,18 @@ class _Ladder:
         Needs are found among all numbers tried and, under a record, among those whose steps divide its spacing.
         """
         errors, shape = self._errors(), (-1, len(self.periods))
-        tried, found = np.unique(errors[0].index.get_level_values("steps_per_period"))[::-1], []
+        tried, results = np.unique(errors[0].index.get_level_values("steps_per_period"))[::-1], []
         proposed = ~np.isin(tried, [*self.confirming])
         dividing, every = divides(self.scale / tried, self.motion.spacing).astype(bool), np.full(len(tried), True)
         for part in [every] if dividing.all() else [every, dividing]:
             fine_first = tried[part]
             for quantity, allowed in limits:
-                error, largest = (one[quantity].values.reshape(shape)[::-1][part] for one in errors)
+                error, largest = (values[quantity].values.reshape(shape)[::-1][part] for values in errors)
                 place = int(unbroken(keeps(error, largest, self.periods, allowed)[:, self.decided]).sum())
                 coarser = fine_first[place] if place < len(fine_first) else 0.0
                 kept = fine_first[:place][proposed[part][:place]]
-                found.append((kept[-1] if len(kept) else math.inf, coarser))
-        return found
+                results.append((kept[-1] if len(kept) else math.inf, coarser))
+        return results
 
     def search(self, limits: list[Limit], finest: int) -> None:
         """Make runs at half octaves until a finer octave confirms each need, then between need and next coarser step.
@@ -196,7 +196,9 @@ class _Ladder:
             needed, known = self.needed(limits), set(self.rows.steps_per_period)
             finer = [between(coarser, need, self.multiple) for need, coarser in needed[: len(limits)]]
             # a run of several unknowns costs as much as its steps, so their intervals are halved
-            new = {one for numbers in finer for one in (numbers[len(numbers) // 2 :][:1] if self.halved else numbers)}
+            new = {
+                count for numbers in finer for count in (numbers[len(numbers) // 2 :][:1] if self.halved else numbers)
+            }
             if new := new - known:
                 self.run(new)
                 continue
@@ -206,7 +208,7 @@ class _Ladder:
                 continue
             varied = set(self.varied.steps_per_period) if len(self.varied) else set()
             wanted = {need for need, _ in needed if need < math.inf}
-            wanted |= {min((one for one in known if one > need), default=need) for need in wanted}
+            wanted |= {min((count for count in known if count > need), default=need) for need in wanted}
             if self.motion.kinked:
                 wanted |= {count for need, _ in needed[: len(limits)] for count in self._finer(need)[:CONFIRMING]}
             if not self.several or not wanted - varied:
@@ -230,10 +232,10 @@ def between(coarser: float, need: float, multiple: int = 1) -> list[int]:
 
     ``need`` may be infinite; ``coarser`` is zero if no smaller number was tried.
     """
-    numbers, one = [], two_digits(max(coarser, COARSEST) * (1 + 1e-9), multiple)
-    while coarser < one < need < math.inf:
-        numbers.append(one)
-        one = two_digits(one + 1, multiple)
+    numbers, count = [], two_digits(max(coarser, COARSEST) * (1 + 1e-9), multiple)
+    while coarser < count < need < math.inf:
+        numbers.append(count)
+        count = two_digits(count + 1, multiple)
     return numbers
 
 

@@ -94,15 +94,15 @@ class Motion:
         quantities, reference = wanted_quantities(None, problem), Reference(problem, duration)
         try:
             if sampled is None:
-                one, other, grid = reference.solutions(reference.grid(coarsest), RTOL, GOAL)
+                first, second, grid = reference.solutions(reference.grid(coarsest), RTOL, GOAL)
             else:
                 grid = np.linspace(0.0, duration, round(duration / sampled) + 1)
-                one, other = (reference.solution(route, grid, RTOL) for route in reference.routes)
+                first, second = (reference.solution(route, grid, RTOL) for route in reference.routes)
         except RuntimeError as error:
             raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
-        apart = {name: errors.difference(q, problem, one, other)[0] for name, q in quantities.items()}
+        apart = {name: errors.difference(q, problem, first, second)[0] for name, q in quantities.items()}
         solvers = " and ".join(route.name for route in reference.routes)
-        return cls(problem, duration, quantities, one, apart | {ENERGY: 0.0}, solvers, grid, sampled is not None)
+        return cls(problem, duration, quantities, first, apart | {ENERGY: 0.0}, solvers, grid, sampled is not None)
 
     @property
     def names(self) -> list[str]:
@@ -136,7 +136,7 @@ class Motion:
         solved = [(self.problem, self.solution), *((problem, self._solved(problem)) for problem in problems)]
         begins = {(*np.ravel(problem.u0), *np.ravel(problem.v0)) for problem, _ in solved}
         together = not self.sampled and len(begins) == len(solved)
-        return [self._starts(group) for group in ([solved] if together else [[one] for one in solved])]
+        return [self._starts(group) for group in ([solved] if together else [[start] for start in solved])]
 
     def _starts(self, solved: Sequence[tuple[Problem, DenseSolution]]) -> Starts:
         finer = 1 if self.sampled else errors.FINER
@@ -180,8 +180,8 @@ def _rows(scheme: Scheme, starts: Starts, start: np.ndarray, dt: np.ndarray, ste
     if len(starts.problems) > 1:
         u0, v0 = (np.array([getattr(starts.problems[k], name) for k in start]) for name in ("u0", "v0"))
     ds = sweep(starts.problems[0], scheme, dt=dt, steps=steps, observe=starts.observe, u0=u0, v0=v0)
-    found = {name: ds[target.quantity.name].values for name, target in starts.targets[0].items()}
+    columns = {name: ds[target.quantity.name].values for name, target in starts.targets[0].items()}
     if "max_energy_imbalance" in ds:
-        found[ENERGY] = ds.max_energy_imbalance.values
+        columns[ENERGY] = ds.max_energy_imbalance.values
     counts = {name: ds[name].values for name in ("force_evaluations", "tangent_evaluations", "factorisations")}
-    return pd.DataFrame({"step_size": dt, "status": ds.status.values} | counts | found)
+    return pd.DataFrame({"step_size": dt, "status": ds.status.values} | counts | columns)

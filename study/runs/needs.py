@@ -193,8 +193,8 @@ def _needed(runs: xr.Dataset, condition: str, allowed: float) -> xr.Dataset:
     place = xr.where(kept & proposed, number, -1).max("size")
     at = runs.reset_coords(sizes).isel(size=place.clip(min=0))
     costs = {name: at[name] / at.duration for name in COSTS} | {"smaller_steps": (kept & (number < place)).sum("size")}
-    one = at[[*sizes, "error", "largest_error"]].assign(costs).where(place >= 0)
-    return one.assign(verdict=_verdict(runs, proposed, place, allowed)).reset_coords(drop=True)
+    values = at[[*sizes, "error", "largest_error"]].assign(costs).where(place >= 0)
+    return values.assign(verdict=_verdict(runs, proposed, place, allowed)).reset_coords(drop=True)
 
 
 def _verdict(runs: xr.Dataset, counted: xr.DataArray, place: xr.DataArray, allowed: float) -> xr.DataArray:
@@ -214,10 +214,10 @@ def of_problems(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     Times are NaN until they are measured.
     """
     datasets = []
-    for one in parts:
-        problem_needs = one.assign(_power_law(one.step_size)).sel(periods=one.decided, drop=True)
+    for part in parts:
+        problem_needs = part.assign(_power_law(part.step_size)).sel(periods=part.decided, drop=True)
         problem_needs = problem_needs.assign(seconds=problem_needs.step_size * np.nan)
-        problem_needs = problem_needs.assign_coords(cost="seconds" if one.unknowns >= LARGE else "force_evaluations")
+        problem_needs = problem_needs.assign_coords(cost="seconds" if part.unknowns >= LARGE else "force_evaluations")
         labels = [name for name in problem_needs.coords if name != "scheme" and "scheme" in problem_needs[name].dims]
         datasets.append(problem_needs.drop_vars(labels).expand_dims("problem"))
     ds = xr.concat(datasets, "problem", join="outer", coords="all", compat="override", data_vars="all")

@@ -179,38 +179,40 @@ def _of_needs(needed: xr.Dataset, error: float, quantity: str | None) -> pd.Data
     needed = needed.sel(condition="practice")
     has = (needed.verdict != NO_VALUE).any(["scheme", "allowed_error"])
     known = sorted(needed.quantity.values[has.values].tolist(), key=lambda name: name not in MOTION)
-    quantity, one = chosen(needed, known, error, quantity)
-    best = ranked(one)
-    one = one.sel(scheme=[*best, *(name for name in one.scheme.values if name not in best)])
+    quantity, ordered = chosen(needed, known, error, quantity)
+    best = ranked(ordered)
+    ordered = ordered.sel(scheme=[*best, *(name for name in ordered.scheme.values if name not in best)])
     words = np.array([word.replace("_", " ") for word in needed.verdict.flag_meanings.split()])
     table = Recommended(
         {
-            "kind": np.where(one.explicit == 1, "explicit", "implicit"),
-            "step_size": one.step_size,
-            "omega_step": one.omega_step,
-            "steps_per_period": one.steps_per_period,
-            "error": one.error,
-            "force_evaluations_per_time": one.force_evaluations,
-            "steps_tried": one.smaller_steps + 1,
-            "worst_error": one.largest_error / one.allowed_error,
-            "verdict": words[one.verdict.values],
+            "kind": np.where(ordered.explicit == 1, "explicit", "implicit"),
+            "step_size": ordered.step_size,
+            "omega_step": ordered.omega_step,
+            "steps_per_period": ordered.steps_per_period,
+            "error": ordered.error,
+            "force_evaluations_per_time": ordered.force_evaluations,
+            "steps_tried": ordered.smaller_steps + 1,
+            "worst_error": ordered.largest_error / ordered.allowed_error,
+            "verdict": words[ordered.verdict.values],
         },
-        index=pd.Index(one.scheme.values, name="scheme"),
+        index=pd.Index(ordered.scheme.values, name="scheme"),
     )
     firsts = table.loc[best].groupby("kind", sort=False).head(1)
-    titles = one.scheme_title.to_series()
+    titles = ordered.scheme_title.to_series()
     answer = [
         f"{percent(error)} of {quantity}, {row.kind}: {titles[name]}, {step_with_unit(row.step_size)}"
         for name, row in firsts.iterrows()
     ]
-    starts = one.starts.item()
+    starts = ordered.starts.item()
     table.attrs = {
         "quantity": quantity,
         "answer": answer or [f"{percent(error)} of {quantity}: no scheme was found"],
         "notes": [
-            f"Runs on the {one.problem_title.item()} last {one.decided.item():g} times {one.time_scale.item():.4g} s, "
+            f"Runs on the {ordered.problem_title.item()} last {ordered.decided.item():g} times "
+            f"{ordered.time_scale.item():.4g} s, "
             f"from {f'{starts:.0f} starts' if starts > 1 else 'one start'}. "
-            f"{'Computing times' if one.cost.item() == 'seconds' else 'Evaluations of the force'} decide the order."
+            f"{'Computing times' if ordered.cost.item() == 'seconds' else 'Evaluations of the force'} decide "
+            "the order."
         ],
     }
     return table

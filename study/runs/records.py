@@ -79,7 +79,7 @@ def as_runs(spectrum: xr.Dataset) -> xr.Dataset:
         spacing=spectrum.spacing.item(),
         free_vibration=0,
         unknowns=1,
-        starts=int(np.prod([spectrum.sizes[one] for one in each])),
+        starts=int(np.prod([spectrum.sizes[name] for name in each])),
         problem="records",
         problem_title=f"oscillators of {scale:g} to {spectrum.period.max().item():g} s under records",
     )
