@@ -1,8 +1,9 @@
 """The process that forks a child for each job of a local run: ``python -m pipeline.worker LISTENER < PIPE``.
 
-It imports the study, JAX, the solvers and matplotlib once, which would take every job two seconds. LISTENER is the
-number of a listening socket, and the run of Snakemake holds the other end of PIPE. Worker and children end when that
-run ends, even if it is killed. A child also ends with the command that requested it (:mod:`pipeline.job`).
+It imports the study, JAX, the solvers, pydantic and matplotlib once, which would take every job two seconds.
+LISTENER is the number of a listening socket, and the run of Snakemake holds the other end of PIPE. Worker and children
+end when that run ends, even if it is killed. A child also ends with the command that requested it
+(:mod:`pipeline.job`).
 """
 
 import gc
@@ -16,9 +17,10 @@ import threading
 import traceback
 from typing import Any
 
+import matplotlib.backends.backend_pdf
 import matplotlib.pyplot  # noqa: F401
 
-from pipeline import measured
+from pipeline import configuration, measured  # noqa: F401
 from study.declaration.experiment import discover
 
 
