@@ -11,7 +11,8 @@ SCHEMES = ["central_difference", "average_acceleration"]
 #: Largest relative difference of measured and predicted error at which a prediction is confirmed, and share of the runs
 #: that counts as most of them.
 CONFIRMED, MOST_RUNS = 0.1, 0.95
-#: Springs whose tangent is nowhere negative, and the largest ωΔt at which the bound is checked.
+#: Springs whose tangent is nowhere negative, and the largest ωΔt at which the bound is checked. As in the texts, a step
+#: has two decimals, rounded down.
 CONVEX, LARGEST_STEP = ["hardening", "softening"], 0.17
 
 
@@ -47,7 +48,7 @@ def modified_energy_predicts(bound):
 def over_convex(bound: xr.Dataset, rule: xr.Dataset) -> xr.DataArray:
     """Energy error over its bound on springs whose tangent is nowhere negative, at steps up to ``LARGEST_STEP``."""
     rule = rule.sel(problem=CONVEX, scheme=SCHEMES)
-    rule = rule.isel(omega_step=np.flatnonzero(rule.omega_step <= LARGEST_STEP))
+    rule = rule.isel(omega_step=np.flatnonzero(np.floor(100 * rule.omega_step) / 100 <= LARGEST_STEP))
     return (rule.energy_error / (bound.convex_coefficient * rule.omega_step**2)).fillna(np.inf)
 
 

@@ -26,10 +26,13 @@ def test_the_modified_energy_predicts_or_not():
 
 
 def _rule(ratio):
-    """A dataset like stability/step_rule.nc, with the given ratio of the energy error to the bound up to ωΔt = 0.17."""
-    steps = np.array([0.1, 0.15, 0.3])
+    """A dataset like stability/step_rule.nc, with the given ratio of the energy error to the bound up to ωΔt = 0.1718.
+
+    The texts print this step as 0.17.
+    """
+    steps = np.array([0.1, 0.1718, 0.3])
     data = filled(1.0, scheme=claims.SCHEMES, problem=claims.CONVEX, amplitude=[1.0, 2.0], omega_step=steps)
-    error = data * np.where(steps < 0.17, ratio, 9.0) * steps**2
+    error = data * np.where(steps < 0.18, ratio, 9.0) * steps**2
     error = error * xr.DataArray([1 / 4, 1 / 6], {"scheme": claims.SCHEMES})
     rule = error.to_dataset(name="energy_error")
     return rule.assign_coords(scheme_title=("scheme", ["A", "B"]))
