@@ -16,7 +16,7 @@ from paper.wording import joined, listed
 STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]
 #: Algebraically stable methods, which are BN-stable by a theorem of Burrage and Butcher.
 BN_STABLE = ["implicit_midpoint", "gauss4"]
-#: Minimum number of samples of a history after its start. The last half then has three samples, which can alternate.
+#: Minimum number of samples of a history after its start. The last half then has four samples, which can alternate.
 SAMPLES_OF_SAWTOOTH = 6
 
 
@@ -33,12 +33,14 @@ def fails_to(runs: xr.DataArray, along: Sequence[str] = ("problem", "steps_per_p
 
 
 def sawtooth(velocity: xr.DataArray) -> np.ndarray:
-    """Largest amplitude of the part of a velocity that changes sign at every sample, in the last half of a history.
+    """Amplitude of the part of a velocity that changes sign at every sample, in the last half of a history.
 
-    The fourth difference of a smooth velocity is small, and that of an alternating one is 16 times its amplitude.
+    It is the highest difference of the n + 1 samples, over 2ⁿ. A smooth velocity of the circular frequency ω adds at
+    most sinⁿ(ωΔt/2) of its amplitude.
     """
-    late = velocity.isel(t=slice(velocity.sizes["t"] // 2, None)).values
-    return np.abs(np.diff(late, 4)).max(axis=-1) / 16
+    late = velocity.isel(t=slice(velocity.sizes["t"] // 2, None)).transpose(..., "t").values
+    order = late.shape[-1] - 1
+    return np.abs(np.diff(late, order))[..., 0] / 2**order
 
 
 def _share(runs: xr.DataArray, schemes: list[str]) -> dict[str, float]:
@@ -93,7 +95,7 @@ def damping_on_the_chain(structures):
 def spurious_oscillation(history):
     parts = dict(zip(history.scheme.values.tolist(), sawtooth(history.v.isel(component=0)).tolist(), strict=True))
     return Finding(
-        listed(parts, history, ".3f"),
+        listed(parts, history, ".2g"),
         parts["average_acceleration"] > GREATLY * parts["bathe"],
         "the structure itself oscillates as much from rest, at a frequency that no step here resolves; the scheme "
         "preserves that energy at a wrong frequency",

@@ -12,7 +12,7 @@ from paper.requirements import samples_of_history
 from paper.tables.models import answers
 from paper.terms import REASONABLE
 from paper.wording import joined
-from study.words import printed, span
+from study.words import number, printed, span
 
 #: Schemes without numerical damping with which the text compares the energy-momentum method.
 UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "gauss4"]
@@ -132,7 +132,7 @@ def of_structures(
             f"fails_to_{name}": None if np.isnan(most) else f"{most:.0f}"
             for name, most in most_steps_per_period.items()
         },
-        **{f"sawtooth_{name}": f"{a:.2g}" for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
+        **{f"sawtooth_{name}": number(a, 2) for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
         "chain_best": f"{100 * structures.displacement_error.sel(problem='fpu_chain').min().item():.2g}",
         "long_time": f"{long_times.t.max().item():,.0f}",
         "sum_exact": f"{exact_change:.1f}",

@@ -4,10 +4,22 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from paper.claims.structures import SAMPLES_OF_SAWTOOTH, sawtooth
 from paper.numbers.structures import _accurate_unbalanced, _fails_in_longer_runs, _plateaus
 from paper.tables import models
 from study.runs.needs import decisions, needs, of_problems
 from tests.runs.made_up import runs, with_kinds
+
+
+def test_a_smooth_velocity_is_no_alternating_one():
+    angle = 2 * np.pi * np.arange(21) / 20
+    smooth, alternating = 1.2 * np.sin(angle), (-1.0) ** np.arange(21)
+    velocity = xr.DataArray([smooth, smooth + 0.3 * alternating], dims=("scheme", "t"))
+    none, some = sawtooth(velocity)
+    # the tenth difference leaves sin¹⁰(π/20) of a sine
+    assert none == pytest.approx(1.2 * np.sin(np.pi / 20) ** 10, rel=1e-6) and some == pytest.approx(0.3)
+    shortest = np.append(np.zeros(3), [0.5, -0.5, 0.5, -0.5])
+    assert len(shortest) == 1 + SAMPLES_OF_SAWTOOTH and sawtooth(xr.DataArray([shortest], dims=("scheme", "t"))) == 0.5
 
 
 def _structures(gauss, bathe):
