@@ -1,10 +1,11 @@
 """Numbers of the text: structures."""
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from paper.claims.ledger import by_name
-from paper.claims.structures import SAMPLES_OF_SAWTOOTH, balanced, fails_to, sawtooth
+from paper.claims.structures import SAMPLES_OF_SAWTOOTH, balanced, sawtooth
 from paper.data import TURNING
 from paper.figures.energy_growth import CEILING, FLOOR, sizes
 from paper.products import numbers
@@ -19,6 +20,8 @@ UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "
 #: Relative change of an error from the second finest step to the finest. Below this change, still finer steps do not
 #: reduce the error.
 LEVEL = 0.3
+#: Structure whose runs also have steps between the doubled ones.
+PENDULUM = "elastic_pendulum"
 
 
 def _periods(number: xr.DataArray) -> str:
@@ -27,27 +30,61 @@ def _periods(number: xr.DataArray) -> str:
     return "one period" if counts == "1" else f"{counts} periods"
 
 
-def _fails_in_longer_runs(pendulum: xr.Dataset) -> dict[str, str]:
-    """Most steps in a period at which average acceleration fails in the longest runs of a constrained mass."""
-    longest = pendulum.sel(scheme="average_acceleration").isel(periods=-1)
-    failed = (longest.tried == 1) & ~(
-        (longest.status == 0) & (100 * longest.error.sel(quantity="energy") <= REASONABLE)
-    )
+def _kept(pendulum: xr.Dataset, periods: float) -> pd.DataFrame:
+    """Schemes, steps in a period, and whether the runs of a constrained mass over a number of periods succeeded."""
+    of_duration = pendulum.sel(periods=periods)
+    kept = (of_duration.status == 0) & (100 * of_duration.error.sel(quantity="energy") <= REASONABLE)
+    runs = xr.Dataset({"kept": kept, "steps": of_duration.steps_per_period, "tried": pendulum.tried == 1})
+    return runs.to_dataframe().reset_index().query("tried")[["scheme", "steps", "kept"]]
+
+
+def _limit(runs: pd.DataFrame) -> tuple[float, float]:
+    """Most steps in a period at which a run fails, NaN if none does, and the next number of steps that was tried."""
+    most = runs.steps[~runs.kept].max()
+    return most, runs.steps[runs.steps > most].min()
+
+
+def _limits(structures: xr.Dataset, pendulum: xr.Dataset) -> dict[str, tuple[float, float]]:
+    """By scheme, the limit on the turning structure that needs the most steps."""
+    kept = balanced(structures, TURNING)
+    runs = kept.rename("kept").to_dataframe().reset_index().rename(columns={"steps_per_period": "steps"})
+    duration = structures.periods.sel(problem=PENDULUM).item()
+    if duration in pendulum.periods:
+        finer = _kept(pendulum, duration).assign(problem=PENDULUM)
+        runs = pd.concat([runs, finer[finer.scheme.isin(kept.scheme.values)]])
+    limits = runs.groupby(["scheme", "problem"])[["steps", "kept"]].apply(_limit)
+    return {scheme: max(of_problems, key=np.nan_to_num) for scheme, of_problems in limits.groupby("scheme")}
+
+
+def _between(limit: tuple[float, float]) -> str | None:
+    """A limit in a sentence; None if no run fails."""
+    most, following = limit
+    if np.isnan(most):
+        return None
+    return f"above {most:.0f}" if np.isnan(following) else f"between {most:.0f} and {following:.0f}"
+
+
+def _fails_in_longer_runs(pendulum: xr.Dataset) -> dict[str, str | None]:
+    """Limit of average acceleration in the longest runs of a constrained mass, and most steps that fail there."""
+    longest = pendulum.periods.values[-1]
+    runs = _kept(pendulum, longest)
+    limit = _limit(runs[runs.scheme == "average_acceleration"])
     return {
-        "fails_longer_to": f"{longest.steps_per_period.where(failed).max().item():.0f}",
-        "fails_longer_periods": f"{longest.periods.item():g}",
+        "fails_longer_to": f"{limit[0]:.0f}",
+        "fails_longer_limit": _between(limit),
+        "fails_longer_periods": f"{longest:g}",
     }
 
 
-def _accurate_unbalanced(decisions: xr.Dataset, fails: dict[str, float]) -> dict[str, str | None]:
-    """The scheme of the article for a stiff constraint, and its most steps that fail; None if its own steps keep."""
+def _accurate_unbalanced(decisions: xr.Dataset, limits: dict[str, tuple[float, float]]) -> dict[str, str | None]:
+    """The scheme of the article for a stiff constraint, and the limit of its balance; None if its own steps keep."""
     constrained = answers(decisions).get("stiff constraint")
     if constrained is not None:
         chosen = constrained.sel(kind="implicit")
-        most = fails.get(chosen.scheme.item(), np.nan)
-        if chosen.steps_per_period <= most:
-            return {"accurate_unbalanced": chosen.scheme_title.item(), "accurate_unbalanced_to": f"{most:.0f}"}
-    return {"accurate_unbalanced": None, "accurate_unbalanced_to": None}
+        limit = limits.get(chosen.scheme.item(), (np.nan, np.nan))
+        if chosen.steps_per_period <= limit[0]:
+            return {"accurate_unbalanced": chosen.scheme_title.item(), "accurate_unbalanced_limit": _between(limit)}
+    return {"accurate_unbalanced": None, "accurate_unbalanced_limit": None}
 
 
 def _in_a_sentence(title: str) -> str:
@@ -106,7 +143,7 @@ def of_structures(
 ) -> dict:
     """Energies of stiff and rotating structures, and the tolerance of a reference."""
     runs = balanced(structures, TURNING)
-    most_steps_per_period = by_name(fails_to(runs))
+    limits = _limits(structures, pendulum)
     alternating = sawtooth(stiff_soft.v.isel(component=0))
     change = by_name(100 * long_times.max_sum_change)
     numerical, exact = (
@@ -115,23 +152,18 @@ def of_structures(
     )
     exact_change = 100 * abs(exact / numerical.isel(t=0, scheme=0) - 1).max().item()
     turning = [stiff_bar, stiff_truss]
-    fails = ~runs.sel(scheme="average_acceleration")
-    finest_failing = fails.steps_per_period.where(fails).max("steps_per_period")
     return {
         "structure_schemes": structures.sizes["scheme"],
         "most_unknowns": int(structures.unknowns.max()),
         "structure_titles": joined(map(_in_a_sentence, structures.problem_title.values), {}),
         "turning_titles": joined(map(_in_a_sentence, runs.problem_title.values), {}),
-        "trapezoidal_fails_turning": most_steps_per_period["average_acceleration"] > 0,
-        "momentum_method_stable": bool(np.isnan(most_steps_per_period["energy_momentum"]))
-        and all(most_steps_per_period[name] > 0 for name in UNDAMPED),
+        "trapezoidal_fails_turning": bool(limits["average_acceleration"][0] > 0),
+        "momentum_method_stable": bool(np.isnan(limits["energy_momentum"][0]))
+        and all(limits[name][0] > 0 for name in UNDAMPED),
         "structure_tolerance": f"{np.log10(reference.rtol):.0f}",
-        "turning_fails_to": span(finest_failing, ".0f"),
+        "turning_limit": _between(limits["average_acceleration"]),
         "turning_periods": _periods(structures.periods.sel(problem=runs.problem)),
-        **{
-            f"fails_to_{name}": None if np.isnan(most) else f"{most:.0f}"
-            for name, most in most_steps_per_period.items()
-        },
+        **{f"limit_of_{name}": _between(limit) for name, limit in limits.items()},
         **{f"sawtooth_{name}": number(a, 2) for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
         "chain_best": f"{100 * structures.displacement_error.sel(problem='fpu_chain').min().item():.2g}",
         "long_time": f"{long_times.t.max().item():,.0f}",
@@ -141,7 +173,7 @@ def of_structures(
         "long_step": f"{long_times.step_size.item():.2f}",
         **_plateaus(structures),
         **_fails_in_longer_runs(pendulum),
-        **_accurate_unbalanced(decisions, most_steps_per_period),
+        **_accurate_unbalanced(decisions, limits),
         "stiff_soft_steps": stiff_soft.steps_per_period.item(),
         "stiff_bar_steps": stiff_bar.steps_per_period.item(),
         "stiff_truss_steps": stiff_truss.steps_per_period.item(),

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from paper.claims.structures import SAMPLES_OF_SAWTOOTH, sawtooth
-from paper.numbers.structures import _accurate_unbalanced, _fails_in_longer_runs, _plateaus
+from paper.numbers.structures import _accurate_unbalanced, _between, _fails_in_longer_runs, _limits, _plateaus
 from paper.tables import models
 from study.runs.needs import decisions, needs, of_problems
 from tests.runs.made_up import runs, with_kinds
@@ -47,30 +47,61 @@ def _decided():
 
 def test_a_scheme_with_an_accurate_displacement_may_fail_by_its_balance():
     # the only implicit scheme keeps one percent with 32 steps
-    assert _accurate_unbalanced(_decided(), {"stiff": 40.0}) == {
+    assert _accurate_unbalanced(_decided(), {"stiff": (40.0, 80.0)}) == {
         "accurate_unbalanced": "Stiff",
-        "accurate_unbalanced_to": "40",
+        "accurate_unbalanced_limit": "between 40 and 80",
     }
-    for fails in ({"stiff": 16.0}, {"stiff": np.nan}, {}):
-        assert _accurate_unbalanced(_decided(), fails)["accurate_unbalanced"] is None
+    for limits in ({"stiff": (16.0, 20.0)}, {"stiff": (np.nan, np.nan)}, {}):
+        assert _accurate_unbalanced(_decided(), limits)["accurate_unbalanced"] is None
 
 
-def test_the_longest_runs_fail_by_status_or_balance():
-    energy, status = [[[0.3, 0.3], [0.01, 0.2], [0.01, 0.05], [0.01, 9.0]]], [[[0, 0], [1, 1], [0, 0], [0, 0]]]
-    pendulum = xr.Dataset(
+def _pendulum():
+    """Runs of two schemes; the finest step of the first was not tried."""
+    energy = [[[0.3, 0.3], [0.01, 0.2], [0.01, 0.05], [0.01, 9.0]], [[0.3, 0.3], [0.3, 0.3], [0.3, 0.3], [0.3, 0.3]]]
+    status = [[[0, 0], [1, 1], [0, 0], [0, 0]], [[0, 0]] * 4]
+    return xr.Dataset(
         {
             "error": (("scheme", "size", "periods", "quantity"), np.array(energy)[..., None]),
             "status": (("scheme", "size", "periods"), status),
-            "tried": (("scheme", "size"), [[1, 1, 1, 0]]),
+            "tried": (("scheme", "size"), [[1, 1, 1, 0], [1, 1, 1, 1]]),
         },
         {
-            "scheme": ["average_acceleration"],
+            "scheme": ["average_acceleration", "gauss4"],
             "quantity": ["energy"],
             "periods": [1.0, 1.5],
-            "steps_per_period": ("size", [10.0, 20.0, 40.0, 80.0]),
+            "steps_per_period": ("size", [10.0, 20.0, 30.0, 80.0]),
         },
     )
-    assert _fails_in_longer_runs(pendulum) == {"fails_longer_to": "20", "fails_longer_periods": "1.5"}
+
+
+def test_the_longest_runs_fail_by_status_or_balance():
+    assert _fails_in_longer_runs(_pendulum()) == {
+        "fails_longer_to": "20",
+        "fails_longer_limit": "between 20 and 30",
+        "fails_longer_periods": "1.5",
+    }
+
+
+def test_a_limit_lies_between_neighbours_of_all_steps_tried():
+    schemes, steps = ["average_acceleration", "gauss4", "energy_momentum"], [10, 20, 40]
+    imbalance = [[0.3, 0.3, 0.01], [0.3, 0.01, 0.01], [0.01, 0.01, 0.01]]
+    structures = xr.Dataset(
+        {
+            "max_energy_imbalance": (("problem", "scheme", "steps_per_period"), [imbalance]),
+            "status": (("problem", "scheme", "steps_per_period"), np.zeros((1, 3, 3), int)),
+        },
+        {"problem": ["elastic_pendulum"], "scheme": schemes, "steps_per_period": steps},
+    ).assign_coords(periods=("problem", [1.0]))
+    limits = _limits(structures, _pendulum())
+    # the second dataset has a step between those of the first, and all steps of Gauss' method fail in it
+    assert {name: _between(limit) for name, limit in limits.items()} == {
+        "average_acceleration": "between 20 and 30",
+        "gauss4": "above 80",
+        "energy_momentum": None,
+    }
+    assert _between(_limits(structures.assign_coords(periods=("problem", [3.0])), _pendulum())["gauss4"]) == (
+        "between 10 and 20"
+    )
 
 
 @pytest.mark.parametrize(
