@@ -8,6 +8,7 @@ from paper.products import numbers
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
 from paper.tables.models import ERROR, answers
 from paper.tables.whole_motion import ERROR as WHOLE
+from study.runs.experiment import BESIDE, COARSE, CONFIRMING, CONFIRMING_SEVERAL
 from study.runs.needs import WHOLE_MOTION
 from study.words import listed, relative_to
 
@@ -86,6 +87,10 @@ def of_decisions(decisions: xr.Dataset, needs: xr.Dataset) -> dict:
         **_starts(decisions),
         "decided_errors": listed(f"{100 * error:g}" for error in decisions.allowed_error.values),
         "decided_periods": listed(sorted({f"{one:,.0f}" for one in springs.decided.values})),
+        "confirming": CONFIRMING,
+        "confirming_several": CONFIRMING_SEVERAL,
+        "beside": f"{100 * BESIDE:g}",
+        "beside_until": COARSE,
         "error_relative_to": relative_to(),
         "whole_bounds": listed(f"{100 * WHOLE_MOTION[one]:g}" for one in ("velocity", "acceleration", "energy")),
         "whole_error": f"{100 * WHOLE:g}",
