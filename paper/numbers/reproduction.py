@@ -116,6 +116,7 @@ def of_instability(portrait: xr.Dataset, window: xr.Dataset) -> dict:
         "others_grow_too": bool((others > 2).all()),
         # the run of 1996 has a step of an eighth of the printed period
         "printed_period_softening_large": f"{8 * portrait.step_size.item():g}",
+        "growth_periods": f"{portrait.t.max().item() / (8 * portrait.step_size.item()):.0f}",
         "near_steps": window.sizes["step_size_over_period"],
         "near_within": number(100 * abs(8 * window.step_size_over_period - 1).max().item(), 2),
         "near_starts": window.sizes["start"],
