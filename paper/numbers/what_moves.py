@@ -5,6 +5,7 @@ import xarray as xr
 
 from paper.measures.what_moves import CHOSEN, QUANTITIES, choice_spread, median_changes, record_changes, without_drift
 from paper.products import numbers
+from study.experiments.what_moves import COLLAPSE, HARDENING, P_DELTA
 from study.words import listed, number, percent, span
 
 #: Change of the answer for a single record that counts.
@@ -25,8 +26,11 @@ def of_what_moves(moves: xr.Dataset) -> dict:
         "moves_periods": listed(f"{period:g}" for period in moves.period.values),
         "moves_without_drift": listed(collapsed) if collapsed else None,
         "moves_chosen": listed(map(str, CHOSEN)),
+        "moves_hardening": f"{100 * HARDENING:g}",
+        "moves_p_delta": f"{100 * P_DELTA:g}",
+        "moves_collapse": f"{COLLAPSE:.3g}",
     }
-    smaller = []
+    smaller, most = [], []
     for name in QUANTITIES:
         quantity, short = moves[name], name.partition("_")[0]
         change = 100 * median_changes(quantity).change
@@ -39,5 +43,8 @@ def of_what_moves(moves: xr.Dataset) -> dict:
         entries[f"moves_{short}_single"] = percent(float(beyond.mean()))
         entries[f"moves_{short}_worst"] = number(100 * float(single.where(np.isfinite(single)).max()), 3)
         smaller.append(abs(change.sel(variant="spacing")).max() < abs(change.sel(variant="damping")).min())
+        chosen = min(choice_spread(quantity, count).min().item() for count in CHOSEN)
+        most.append(100 * chosen > abs(change.sel(variant=["spacing", "damping", "strength"])).max())
     entries["moves_step_is_least"] = bool(np.all(smaller))
+    entries["moves_choice_is_most"] = bool(np.all(most))
     return entries

@@ -7,6 +7,7 @@ import xarray as xr
 from paper.claims import records
 from paper.measures.record_error import order, predicted, scatter
 from paper.measures.what_moves import choice_spread, median_changes, record_changes
+from paper.numbers.what_moves import of_what_moves
 
 
 def _errors(load=0.0, averaged=0.0):
@@ -79,6 +80,17 @@ def test_medians_change_by_the_step_and_choices_by_the_records():
 @pytest.mark.parametrize("step, holds", [(0.01, True), (0.2, False)])
 def test_the_step_is_compared_with_damping_and_choice(step, holds):
     assert records.step_moves_least(_moves(step)).holds == holds
+
+
+@pytest.mark.parametrize("strength, most", [(0.85, True), (0.05, False)])
+def test_the_choice_of_records_is_compared_with_the_other_changes(strength, most):
+    moves = _moves(0.01)
+    weaker = moves.sel(variant=["reference"] * 3).assign_coords(variant=["strength", "two", "four"])
+    moves = xr.concat([moves, weaker * xr.DataArray([strength, 1.0, 1.0], dims="variant")], "variant")
+    one = {"runs": 7, "failed": 0}
+    found = of_what_moves(moves.assign(one).assign_coords(spacing=0.01, parts=4, intensity=3.0))
+    # the medians of forty of the four records differ by more than the damping of a tenth
+    assert found["moves_step_is_least"] and found["moves_choice_is_most"] == most
 
 
 def test_a_median_over_collapses_is_no_drift_and_is_named():
