@@ -130,13 +130,17 @@ PIXELS = 0.003
 
 
 def check_the_results_of_the_readme(results: Path) -> None:
-    """Compare the README's counts of cells with the results of a study."""
+    """Compare the README's counts of cells, and errors of its law of longer durations, with the results of a study."""
     numbers = json.loads((results / "numbers.json").read_text())
     (cells,) = _stated(r"tables of the paper hold (\d+) errors")
     (twice,) = _stated(r"and then to one, (\d+) of them agree")
     (once,) = _stated(r"if they were rounded once, (\d+) do")
     made = [int(numbers[name]) for name in ("cells", "cells_rounded_twice", "cells_rounded_once")]
     assert made == [cells, twice, once]
+    law = "From {known} to {extrapolated} periods of two springs it keeps an error of {allowed} % in {cases_kept} of "
+    law += "{cases} cases, and the largest error is {most} %."
+    names = "known", "extrapolated", "allowed", "cases_kept", "cases", "most"
+    assert law.format(**{name: numbers[f"growth_{name}"] for name in names}) in " ".join(README.split())
 
 
 def test_the_results_of_the_readme_are_those_of_the_study():
