@@ -30,6 +30,11 @@ def printed(text: str) -> str:
     return re.sub(r"(?<![^\W\de])-(?=\d)", "−", _POWER.sub(_power_of_ten, text))
 
 
+def printed_unit(units: str) -> str:
+    """A unit as it is printed: ``m s-2`` becomes m s⁻²."""
+    return re.sub(r"(?<=[^\W\d])-?\d+", lambda match: match[0].translate(RAISED), units)
+
+
 def number(value: float, digits: int = 3) -> str:
     """A number with ``digits`` significant digits, ∞ for infinity, or a dash for NaN."""
     if math.isnan(value):

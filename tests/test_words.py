@@ -2,7 +2,7 @@
 
 import pytest
 
-from study.words import printed
+from study.words import printed, printed_unit
 
 
 @pytest.mark.parametrize(
@@ -19,3 +19,8 @@ from study.words import printed
 )
 def test_powers_of_ten_and_minus_signs(text, expected):
     assert printed(text) == expected
+
+
+@pytest.mark.parametrize("units, expected", [("m s-2", "m s⁻²"), ("m2", "m²"), ("kN", "kN"), ("%", "%")])
+def test_the_exponents_of_a_unit_are_raised(units, expected):
+    assert printed_unit(units) == expected

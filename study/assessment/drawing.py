@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from study.analysis.outcomes import Outcome
-from study.words import text_of
+from study.words import printed_unit, text_of
 
 #: Colours of curves, which differ in greyscale and for the colour-blind.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
@@ -67,7 +67,7 @@ def motion(quantity: xr.Dataset) -> str:
     if largest.reference_time.notnull():
         index = np.abs(quantity.reference_t.values - largest.reference_time.item()).argmin()
         axes.plot(largest.reference_time, max(low[index], high[index], key=abs), "o", color=COLOURS[2], ms=6)
-    unit = "" if quantity.quantity_units.item() == "1" else f", {quantity.quantity_units.item()}"
+    unit = "" if quantity.quantity_units.item() == "1" else f", {printed_unit(quantity.quantity_units.item())}"
     axes.set(xlabel="t, s", ylabel=f"{quantity.quantity.item()}{unit}", xlim=(0, None))
     axes.grid(color="0.9")
     axes.set_axisbelow(True)
