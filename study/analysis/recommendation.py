@@ -121,16 +121,17 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
     table.insert(table.columns.get_loc("error") + 1, "most_wrong", errors.idxmax(axis=1))
     table.insert(table.columns.get_loc("most_wrong") + 1, "most_wrong_error", errors.max(axis=1))
     recommendation = Recommended(table)
+    answer = [answer_line(assessed, table, quantity, error), *_asked(assessed, table)]
     recommendation.attrs = {
         "quantity": quantity,
         "spacing": assessed.attrs.get("spacing"),
-        "answer": [answer_line(assessed, table, quantity, error), *_asked(assessed, table)],
-        "notes": _notes(assessed, answers),
+        "answer": answer,
+        "notes": _notes(assessed, answers, stated=answer),
     }
     return recommendation
 
 
-def _counts(table: pd.DataFrame) -> pd.Series:
+def costs_of(table: pd.DataFrame) -> pd.Series:
     """Number of forces of each scheme, or of steps if forces are not counted for all."""
     forces = table["force_evaluations"][table["step_size"].notna()]
     return table["force_evaluations"] if forces.notna().all() else table["steps"]
@@ -138,7 +139,7 @@ def _counts(table: pd.DataFrame) -> pd.Series:
 
 def _ranked(table: pd.DataFrame) -> list:
     """Names of the schemes, the fastest first; within the spread of times, the number of forces or steps decides."""
-    remaining, ranked, counts = table.sort_values("seconds", kind="stable"), list[object](), _counts(table)
+    remaining, ranked, counts = table.sort_values("seconds", kind="stable"), list[object](), costs_of(table)
     while len(remaining):
         first = remaining.iloc[0]
         ties = ~(remaining["seconds"] - first.seconds > (remaining["seconds_spread"] + first.seconds_spread) / 2)
@@ -224,7 +225,7 @@ def of_own(assessed: xr.Dataset, table: pd.DataFrame, name: str) -> str:
     """The step of your own scheme, and the ratio of its cost to the least cost of the others; or why it has none."""
     if not table.step_size[name] > 0:
         return f"no step was found ({table.verdict[name]})"
-    counts, requested = _counts(table), asked_for(assessed)
+    counts, requested = costs_of(table), asked_for(assessed)
     others = counts[[name for name in table.index if name not in requested and table.step_size[name] > 0]].dropna()
     step = step_with_unit(table.step_size[name], assessed.attrs.get("spacing"))
     if others.empty:
@@ -257,13 +258,13 @@ def _asked(assessed: xr.Dataset, table: pd.DataFrame) -> list[str]:
     return sentences
 
 
-def _notes(assessed: xr.Dataset, values: xr.Dataset) -> list[str]:
-    """The value to which errors are relative, the reference value, and the remarks that concern the quantity."""
+def _notes(assessed: xr.Dataset, values: xr.Dataset, stated: Sequence[str]) -> list[str]:
+    """The scale of the errors, the reference value, and the remarks on the quantity that are not ``stated`` yet."""
     name = values.quantity.item()
     notes = [f"Errors of {name} are {values.relative_to.item()}."] if "relative_to" in values.coords else []
     notes += [reference_value(values)] if "reference_value" in values else []
     others = [f"'{other}'" for other in assessed.quantity.values if other != name]
-    remarks = [remark for remark in assessed.attrs.get("remarks", "").split("; ") if remark]
+    remarks = [remark for remark in assessed.attrs.get("remarks", "").split("; ") if remark and remark not in stated]
     remarks = [remark for remark in remarks if not any(other in remark for other in others)]
     return notes + [f"{remark[0].upper()}{remark[1:]}." for remark in remarks]
 

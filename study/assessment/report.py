@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from study.analysis.recommendation import asked_for, firsts, of_assessment
+from study.analysis.recommendation import asked_for, costs_of, firsts, of_assessment
 from study.assessment.assurance import (
     confirmation,
     limits_of_reference,
@@ -44,8 +44,9 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
         for row in firsts(table).itertuples()
     ]
     ties = [titles[name] for name in suitable.index[1:] if suitable.ties_with_fastest[name]]
+    counted = "evaluations" if costs_of(table).name == "force_evaluations" else "steps"
     return f"For {percent(error)} of {quantity}: {'; '.join(best)}." + (
-        f" Measured times do not distinguish it from {listed(ties)}; the number of evaluations decides." if ties else ""
+        f" Measured times do not distinguish it from {listed(ties)}; the number of {counted} decides." if ties else ""
     )
 
 
@@ -76,14 +77,14 @@ def emphasised(assessed: xr.Dataset, tables: list[pd.DataFrame]) -> list[str]:
 
 
 def _answer(assessed: xr.Dataset, quantity: str, titles: dict[str, str]) -> str:
-    """The best steps for a quantity, and what limits their use, as HTML."""
+    """The requested and the best steps for a quantity, and what limits their use, as HTML."""
     limits = assessed.allowed_error.values
     tables = tables_of(assessed, quantity)
     notes = [
         f"{percent(limit)}: {titles[row.Index]}{caveat}."
         for limit, table in zip(limits, tables, strict=True)
-        for row in firsts(table).itertuples()
-        if (caveat := caveats(assessed, row))
+        for row in table.loc[list(dict.fromkeys([*asked_for(assessed), *firsts(table).index]))].itertuples()
+        if row.step_size > 0 and (caveat := caveats(assessed, row))
     ]
     return answers(assessed, tables, quantity, titles) + (f"<p>{text_of(' '.join(notes))}</p>" if notes else "")
 
@@ -95,7 +96,7 @@ def _quantity_section(assessed: xr.Dataset, quantity: str, titles: dict[str, str
     strong = emphasised(assessed, tables)
     caption = (
         f"Worst error of {quantity} around each step, {assessed.relative_to.sel(quantity=quantity).item()}. Dashed: "
-        f"allowed errors. In colour: {'your own, and ' * bool(asked_for(assessed))}the best of each kind."
+        f"allowed errors. With markers: {'your own, and ' * bool(asked_for(assessed))}the best of each kind."
     )
     stable = assessed.stable_step_size.sel(excitation=1.0) if "stable_step_size" in assessed else None
     against_step = curves(assessed, assessed.step_size, "step size, s", values, "error", limits, strong, stable, order)

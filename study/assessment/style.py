@@ -10,7 +10,7 @@ details { margin-top: .5rem; }
 .answer { border-left: .4rem solid #0072b2; padding: .3rem 1rem; background: #f2f7fb; }
 .answer table { font-size: 1.1rem; }
 .answer td:nth-child(2) { font-weight: 700; }
-.answer td.text { min-width: 15rem; }
+.answer td.text { min-width: 11rem; }
 .answer tr > :first-child { white-space: nowrap; }
 .tight, .pair table { font-size: .85rem; }
 .tight th, .tight td { padding: .2rem .4rem; }
@@ -49,6 +49,9 @@ dd { margin: 0; overflow-wrap: anywhere; }
   figure svg { max-width: 26rem; }
   .scroll { overflow: visible; }
   th, td, td.text, .answer td.text { white-space: normal; min-width: 0; padding: .25rem .3rem; }
+  .answer table { font-size: 1rem; }
+  .tight { break-inside: avoid; }
+  .tight th, .tight td { white-space: nowrap; padding: .2rem .25rem; }
   figure .wide { min-width: 0; }
 }
 """

@@ -88,7 +88,7 @@ def controlled(table: pd.DataFrame, titles: dict[str, str], error: str) -> str:
 
 
 def answers(assessed: xr.Dataset, tables: list[pd.DataFrame], quantity: str, titles: dict[str, str]) -> str:
-    """A table with a line for each allowed error: what was asked for first, then the best scheme and step.
+    """A table with a line for each allowed error: what was asked for first, then the best scheme and step of each kind.
 
     Parameters
     ----------
@@ -104,8 +104,9 @@ def answers(assessed: xr.Dataset, tables: list[pd.DataFrame], quantity: str, tit
         cells += [printed(of_controller(assessed, table))] if "tolerance" in table else []
         best = [f"{best_of(assessed, row)} ({row.kind})" for _, row in firsts(table).iterrows()]
         none = [f"no scheme was found ({listed(sorted(set(table.verdict)))})"]
-        rows.append((percent(limit), *cells, *[*(best or none), ""][:2]))
-    return table_of([*head, "best", "best of the other kind"], rows, text=tuple(range(1, len(head) + 2)))
+        rows.append((percent(limit), *cells, *(best or none)))
+    head += ["best", "best of the other kind"][: max(map(len, rows)) - len(head)]
+    return table_of(head, rows, text=tuple(range(1, len(head))))
 
 
 def _cells(table: pd.DataFrame, name: str, counts: str) -> tuple[str, str, str]:

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 import study
 from study.__main__ import main
 from study.assessment.drawing import COLOURS, curves
-from study.assessment.report import emphasised, page, tables_of
+from study.assessment.report import answer, emphasised, page, tables_of
 from study.mechanics.definition import Problem
 from study.user_files import Unloadable, load
 from tests.browser import WIDTHS, check_page, set_width
@@ -91,10 +91,39 @@ def test_your_own_scheme_stands_before_the_best_and_its_curve_is_emphasised(asse
         seconds=ds.seconds.where(ds.scheme != "rk4", ds.seconds.min() / 10), seconds_spread=0 * ds.seconds_spread
     )
     title = ds.scheme_title.sel(scheme="newmark").item()
-    assert f'<th>error of displacement</th><th class="text">{title}</th><th class="text">best</th>' in page(ds)
+    text = page(ds)
+    assert f'<th>error of displacement</th><th class="text">{title}</th><th class="text">best</th>' in text
+    assert "With markers: your own, and the best of each kind." in text
     tables = tables_of(ds, "displacement")
     assert emphasised(ds, tables) == ["newmark", "rk4"]
     assert emphasised(ds.assign_attrs(asked_for=""), tables)[0] == "rk4"
+
+
+def test_the_answer_has_no_column_for_a_kind_without_a_scheme(assessed):
+    ds = xr.load_dataset(assessed[0].with_suffix(".nc"))
+    assert 'best</th><th class="text">best of the other kind</th></tr>' in page(ds)
+    assert '<th class="text">best</th></tr>' in page(ds.sel(scheme=["rk4"]))
+
+
+def test_the_limits_of_your_own_step_stand_below_the_answer(assessed):
+    """A page that states only for the best schemes that another quantity is wrong."""
+    ds = xr.load_dataset(assessed[0].with_suffix(".nc")).assign_attrs(asked_for="newmark")
+    ds = ds.assign_coords(kind=("scheme", ["explicit"] * 2)).assign(
+        seconds=ds.seconds.where(ds.scheme != "rk4", ds.seconds.min() / 10), seconds_spread=0 * ds.seconds_spread
+    )
+    step = ds.recommended_step_size.sel(scheme="newmark", quantity="displacement").item()
+    ds.error.loc[{"scheme": "newmark", "quantity": "velocity", "step_size": step}] = 0.5
+    title = ds.scheme_title.sel(scheme="newmark").item()
+    assert f"5\u00a0%: {title}, where velocity is wrong by 50\u00a0%." in page(ds)
+
+
+@pytest.mark.parametrize("counted", [True, False])
+def test_what_decides_between_equal_times_is_named(assessed, counted):
+    """A program counts no forces, and its number of steps decides."""
+    ds = xr.load_dataset(assessed[0].with_suffix(".nc"))
+    forces = ds.force_evaluations if counted else np.nan * ds.force_evaluations
+    ds = ds.assign(seconds=0 * ds.seconds + 1.0, force_evaluations=forces)
+    assert f"the number of {'evaluations' if counted else 'steps'} decides." in answer(ds, "displacement", 0.05)
 
 
 def test_a_scheme_has_one_colour_in_all_figures_of_a_page(assessed):

@@ -93,7 +93,8 @@ def test_a_scheme_that_was_asked_for_is_compared(assessed):
     remark = "Central difference is unstable without damping at every step"
     assessed.attrs |= {"asked_for": "central_difference", "remarks": remark}
     compared = "Central difference: 5\u00a0ms, 2 times the forces of Average acceleration"
-    assert study.recommend(assessed, allowed_error=0.01).attrs["answer"][1:] == [remark, compared]
+    table = study.recommend(assessed, allowed_error=0.01)
+    assert table.attrs["answer"][1:] == [remark, compared] and str(table).count(remark) == 1
     assessed.attrs["asked_for"] = "average_acceleration"
     none = "Average acceleration: no step was found (not even the finest step)"
     assert study.recommend(assessed, allowed_error=0.01, quantity="energy").attrs["answer"][1] == none
