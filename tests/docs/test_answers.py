@@ -35,8 +35,10 @@ def needed():
 def page(browser, needed, tmp_path):
     """The form in the browser."""
     io.write(needed.assign_attrs(source=io.SOURCE), tmp_path / "needs.nc")
-    script = (PAGES.parent / "static" / "answers.js").read_text()
-    text = f'<meta charset="utf-8"><link rel="icon" href="data:,">{answers.form(tmp_path)}<script>{script}</script>'
+    script, style = ((PAGES.parent / "static" / name).read_text() for name in ("answers.js", "site.css"))
+    head = f'<meta charset="utf-8"><meta name="viewport" content="width=device-width"><style>{style}</style>'
+    head += '<link rel="icon" href="data:,">'
+    text = f"{head}{answers.form(tmp_path)}<script>{script}</script>"
     (tmp_path / "page.html").write_text(text)
     set_width(browser, 1000)
     browser.get((tmp_path / "page.html").as_uri())
@@ -67,6 +69,17 @@ def test_the_answers_are_the_decisions(page, needed):
                 checked += bool(texts)
     assert checked > 6
     check_page(page)
+
+
+def test_the_choices_fit_a_phone(page):
+    """A list of models that is wider than the form, whose end cannot be seen."""
+    set_width(page, 390)
+    page.execute_script("document.forms.answers.elements.model.options[0].text = 'long '.repeat(20)")
+    right = "(one) => one.getBoundingClientRect().right"
+    choices, form = page.execute_script(
+        f"const right = {right}, form = document.forms.answers; return [[...form.elements].map(right), right(form)]"
+    )
+    assert len(choices) == 6 and max(choices) <= form
 
 
 def test_a_program_and_a_duration_narrow_the_answer(page):
