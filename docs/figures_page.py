@@ -1,8 +1,8 @@
 """All figures of the study as a page of the site."""
 
 from docs.plan import FIGURES
-from docs.text import described
-from paper.manuscript import places
+from docs.text import described, table
+from paper.manuscript import TEXTS, TITLES, files_of, places
 
 
 def figures_page() -> str:
@@ -16,7 +16,9 @@ def figures_page() -> str:
         )
     first = (
         "`results/figures/` has each figure as PDF, as SVG whose text stays text, as PNG with 300 dots per inch, and "
-        "its points as CSV."
+        "its points as CSV. [The files by number](#files-by-number) are those of the figures and tables of the texts."
     )
-    text = "\n\n".join(["# All figures", first, *sections]) + "\n"
+    rows = [[f"{label} of the {TITLES[text.stem].lower()}", file] for text in TEXTS for label, file in files_of(text)]
+    files = table(["number", "file in `results/`"], rows, numbers_from=2)
+    text = "\n\n".join(["# All figures", first, *sections, "## Files by number", files]) + "\n"
     return described("All figures of the study of time integration schemes, with their captions.", text)

@@ -57,16 +57,24 @@ def numbered(text: Path) -> list[tuple[str, str]]:
 
 
 #: Name of each text, by the stem of its file.
-_TITLES = {"manuscript": "Article", "supplement": "Supplement", "replication": "Replication"}
+TITLES = {"manuscript": "Article", "supplement": "Supplement", "replication": "Replication"}
 
 
 def places() -> dict[tuple[str, str], str]:
     """Where the texts have a figure or table, as in "Figure S3 of the supplement", by its kind and name."""
     return {
-        (label.split()[0].lower(), name): f"{label} of the {_TITLES[text.stem].lower()}"
+        (label.split()[0].lower(), name): f"{label} of the {TITLES[text.stem].lower()}"
         for text in TEXTS
         for label, name in numbered(text)
     }
+
+
+def files_of(text: Path) -> list[tuple[str, str]]:
+    """The figures and tables of a text, as in ``Figure S3``, each with its file in ``results`` or why it has none."""
+    return [
+        (label, f"`{label.split()[0].lower()}s/{name}`" if name else "in the text only")
+        for label, name in numbered(text)
+    ]
 
 
 def listing() -> str:
@@ -78,11 +86,8 @@ def listing() -> str:
         "for the package `booktabs`."
     )
     for text in TEXTS:
-        rows = [
-            f"| {label} | {f'`{label.split()[0].lower()}s/{name}`' if name else 'in the text only'} |"
-            for label, name in numbered(text)
-        ]
-        parts.append("\n".join([f"## {_TITLES[text.stem]}\n", "| number | file |", "| --- | --- |", *rows]))
+        rows = [f"| {label} | {file} |" for label, file in files_of(text)]
+        parts.append("\n".join([f"## {TITLES[text.stem]}\n", "| number | file |", "| --- | --- |", *rows]))
     return "\n\n".join(parts) + "\n"
 
 

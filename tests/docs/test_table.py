@@ -5,10 +5,12 @@ import pytest
 import xarray as xr
 
 import study
+from docs.figures_page import figures_page
 from docs.plan import LEDGER, PAGES, TABLES
 from docs.scheme_page import Library
 from docs.scheme_table import table_of
 from docs.tables_page import claims_page, tables_page
+from paper.manuscript import TEXTS, TITLES, numbered
 from tests.browser import set_width
 
 #: Script that returns the titles of the schemes that the table shows.
@@ -121,3 +123,12 @@ def test_every_table_has_a_section(results):
     page = tables_page(results)
     assert page.count("\n## ") == page.count("<table") == len(TABLES) - 1
     assert '<tr data-words="spring"><td></td><td>implicit &lt;b&gt;</td></tr>' in page
+
+
+def test_the_page_of_figures_has_the_file_of_each_number():
+    """A page without the list by which an author finds the file of a figure."""
+    page = figures_page()
+    for text in TEXTS:
+        for label, name in numbered(text):
+            file = f"`{label.split()[0].lower()}s/{name}`" if name else "in the text only"
+            assert f"| {label} of the {TITLES[text.stem].lower()} | {file} |" in page
