@@ -78,6 +78,7 @@ def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
     limit
         Stability limit of ωΔt on the linear oscillator. If it is infinite, no line is drawn.
     """
+    ax.set_label(f"{one.scheme_title.item()}, {one.problem_title.item()}")
     ax.set(xscale="log", yscale="log", xlim=_edges(one.step_size_over_period), ylim=_edges(one.amplitude))
     # in panel coordinates, because cells have different sizes in data coordinates
     ax.imshow(one.outcome, extent=(0, 1, 0, 1), transform=ax.transAxes, **IMAGE)

@@ -169,6 +169,34 @@ def test_a_figure_has_its_points_and_its_text(tmp_path):
     ]
 
 
+def test_the_points_of_a_figure_have_the_names_that_its_legend_and_its_axes_give():
+    """A curve that only its colour and marker name, and a place along an axis of names."""
+    figure, (first, second) = plt.subplots(1, 2)
+    for ax in (first, second):
+        ax.errorbar([1.0], [0.2], yerr=[0.1], marker="o", color="C0", label="Bathe" if ax is first else None)
+    first.plot([1.0], [3.0], marker="s", color="C0")
+    second.set_yticks([0, 1], ["plain", "damping"])
+    second.plot([2.0], [0.8], marker="x", color="C1")
+    second.set_label("panel")
+    table = points(figure)
+    assert table[table.y == 0.2].curve.tolist() == ["Bathe", "Bathe"]
+    assert table[(table.y == 3.0) | (table.y == 0.8)].curve.tolist() == ["", ""]
+    assert table[table.panel == "panel"]["y name"].tolist() == ["plain", "damping", "plain", "plain"]
+    assert table[table.panel == "1"]["y name"].isna().all() and "x name" not in table
+    plt.close(figure)
+
+
+def test_the_points_of_an_image_are_in_the_coordinates_of_the_axes():
+    """An image across a panel with logarithmic axes, whose cells would have coordinates from zero to one."""
+    figure, ax = plt.subplots()
+    ax.set(xscale="log", yscale="log", xlim=(0.1, 10.0), ylim=(1.0, 100.0))
+    ax.imshow([[5.0, 6.0]], extent=(0, 1, 0, 1), transform=ax.transAxes, origin="lower", aspect="auto")
+    table = points(figure)
+    np.testing.assert_allclose(table[["x", "y"]], [[10**-0.5, 10.0], [10**0.5, 10.0]])
+    assert table.value.tolist() == [5.0, 6.0]
+    plt.close(figure)
+
+
 def test_the_points_of_a_figure_hold_the_ends_of_its_intervals():
     figure, ax = plt.subplots()
     ax.hlines([1.0, 2.0], [0.1, 0.2], [0.3, 0.4], label="interval")
