@@ -55,14 +55,16 @@ def answer(one: xr.Dataset, limits: Mapping[str, float]) -> dict[str, str]:
     if not one.step_size > 0:
         return {name: "–" if name == "Scheme" else "" for name in COLUMNS}
     times = number(1e3 * one.seconds.item() * one.time_scale.item(), 2) if one.cost.item() == "seconds" else ""
-    limit = limits.get(one.scheme.item(), np.inf)
+    omega_step, limit = one.omega_step.item(), limits.get(one.scheme.item(), np.inf)
+    # a value just below its limit is not printed as the limit
+    digits = next((digits for digits in range(2, 7) if f"{omega_step:.{digits}g}" != f"{limit:.{digits}g}"), 2)
     cells = (
         one.scheme_title.item(),
         "…" if one.ties > 1 else "",
         steps_of(one),
         forces_of(one),
         times,
-        number(one.omega_step.item(), 2),
+        number(omega_step, digits),
         f"{limit:.3g}" if np.isfinite(limit) else "",
     )
     return dict(zip(COLUMNS, cells, strict=True))
