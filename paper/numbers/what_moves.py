@@ -5,7 +5,6 @@ import xarray as xr
 
 from paper.measures.what_moves import CHOSEN, QUANTITIES, choice_spread, median_changes, record_changes, without_drift
 from paper.products import numbers
-from study.experiments.what_moves import COLLAPSE, HARDENING, P_DELTA
 from study.words import listed, number, percent, span
 
 #: Change of the answer for a single record that counts.
@@ -26,9 +25,9 @@ def of_what_moves(moves: xr.Dataset) -> dict:
         "moves_periods": listed(f"{period:g}" for period in moves.period.values),
         "moves_without_drift": listed(collapsed) if collapsed else None,
         "moves_chosen": listed(map(str, CHOSEN)),
-        "moves_hardening": f"{100 * HARDENING:g}",
-        "moves_p_delta": f"{100 * P_DELTA:g}",
-        "moves_collapse": f"{COLLAPSE:.3g}",
+        "moves_hardening": f"{100 * moves.hardening.item():g}",
+        "moves_p_delta": f"{100 * moves.p_delta.item():g}",
+        "moves_collapse": f"{moves.collapse.item():.3g}",
     }
     smaller, most = [], []
     for name in QUANTITIES:

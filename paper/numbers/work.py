@@ -8,7 +8,6 @@ from paper.products import numbers
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
 from paper.tables.models import ERROR, answers
 from paper.tables.whole_motion import ERROR as WHOLE
-from study.runs.experiment import BESIDE, COARSE, CONFIRMING, CONFIRMING_SEVERAL
 from study.runs.needs import WHOLE_MOTION
 from study.words import listed, relative_to
 
@@ -16,6 +15,9 @@ from study.words import listed, relative_to
 EXACTING = 1e-10
 #: Problems of the decisions whose force has kinks.
 WITH_KINKS = ("yielding", "bouncing")
+#: Relative distances of a number of steps in a period from a whole number: those up to the first are round-off, and
+#: those up to the second are next to it.
+ROUND_OFF, NEXT_TO_WHOLE = 1e-9, 2e-4
 
 
 def cheapest(error: xr.DataArray, time: xr.DataArray, dimension: str, along: str) -> tuple[str, float]:
@@ -70,8 +72,23 @@ def _starts(decisions: xr.Dataset) -> dict[str, str | None]:
     }
 
 
-@numbers()
-def of_decisions(decisions: xr.Dataset, needs: xr.Dataset) -> dict:
+def _further_runs(runs: xr.Dataset) -> dict[str, str | None]:
+    """Median distance in percent of the steps next to whole parts of the period, None without them, and durations.
+
+    The durations are those in periods for which no step is recommended.
+    """
+    confirming = runs.steps_per_period.values[runs.proposed.values == 0]
+    distance = abs(confirming / np.rint(confirming) - 1)
+    beside = distance[(distance > ROUND_OFF) & (distance < NEXT_TO_WHOLE)]
+    others = runs.periods.values[runs.periods.values != runs.decided.item()]
+    return {
+        "beside": f"{100 * np.median(beside):.2g}" if beside.size else None,
+        "other_durations": listed(f"{one:g}" for one in others),
+    }
+
+
+@numbers(softening="runs/softening")
+def of_decisions(decisions: xr.Dataset, needs: xr.Dataset, softening: xr.Dataset) -> dict:
     """Schemes and kinds that need the fewest forces on the springs, and the conditions of the decisions."""
     springs = decisions.sel(problem=[name for name in PROBLEMS if name in decisions.problem.values], filter="all")
     forces = springs.force_evaluations.fillna(np.inf)
@@ -87,10 +104,7 @@ def of_decisions(decisions: xr.Dataset, needs: xr.Dataset) -> dict:
         **_starts(decisions),
         "decided_errors": listed(f"{100 * error:g}" for error in decisions.allowed_error.values),
         "decided_periods": listed(sorted({f"{one:,.0f}" for one in springs.decided.values})),
-        "confirming": CONFIRMING,
-        "confirming_several": CONFIRMING_SEVERAL,
-        "beside": f"{100 * BESIDE:g}",
-        "beside_until": COARSE,
+        **_further_runs(softening),
         "error_relative_to": relative_to(),
         "whole_bounds": listed(f"{100 * WHOLE_MOTION[one]:g}" for one in ("velocity", "acceleration", "energy")),
         "whole_error": f"{100 * WHOLE:g}",

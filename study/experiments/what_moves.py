@@ -252,6 +252,9 @@ def what_moves(
             "spacing": ((), spacing, {"long_name": "time between two samples of the records", "units": "s"}),
             "intensity": ((), intensity, {"long_name": "elastic force over strength of the drifts", "units": "1"}),
             "parts": ((), parts, {"long_name": "steps of the reference in the spacing of the records", "units": "1"}),
+            "hardening": ((), HARDENING, {"long_name": "stiffness after yield over the elastic one", "units": "1"}),
+            "p_delta": ((), P_DELTA, {"long_name": "loss of stiffness by P-Δ over the elastic one", "units": "1"}),
+            "collapse": ((), COLLAPSE, {"long_name": "displacement at collapse over that at yield", "units": "1"}),
         },
         attrs={"title": "Collapse, drift and residual drift by step, damping, strength and record"},
     )

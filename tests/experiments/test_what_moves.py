@@ -31,3 +31,6 @@ def test_collapse_scales_with_strength():
     for name in ("collapse_intensity", "peak_drift", "residual_drift"):
         assert ds[name].sel(variant="spacing").values == pytest.approx(ds[name].sel(variant="reference").values)
     assert (ds.residual_drift < ds.peak_drift).all()
+    # at the collapse the static force of the yielding spring, less the P-Δ effect, vanishes
+    static = ds.hardening * ds.collapse + (1 - ds.hardening) - ds.p_delta * ds.collapse
+    assert static.item() == pytest.approx(0, abs=1e-12) and 0 < ds.hardening < ds.p_delta

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from paper.numbers.work import _starts, cheapest
+from paper.numbers.work import _further_runs, _starts, cheapest
 
 
 def test_a_run_that_is_exact_by_accident_is_no_cheapest_run():
@@ -27,3 +27,12 @@ def test_further_starts_are_counted_without_the_own_one():
         "other_starts": "2",
     }
     assert _starts(decisions.sel(problem=["shaken"])) == {"kinked_starts": None, "other_starts": None}
+
+
+def test_steps_next_to_whole_parts_of_the_period_and_further_durations():
+    # 39.9 is no neighbour of a whole number, 41 is one by round-off, 42.0042 was proposed, 45.0004 is one by accident
+    known = {"steps_per_period": ("size", [39.9, 41 + 1e-13, 40.004, 42.0042, 43.0043, 45.0004])}
+    known["proposed"] = ("size", [0, 0, 0, 1, 0, 0])
+    runs = xr.Dataset(coords=known | {"periods": [50.0, 100.0, 150.0], "decided": 100})
+    assert _further_runs(runs) == {"beside": "0.01", "other_durations": "50 and 150"}
+    assert _further_runs(runs.isel(size=[0, 1]))["beside"] is None
