@@ -17,16 +17,16 @@ def tabulate(cpu_time: xr.Dataset) -> pd.DataFrame:
     for problem in cpu_time.problem.values:
         for scheme in cpu_time.scheme.values:
             cell = {"problem": problem, "scheme": scheme}
-            one = cpu_time.sel(cell)
+            now = cpu_time.sel(cell)
             rows.append(
                 {
-                    "Problem": one.problem_title.item(),
-                    "Scheme": one.scheme_title.item(),
+                    "Problem": now.problem_title.item(),
+                    "Scheme": now.scheme_title.item(),
                     "1996 (s)": f"{seconds.sel(cell).item():.2f}",
                     "Ratio of 1996": f"{printed_ratio.sel(cell).item():.2f}",
-                    "Now (ns per step)": f"{1e9 * one.median_seconds_per_step.item():.1f}",
-                    "Spread (ns)": f"{1e9 * one.spread_of_seconds_per_step.item():.1f}",
-                    "Ratio now": f"{one.ratio.item():.2f} ({one.ratio_low.item():.2f} to {one.ratio_high.item():.2f})",
+                    "Now (ns per step)": f"{1e9 * now.median_seconds_per_step.item():.1f}",
+                    "Spread (ns)": f"{1e9 * now.spread_of_seconds_per_step.item():.1f}",
+                    "Ratio now": f"{now.ratio.item():.2f} ({now.ratio_low.item():.2f} to {now.ratio_high.item():.2f})",
                 }
             )
     return pd.DataFrame(rows)

@@ -112,10 +112,10 @@ def tabulate(decisions: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
     """
     limits, rows = limits_of(spectral), []
     for problem, quantity, kind in rows_of(decisions):
-        one = decisions.sel(problem=problem, quantity=quantity, kind=kind)
-        title, remark = sentence(one.problem_title.item()), beware(one)
-        for error in one.allowed_error.values:
-            cells = answer(one.sel(filter="all", allowed_error=error), limits)
+        answers = decisions.sel(problem=problem, quantity=quantity, kind=kind)
+        title, remark = sentence(answers.problem_title.item()), beware(answers)
+        for error in answers.allowed_error.values:
+            cells = answer(answers.sel(filter="all", allowed_error=error), limits)
             row = {"Problem": title, "Right in": quantity, "Kind": kind, "Error": column(error)}
             rows.append(row | cells | {"Beware of": remark})
     return pd.DataFrame(rows)

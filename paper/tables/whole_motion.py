@@ -26,11 +26,11 @@ def tabulate(needs: xr.Dataset) -> pd.DataFrame:
     at = at.sel(scheme=[name for name in SHOWN if name in at.scheme.values])
     rows = []
     for problem in at.problem.values:
-        one = at.sel(problem=problem)
-        row = {"Problem": sentence(one.problem_title.item())}
-        for name in one.scheme.values:
-            alone, whole = (_steps(one.sel(scheme=name, condition=of)) for of in ("practice", "whole_motion"))
-            row[one.scheme_title.sel(scheme=name).item()] = alone if alone == whole else f"{alone} / {whole}"
+        needed = at.sel(problem=problem)
+        row = {"Problem": sentence(needed.problem_title.item())}
+        for name in needed.scheme.values:
+            alone, whole = (_steps(needed.sel(scheme=name, condition=of)) for of in ("practice", "whole_motion"))
+            row[needed.scheme_title.sel(scheme=name).item()] = alone if alone == whole else f"{alone} / {whole}"
         if any("/" in cell for cell in row.values()):
             rows.append(row)
     return pd.DataFrame(rows, columns=["Problem", *at.scheme_title.values])

@@ -120,8 +120,8 @@ def atlas(
     if not 0 <= tile < tiles:
         raise ValueError(f"there is no tile {tile} among {tiles}: the first is 0, the last {tiles - 1}.")
     exact = io.open_dataset("reference/amplitudes").sel(problem=list(problems))
-    own = np.array_split(np.arange(exact.sizes["amplitude"]), tiles)[tile]
-    exact = exact.isel(amplitude=own)
+    amplitudes = np.array_split(np.arange(exact.sizes["amplitude"]), tiles)[tile]
+    exact = exact.isel(amplitude=amplitudes)
     parts = np.logspace(
         step_size_over_period["first"], step_size_over_period["last"], int(step_size_over_period["count"])
     )
@@ -129,9 +129,9 @@ def atlas(
     limit = schemes_by_name[scheme].stability_limit or np.inf  # a limit of zero is that of a weak instability
     for problem in problems:
         progress(f"stability of {scheme} on {problem}")
-        definition, of_problem = problems_by_name[problem], exact.sel(problem=problem)
-        u0, period, observer = of_problem.u0.values, of_problem.period.values, OutcomeObserver.of(definition)
-        longest = limit / of_problem.highest_frequency.values
+        definition, motions = problems_by_name[problem], exact.sel(problem=problem)
+        u0, period, observer = motions.u0.values, motions.period.values, OutcomeObserver.of(definition)
+        longest = limit / motions.highest_frequency.values
         for part in parts:
             runs = sweep(
                 definition,

@@ -181,13 +181,13 @@ class Circumstance:
     def errors(self, scheme: Scheme, counts: list[int]) -> np.ndarray:
         """Errors relative to the root mean square of the motion, (quantities, steps); NaN if a run did not complete."""
         ds, completed = self.final(scheme, counts)
-        found = np.full((len(QUANTITIES), len(counts)), np.nan)
+        relative = np.full((len(QUANTITIES), len(counts)), np.nan)
         for q, name in enumerate(QUANTITIES):
             exact = self.exact[name]
             difference = ds[name].values.reshape(len(counts), *exact.shape) - exact
             squares = (difference**2).reshape(len(counts), -1).mean(axis=1)
-            found[q] = np.where(completed.all(axis=1), np.sqrt(squares / (exact**2).mean()), np.nan)
-        return found
+            relative[q] = np.where(completed.all(axis=1), np.sqrt(squares / (exact**2).mean()), np.nan)
+        return relative
 
 
 def _by_adaptive_steps(rates: Callable, u0: np.ndarray, v0: np.ndarray, *internal: float) -> dict[str, np.ndarray]:
@@ -279,9 +279,9 @@ def _support(ratio: float) -> Circumstance:
 
     def motion(t: float, derivative: int) -> np.ndarray:
         turn = derivative * np.pi / 2
-        of_response = of_load**derivative * np.cos(of_load * t - phase + turn) * response
-        of_mode = frequency**derivative * np.cos(frequency * t + turn) * mode
-        return of_response + np.outer(SPEEDS, of_mode)
+        forced = of_load**derivative * np.cos(of_load * t - phase + turn) * response
+        free = frequency**derivative * np.cos(frequency * t + turn) * mode
+        return forced + np.outer(SPEEDS, free)
 
     problem = Problem(
         potential=StrainEnergy(_stretches, eqx.Partial(_densities, np.array([ratio, 1.0]))),

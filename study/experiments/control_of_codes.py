@@ -95,7 +95,7 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
             )
             whole = run(problem, average_acceleration, dt=dt, steps=parts * periods, observe=["max_energy_error"])
             halved[p, k] = ds.max_energy_error / whole.max_energy_error
-    of_sciml = [_error_in_tolerances(tolerance) for tolerance in SCIML]
+    errors_in_tolerances = [_error_in_tolerances(tolerance) for tolerance in SCIML]
     dims = ("problem", "code", "class")
     largest = {"long_name": "largest relative error of the total energy, eq. (17) of Xie (1996)", "units": "1"}
     return xr.Dataset(
@@ -117,7 +117,7 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
             ),
             "error_in_tolerances": (
                 "linear_tolerance",
-                of_sciml,
+                errors_in_tolerances,
                 {"long_name": "largest error over the tolerance times the number of steps", "units": "1"},
             ),
         },

@@ -55,8 +55,8 @@ def controlled_1996(
                 tried = np.logspace(*WIDEST, LANES)
                 coarse = marched(tolerance=tried)
                 near = _between(tried, coarse.steps.values, wanted)
-                found = xr.concat([coarse, marched(tolerance=near)], "lane")
-                completed = found.isel(lane=found.status.values == 0)
+                runs = xr.concat([coarse, marched(tolerance=near)], "lane")
+                completed = runs.isel(lane=runs.status.values == 0)
                 for k, number in enumerate(wanted):
                     lane = completed.isel(lane=np.argmin(abs(completed.steps.values - number)))
                     if abs(lane.steps.item() - number) <= number / 10:

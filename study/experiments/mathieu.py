@@ -86,16 +86,16 @@ def edges(scheme: str, steps: int, tongues: int, epsilon: np.ndarray) -> np.ndar
     cases = np.broadcast_to(delta, (len(epsilon), *delta.shape))
     matrices = monodromy(scheme, steps, cases.ravel(), np.repeat(epsilon, delta.size)).reshape(*cases.shape, 2, 2)
     determinants = np.linalg.det(matrices - np.reshape([(-1) ** n * np.eye(2) for n in numbers], (tongues, 1, 2, 2)))
-    found = np.empty((len(epsilon), tongues, 2))
-    for e, t in np.ndindex(found.shape[:2]):
+    sides = np.empty((len(epsilon), tongues, 2))
+    for e, t in np.ndindex(sides.shape[:2]):
         zeros = _zeros(delta[t], determinants[e, t], _interval(t + 1))
         if zeros is None:
             raise ValueError(
                 f"with {steps} steps per period, tongue {t + 1} of '{scheme}' is not within √δ = {t + 1} ± 1: take "
                 "more steps."
             )
-        found[e, t] = zeros
-    return found
+        sides[e, t] = zeros
+    return sides
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
@@ -138,17 +138,17 @@ def mathieu(
     9.
     """
     values = np.linspace(epsilon["first"], epsilon["last"], int(epsilon["count"]))
-    found = []
+    edges_by_scheme = []
     for scheme in schemes:
         progress(f"tongues of {scheme}")
-        found.append([edges(scheme, steps, tongues, values) for steps in steps_per_period])
+        edges_by_scheme.append([edges(scheme, steps, tongues, values) for steps in steps_per_period])
     numbers = range(1, tongues + 1)
     dims = ("epsilon", "tongue", "side")
     return xr.Dataset(
         {
             "edge": (
                 ("scheme", "steps_per_period", *dims),
-                np.array(found),
+                np.array(edges_by_scheme),
                 {"long_name": "edge of a tongue of a scheme, NaN where the tongue is closed", "units": "s-2"},
             ),
             "exact_edge": (

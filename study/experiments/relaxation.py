@@ -50,11 +50,11 @@ def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> x
                 energy[p, k, m] = tables.max_energy_error
                 motion[p, k, m] = np.hypot(whole.u[-1] / u0 - 1, whole.v[-1] / fastest)
     dims = ("problem", "steps_per_period", "variant")
-    of_motion = {"long_name": f"relative distance from the start after {periods} exact periods", "units": "1"}
+    return_attributes = {"long_name": f"relative distance from the start after {periods} exact periods", "units": "1"}
     return xr.Dataset(
         {
             "max_energy_error": (dims, energy, coordinates.of_energy_error(periods)),
-            "return_error": (dims, motion, of_motion),
+            "return_error": (dims, motion, return_attributes),
         },
         coords={
             **coordinates.problem_coordinates(problems),

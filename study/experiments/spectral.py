@@ -34,12 +34,12 @@ def _order_rederived(scheme: Scheme, step_size_over_period: np.ndarray, damping_
 
 
 def _of_scheme(scheme: Scheme, step_size_over_period: np.ndarray, damping_ratios: Sequence[float]) -> xr.Dataset:
-    of_ratios = [LinearTheory(scheme, step_size_over_period, ratio).dataset() for ratio in damping_ratios]
+    by_damping = [LinearTheory(scheme, step_size_over_period, ratio).dataset() for ratio in damping_ratios]
     rederived = [_order_rederived(scheme, step_size_over_period, ratio) for ratio in damping_ratios]
-    found = xr.concat(of_ratios, "damping_ratio").assign(
+    theory = xr.concat(by_damping, "damping_ratio").assign(
         order_rederived=("damping_ratio", rederived, {"long_name": _REDERIVED, "units": "1"})
     )
-    return found.assign(memory=found.memory.isel(damping_ratio=0))
+    return theory.assign(memory=theory.memory.isel(damping_ratio=0))
 
 
 @section
@@ -77,12 +77,12 @@ def spectral(
     step_size_over_period = np.logspace(
         exponents["first"], exponents["last"], round(decades * exponents["per_decade"]) + 1
     )
-    found = []
+    theories = []
     for name in schemes:
         progress(f"linear theory of {name}")
-        found.append(_of_scheme(schemes_by_name[name], step_size_over_period, damping_ratios))
+        theories.append(_of_scheme(schemes_by_name[name], step_size_over_period, damping_ratios))
     return (
-        xr.concat(found, "scheme")
+        xr.concat(theories, "scheme")
         .assign_coords(**coordinates.scheme_coordinates(schemes), **coordinates.forces_coordinates(schemes))
         .assign_attrs(title="Linear theory of the schemes, from the derivative of their steps")
         .transpose("scheme", "step_size_over_period", "damping_ratio")

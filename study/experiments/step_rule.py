@@ -55,12 +55,12 @@ def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> 
     shape = (len(schemes), len(problems), exact.sizes["amplitude"], len(values))
     energy, elongation = np.full(shape, np.nan), np.full(shape, np.nan)
     for p, problem in enumerate(problems):
-        definition, of_problem = problems_by_name[problem], exact.sel(problem=problem)
+        definition, motions = problems_by_name[problem], exact.sel(problem=problem)
         well = OutcomeObserver.of(definition)
-        initial = np.array([definition.energy(value, 0.0) for value in of_problem.u0.values])
+        initial = np.array([definition.energy(value, 0.0) for value in motions.u0.values])
         over_height = np.abs(initial) / (initial - well.rest)
-        step = values / of_problem.highest_frequency.values[:, None]
-        u0, period = (np.broadcast_to(one.values[:, None], step.shape) for one in (of_problem.u0, of_problem.period))
+        step = values / motions.highest_frequency.values[:, None]
+        u0, period = (np.broadcast_to(one.values[:, None], step.shape) for one in (motions.u0, motions.period))
         for s, scheme in enumerate(schemes):
             progress(f"highest frequency and step of {scheme} on {problem}")
             runs = sweep(

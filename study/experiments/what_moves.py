@@ -144,17 +144,17 @@ def _collapse_intensity(collapses: Callable, shape: tuple[int, ...]) -> tuple[np
     ``collapses`` is a function of intensities of shape (..., *shape) that returns 1, 0, or NaN for a failed run. The
     intensity is NaN where a run failed up to the first collapse, or nothing collapses.
     """
-    found = collapses(np.broadcast_to(TRIED.reshape(-1, *[1] * len(shape)), (len(TRIED), *shape)))
-    failed = np.isnan(found).sum(axis=0)
-    first = (found != 0).argmax(axis=0)  # a failed run ends the search, as a collapse does
-    bracketed = (np.take_along_axis(found, first[None], axis=0)[0] == 1) & (first > 0)
+    collapsed = collapses(np.broadcast_to(TRIED.reshape(-1, *[1] * len(shape)), (len(TRIED), *shape)))
+    failed = np.isnan(collapsed).sum(axis=0)
+    first = (collapsed != 0).argmax(axis=0)  # a failed run ends the search, as a collapse does
+    bracketed = (np.take_along_axis(collapsed, first[None], axis=0)[0] == 1) & (first > 0)
     low, high = np.where(bracketed, TRIED[first - 1], np.nan), np.where(bracketed, TRIED[first], np.nan)
     for _ in range(BISECTIONS):
         middle = np.sqrt(low * high)
-        one = collapses(np.where(np.isfinite(middle), middle, TRIED[0]))
-        failed = failed + (np.isnan(one) & np.isfinite(middle))
-        low, high = np.where(one == 1, low, middle), np.where(one == 1, middle, high)
-        low = np.where(np.isnan(one), np.nan, low)
+        at_middle = collapses(np.where(np.isfinite(middle), middle, TRIED[0]))
+        failed = failed + (np.isnan(at_middle) & np.isfinite(middle))
+        low, high = np.where(at_middle == 1, low, middle), np.where(at_middle == 1, middle, high)
+        low = np.where(np.isnan(at_middle), np.nan, low)
     return np.sqrt(low * high), failed
 
 
@@ -209,15 +209,15 @@ def what_moves(
     unit = 1 / ((2 * np.pi / period[0]) ** 2 * elastic)  # scale of a record of unit intensity
 
     def drifts(intensities):
-        own = {
+        lanes = {
             "record": record.astype(float),
             "scale": intensities * unit,
             "period": period,
             "damping": damping,
             "strength": strength,
         }
-        dt, *values = np.broadcast_arrays(ratio * spacing, *own.values())
-        return oscillators.run(dt, **dict(zip(own, values, strict=True)))
+        dt, *values = np.broadcast_arrays(ratio * spacing, *lanes.values())
+        return oscillators.run(dt, **dict(zip(lanes, values, strict=True)))
 
     at_collapse = COLLAPSE * strength / (2 * np.pi / period) ** 2
 
