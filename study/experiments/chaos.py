@@ -87,15 +87,15 @@ def chaos(
     for s, scheme in enumerate(schemes):
         progress(f"chaos of {scheme} on {problem}")
         for k, steps in enumerate(steps_per_period):
-            found = statistics(
+            statistic = statistics(
                 definition, schemes_by_name[scheme], u0, period, steps, periods, round(SKIPPED * periods)
             )
             at = 0, s, k
-            if np.isfinite(found.exponents).all():
-                exponents[:, *at, : 2 * unknowns] = _mean(found.exponents)
-                contraction[:, *at] = _mean(-found.exponents.sum(axis=1))
-                mean_square[:, *at] = _mean(found.mean_square[:, 0])
-                regular[at] = np.mean(found.exponents[:, 0] <= 0)
+            if np.isfinite(statistic.exponents).all():
+                exponents[:, *at, : 2 * unknowns] = _mean(statistic.exponents)
+                contraction[:, *at] = _mean(-statistic.exponents.sum(axis=1))
+                mean_square[:, *at] = _mean(statistic.mean_square[:, 0])
+                regular[at] = np.mean(statistic.exponents[:, 0] <= 0)
     dims, error = ("problem", "scheme", "steps_per_period"), "standard error of the"
     damping = float(np.trace(np.broadcast_to(definition.damping, (unknowns, unknowns)) * np.eye(unknowns)))
     return xr.Dataset(

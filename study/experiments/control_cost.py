@@ -74,12 +74,12 @@ def control_cost(
                 used[p, s] = estimator.title
                 most = MOST * max(steps_per_sample) * len(exact.t)
                 for k, tolerance in enumerate(tolerances):
-                    found = _controlled(definition, scheme, exact, tolerance, estimator, controller, most)
-                    runs.append((controlled, k, found))
-            for of_kind, k, found in runs:
-                for variable, value in found.items():
-                    of_kind[variable][p, s, k] = value
-    dims, of_equal = ("problem", "scheme", "tolerance"), ("problem", "scheme", "steps_per_sample")
+                    values = _controlled(definition, scheme, exact, tolerance, estimator, controller, most)
+                    runs.append((controlled, k, values))
+            for arrays, k, values in runs:
+                for variable, value in values.items():
+                    arrays[variable][p, s, k] = value
+    dims, equal_dims = ("problem", "scheme", "tolerance"), ("problem", "scheme", "steps_per_sample")
     error = {"long_name": "largest error of the displacement over its size", "units": "1"}
     forces = {"long_name": "evaluations of the internal force", "units": "1"}
     return xr.Dataset(
@@ -89,9 +89,13 @@ def control_cost(
             "steps": (dims, controlled["steps"], {"long_name": "number of steps", "units": "1"}),
             "rejected": (dims, controlled["rejected"], {"long_name": "trial steps that were rejected", "units": "1"}),
             "status": (dims, controlled["status"], flags("how the run ended", STATUSES, np.int8)),
-            "equal_error": (of_equal, equal["error"], error | {"comment": "with equal steps"}),
-            "equal_force_evaluations": (of_equal, equal["force_evaluations"], forces | {"comment": "with equal steps"}),
-            "equal_status": (of_equal, equal["status"], flags("how the run ended", STATUSES, np.int8)),
+            "equal_error": (equal_dims, equal["error"], error | {"comment": "with equal steps"}),
+            "equal_force_evaluations": (
+                equal_dims,
+                equal["force_evaluations"],
+                forces | {"comment": "with equal steps"},
+            ),
+            "equal_status": (equal_dims, equal["status"], flags("how the run ended", STATUSES, np.int8)),
             "estimator_title": (dims[:2], used.astype(str), {"long_name": "estimator of the error of a step"}),
             "uncertainty": (
                 "problem",

@@ -78,14 +78,14 @@ def estimates(problems: Problems, schemes: Schemes, estimators: Estimators, step
                     ds = run(equations, scheme, controller=equal, duration=period, estimator=estimator)
                     if errors is None or estimator == "step_doubling":
                         errors = true_errors(equations, ds, _fine_steps(problem, steps))
-                    of_u, of_both = errors
+                    displacement_error, state_error = errors
                     late = ds.t.values[1:] > 0.1 * period
                     at = p, s, e, k
                     estimate[at] = ds.estimate.values[1:][late].max()
-                    displacement[at], true[at] = of_u[late].max(), of_both[late].max()
+                    displacement[at], true[at] = displacement_error[late].max(), state_error[late].max()
                     if steps == max(steps_per_period):
                         middle = (ds.t.values[1:] - dt / 2) / period
-                        ratio[at[:3]] = np.interp(PHASES, middle, ds.estimate.values[1:] / of_both)
+                        ratio[at[:3]] = np.interp(PHASES, middle, ds.estimate.values[1:] / state_error)
     closed = [
         [linear_ratio(schemes_by_name[one], name, PHASES, max(steps_per_period)) for name in estimators]
         for one in schemes
@@ -159,11 +159,11 @@ def true_errors(problem: Problem, ds: xr.Dataset, steps: int = FINE_STEPS) -> tu
             return eqx.tree_at(lambda p: (p.u0, p.v0, p.load), problem, (here, speed, later))
 
         true = run(restarted, scheme, over={"now": ds.t.values[:-1], "here": u[:-1], "speed": v[:-1]}, **fine)
-    of_u, of_v = (
+    displacement, velocity = (
         _size(numerical[1:] - exact.values[:, -1]) / _size(numerical).max()
         for numerical, exact in ((u, true.u), (v, true.v))
     )
-    return of_u, np.maximum(of_u, of_v)
+    return displacement, np.maximum(displacement, velocity)
 
 
 def _size(values: np.ndarray) -> np.ndarray:

@@ -113,15 +113,15 @@ def kinks(
                 dividing_error[p, s] = [_compared(known, scheme, one, samples)[1] for one in dividing.tolist()]
                 dividing_order[p, s] = _order(dividing, dividing_error[p, s], uncertainty)
     dims, dividing_dims = ("problem", "scheme", "steps_per_period"), ("problem", "scheme", "steps_per_spacing")
-    of_error = {"long_name": "largest error of the displacement over its size", "units": "1"}
+    error_attributes = {"long_name": "largest error of the displacement over its size", "units": "1"}
     dividing_steps = "with steps that divide the spacing of a record; NaN without a record"
     return xr.Dataset(
         {
-            "error": (dims, error, of_error),
+            "error": (dims, error, error_attributes),
             "dividing_error": (
                 dividing_dims,
                 dividing_error,
-                of_error | {"long_name": f"{of_error['long_name']}, {dividing_steps}"},
+                error_attributes | {"long_name": f"{error_attributes['long_name']}, {dividing_steps}"},
             ),
             "max_energy_imbalance": (
                 dims,

@@ -29,8 +29,8 @@ class _Coarsest(TypedDict):
 
 def _error(at: Known, u: np.ndarray) -> float:
     """Error of the displacement relative to the norm of the known displacement."""
-    found = u if at.weights is None else at.weights @ u
-    return float(np.linalg.norm(found - at.u) / np.linalg.norm(at.u))
+    displacement = u if at.weights is None else at.weights @ u
+    return float(np.linalg.norm(displacement - at.u) / np.linalg.norm(at.u))
 
 
 def _equal(problem: str, scheme: str, steps: int) -> tuple[float, int]:
@@ -90,15 +90,15 @@ def published_numbers(
         scheme = schemes_by_name[schemes[s]]
         if names[p] in controlled and not (scheme.needs_equal_steps or scheme.refusal(problems[names[p]])):
             control[:, p, s, k] = _controlled(names[p], schemes[s], tolerances[k])
-    dims, of_control = ("problem", "scheme", "refinement"), ("problem", "scheme", "tolerance")
+    dims, control_dims = ("problem", "scheme", "refinement"), ("problem", "scheme", "tolerance")
     points = [known[name] for name in names]
     return xr.Dataset(
         {
             "error": (dims, error, {"long_name": "error of the displacement over its size", "units": "1"}),
             "status": (dims, status, flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8)),
             "steps": (("problem", "refinement"), steps, {"long_name": "number of steps", "units": "1"}),
-            "controlled_error": (of_control, control[0], {"long_name": "error with controlled steps", "units": "1"}),
-            "controlled_steps": (of_control, control[1], {"long_name": "number of controlled steps", "units": "1"}),
+            "controlled_error": (control_dims, control[0], {"long_name": "error with controlled steps", "units": "1"}),
+            "controlled_steps": (control_dims, control[1], {"long_name": "number of controlled steps", "units": "1"}),
             "duration": (
                 "problem",
                 [one.time for one in points],

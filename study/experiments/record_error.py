@@ -160,14 +160,14 @@ def record_error(schemes: Schemes) -> xr.Dataset:
         )
 
     shape = (len(grounds), len(periods), len(RATIOS))
-    record, of_period, of_ratio = np.indices(shape)
-    dt = sizes[record, of_ratio]
-    tried = (dt >= SMALLEST * (1 - 1e-9)) & (2 * np.pi * dt / periods[of_period] <= LARGEST)
-    record, of_period, of_ratio, dt = (x[tried] for x in (record, of_period, of_ratio, dt))
-    strength = exact.yield_force.values[record, of_period]
+    record, period_number, ratio_number = np.indices(shape)
+    dt = sizes[record, ratio_number]
+    tried = (dt >= SMALLEST * (1 - 1e-9)) & (2 * np.pi * dt / periods[period_number] <= LARGEST)
+    record, period_number, ratio_number, dt = (x[tried] for x in (record, period_number, ratio_number, dt))
+    strength = exact.yield_force.values[record, period_number]
     kinds = {  # rows of the table, their spacings, and strengths
         "samples": (record, spacings[record], np.full(len(dt), STRONG)),
-        "averages": (len(grounds) + record * len(RATIOS) + of_ratio, dt, np.full(len(dt), STRONG)),
+        "averages": (len(grounds) + record * len(RATIOS) + ratio_number, dt, np.full(len(dt), STRONG)),
         "yielding": (record, spacings[record], strength),
     }
     error, peak_error = np.full((len(schemes), *shape, 2), np.nan), np.full((len(schemes), *shape, 2), np.nan)
@@ -178,9 +178,9 @@ def record_error(schemes: Schemes) -> xr.Dataset:
             "row": np.concatenate([row for row, _, _ in kinds.values()]),
             "spacing": np.concatenate([spacing for _, spacing, _ in kinds.values()]),
             "yield_force": np.concatenate([force for _, _, force in kinds.values()]),
-            "motion": np.tile(record * len(periods) + of_period, 3),
+            "motion": np.tile(record * len(periods) + period_number, 3),
             "known_spacing": np.tile(spacings[record], 3),
-            "period": np.tile(periods[of_period], 3),
+            "period": np.tile(periods[period_number], 3),
         }
         duration = np.array([one.duration for one in grounds])[record]
         ds = sweep(
@@ -193,9 +193,9 @@ def record_error(schemes: Schemes) -> xr.Dataset:
             bound=np.inf,  # the search for the default bound would scan every load
         )
         peak, largest = (ds[name].where(ds.status == 0).values.reshape(3, -1) for name in ("peak", "error_at_samples"))
-        of_linear, of_yielding = exact.peak_drift.values[record, of_period].T
-        error[s, tried] = (largest[:2] / of_linear).T
-        peak_error[s, tried] = np.abs([peak[0] / of_linear - 1, peak[2] / of_yielding - 1]).T
+        linear_peak, yielding_peak = exact.peak_drift.values[record, period_number].T
+        error[s, tried] = (largest[:2] / linear_peak).T
+        peak_error[s, tried] = np.abs([peak[0] / linear_peak - 1, peak[2] / yielding_peak - 1]).T
         if scheme in PREDICTED:
             terms[:, s] = np.array(
                 [

@@ -121,12 +121,12 @@ def roots(
     definition = problems_by_name[problem]
     step_sizes, predictors = (np.linspace(one["first"], one["last"], int(one["count"])) for one in (dt, predictor))
     kappa = np.array([effective_coefficient(schemes_by_name[name]) for name in schemes])
-    found = [np.asarray(_newton(definition, k * paper_step_size**2, predictors, predictors)) for k in kappa]
+    roots_by_scheme = [np.asarray(_newton(definition, k * paper_step_size**2, predictors, predictors)) for k in kappa]
     return xr.Dataset(
         {
             "root": (
                 ("scheme", "guess", "predictor"),
-                np.stack(found),
+                np.stack(roots_by_scheme),
                 {"long_name": f"root that Newton's iteration finds at a step of {paper_step_size} s", "units": "1"},
             ),
             "steps_together": (

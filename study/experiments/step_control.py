@@ -57,7 +57,7 @@ def step_control(
     controls = [*controllers, REVERSIBLE]
     shape = (len(problems), len(schemes), len(controls), len(tolerances))
     names = "steps", "rejected", "max_energy_error", "energy_drift", "error"
-    found = {name: np.full(shape, np.nan) for name in names}
+    values = {name: np.full(shape, np.nan) for name in names}
     equal = np.full((*shape[:2], len(steps_per_period)), np.nan)
     history = np.full((len(problems), len(controls) + 1, periods), np.nan)
     middle = len(tolerances) // 2
@@ -72,14 +72,14 @@ def step_control(
             for c, (name, controller) in enumerate(named.items()):
                 allowed = np.array(tolerances)
                 if name == REVERSIBLE:  # the integral of the density over a period is about 3π
-                    allowed = 3 * np.pi * periods / found["steps"][p, s, 0]
+                    allowed = 3 * np.pi * periods / values["steps"][p, s, 0]
                 ds = _controlled(problem, scheme, controller, allowed, period * periods, MOST * periods)
                 at = p, s, c
-                found["steps"][at], found["rejected"][at] = ds.steps, ds.steps_rejected_by_estimate
-                found["max_energy_error"][at], found["energy_drift"][at] = ds.max_energy_error, ds.energy_drift
-                found["error"][at] = _distance(ds, start, scale)
+                values["steps"][at], values["rejected"][at] = ds.steps, ds.steps_rejected_by_estimate
+                values["max_energy_error"][at], values["energy_drift"][at] = ds.max_energy_error, ds.energy_drift
+                values["error"][at] = _distance(ds, start, scale)
                 if s == 0:
-                    one = sweep(
+                    along_time = sweep(
                         problem,
                         scheme,
                         controller=controller,
@@ -88,32 +88,32 @@ def step_control(
                         steps=MOST * periods,
                         observe="energy_error",
                     )
-                    history[p, c] = _by_period(one, period, periods)
+                    history[p, c] = _by_period(along_time, period, periods)
             for k, steps in enumerate(steps_per_period):
                 ds = sweep(problem, scheme, dt=period / steps, steps=steps * periods, observe=ENDS)
                 equal[p, s, k] = _distance(ds, start, scale)
             if s == 0:
-                steps = round(found["steps"][p, 0, 0, middle])
+                steps = round(values["steps"][p, 0, 0, middle])
                 ds = sweep(problem, scheme, dt=period * periods / steps, steps=steps, observe="energy_error")
                 history[p, -1] = _by_period(ds, period, periods)
     dims = ("problem", "scheme", "controller", "tolerance")
-    of_equal = ("problem", "scheme", "steps_per_period")
+    equal_dims = ("problem", "scheme", "steps_per_period")
     energy = {"long_name": "largest relative error of the total energy, eq. (17) of Xie (1996)", "units": "1"}
-    of_period = {"long_name": "largest relative error of the total energy of each period", "units": "1"}
+    period_attributes = {"long_name": "largest relative error of the total energy of each period", "units": "1"}
     distance = {"long_name": "distance from the start after whole periods, over the largest value", "units": "1"}
     return xr.Dataset(
         {
-            "steps": (dims, found["steps"], {"long_name": "number of steps", "units": "1"}),
-            "rejected": (dims, found["rejected"], {"long_name": "trial steps that were rejected", "units": "1"}),
-            "max_energy_error": (dims, found["max_energy_error"], energy),
+            "steps": (dims, values["steps"], {"long_name": "number of steps", "units": "1"}),
+            "rejected": (dims, values["rejected"], {"long_name": "trial steps that were rejected", "units": "1"}),
+            "max_energy_error": (dims, values["max_energy_error"], energy),
             "energy_drift": (
                 dims,
-                found["energy_drift"],
+                values["energy_drift"],
                 {"long_name": "signed relative error of the total energy at the end", "units": "1"},
             ),
-            "return_error": (dims, found["error"], distance),
-            "equal_return_error": (of_equal, equal, distance | {"comment": "with equal steps"}),
-            "max_energy_error_of_period": (("problem", "with_equal", "period"), history, of_period),
+            "return_error": (dims, values["error"], distance),
+            "equal_return_error": (equal_dims, equal, distance | {"comment": "with equal steps"}),
+            "max_energy_error_of_period": (("problem", "with_equal", "period"), history, period_attributes),
         },
         coords={
             **coordinates.problem_coordinates(problems),

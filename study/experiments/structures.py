@@ -107,7 +107,7 @@ def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[
         for k, steps in enumerate(steps_per_period):
             for name, value in _measured(problem, scheme, steps, periods, reference).items():
                 values[name][0, s, k] = value
-    of_reference = {
+    by_problem = {
         "displacement_uncertainty": (reference.u_uncertainty.max() / _size(reference.u.values).max()).item(),
         "unknowns": np.size(problems_by_name[problem].u0),
         "periods": periods,
@@ -124,7 +124,7 @@ def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[
         }
         | {
             name: ("problem", [value], {"long_name": long_names[name][0], "units": long_names[name][1]})
-            for name, value in of_reference.items()
+            for name, value in by_problem.items()
         },
         coords={
             **coordinates.problem_coordinates([problem]),
