@@ -53,7 +53,10 @@ def _limits(structures: xr.Dataset, pendulum: xr.Dataset) -> dict[str, tuple[flo
         finer = _kept(pendulum, duration).assign(problem=PENDULUM)
         runs = pd.concat([runs, finer[finer.scheme.isin(kept.scheme.values)]])
     limits = runs.groupby(["scheme", "problem"])[["steps", "kept"]].apply(_limit)
-    return {scheme: max(of_problems, key=np.nan_to_num) for scheme, of_problems in limits.groupby("scheme")}
+    return {
+        scheme: max(of_problems, key=lambda limit: np.nan_to_num(limit[0]))
+        for scheme, of_problems in limits.groupby("scheme")
+    }
 
 
 def _between(limit: tuple[float, float]) -> str | None:

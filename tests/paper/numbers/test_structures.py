@@ -102,6 +102,12 @@ def test_a_limit_lies_between_neighbours_of_all_steps_tried():
     assert _between(_limits(structures.assign_coords(periods=("problem", [3.0])), _pendulum())["gauss4"]) == (
         "between 10 and 20"
     )
+    # on another structure Gauss' method alone fails, with 10 and 20 steps
+    truss = structures.assign_coords(problem=["spinning_truss"]).copy(deep=True)
+    truss.max_energy_imbalance[:] = [[[0.01, 0.01, 0.01], [0.3, 0.3, 0.01], [0.01, 0.01, 0.01]]]
+    both = xr.concat([structures, truss], "problem").assign_coords(periods=("problem", [3.0, 1.0]))
+    limits = _limits(both, _pendulum())
+    assert [_between(limits[name]) for name in schemes] == ["between 20 and 40", "between 20 and 40", None]
 
 
 @pytest.mark.parametrize(
