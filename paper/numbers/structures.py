@@ -183,6 +183,6 @@ def of_structures(
         "growth_ceiling": printed(f"{CEILING:.0e}") if any((sizes(one) > CEILING).any() for one in turning) else None,
         "growth_floor": printed(f"{FLOOR:.0e}") if any((sizes(one) < FLOOR).any() for one in turning) else None,
         "growth_fails": any((one.status != 0).any() for one in turning),
-        # whole percents, as round-off changes the tenths over this time
+        # whole percents, as round-off changes even their last digit over this time
         **{f"sum_{name}": f"{value:.0f}" for name, value in change.items()},
     }
