@@ -40,8 +40,8 @@ def draw(accuracy: xr.Dataset) -> Figure:
             sizes = losses if measure == "amplitude_decay" else abs(accuracy[measure])
             known = sizes.where(accuracy.flagged.sel(measure=measure) == 0).sel(problem=problem)
             for name, look in curve_styles(accuracy.scheme).items():
-                one = known.sel(scheme=name)
-                ax.plot(one.steps_per_period, one, label=one.scheme_title.item(), markevery=2, **look)
+                curve = known.sel(scheme=name)
+                ax.plot(curve.steps_per_period, curve, label=curve.scheme_title.item(), markevery=2, **look)
             ax.set(xscale="log", yscale="log")
             ax.set_xticks([10, 100, 1000])
             letter(ax, place * len(MEASURES) + column, label)

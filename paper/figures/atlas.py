@@ -29,11 +29,13 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     for row, scheme in zip(axes, schemes, strict=True):
         limit = spectral.stability_limit.sel(scheme=scheme, damping_ratio=0.0).item()
         for ax, problem in zip(row, problems, strict=True):
-            one = atlas.sel(scheme=scheme, problem=problem)
-            outcome_map(ax, one, limit)
+            outcomes = atlas.sel(scheme=scheme, problem=problem)
+            outcome_map(ax, outcomes, limit)
             for case in PAPER_CASES:
                 if case.problem == problem and case.scheme in (scheme, None):
-                    ax.plot(*case.place(one), marker=case.marker, color="black", markersize=6, markeredgecolor="white")
+                    ax.plot(
+                        *case.place(outcomes), marker=case.marker, color="black", markersize=6, markeredgecolor="white"
+                    )
     for ax, title in zip(axes[0], atlas.problem_title.values, strict=True):
         ax.set_title(title)
     for row, title in zip(axes, atlas.scheme_title.values, strict=True):

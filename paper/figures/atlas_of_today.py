@@ -44,16 +44,16 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
         limit = spectral.stability_limit.sel(scheme=scheme, damping_ratio=0.0).item()
         for place, problem in enumerate(problems):
             ax = figure.add_subplot(grid[row, block * (len(problems) + 1) + place])
-            one = atlas.sel(scheme=scheme, problem=problem)
-            outcome_map(ax, one, limit)
+            outcomes = atlas.sel(scheme=scheme, problem=problem)
+            outcome_map(ax, outcomes, limit)
             step_ticks(ax, {0.01: "0.01", 0.1: "", 1: "1"})
             ax.set_yticks([0.1, 1, 10], ["0.1", "1", "10"])
             lowest = row == rows - 1
             ax.tick_params(labelbottom=lowest, labelleft=block == place == 0)
             if lowest:
-                ax.set_xlabel(f"Δt/T,\n{wrapped(one.problem_title.item(), 10)}")
+                ax.set_xlabel(f"Δt/T,\n{wrapped(outcomes.problem_title.item(), 10)}")
             if place == len(problems) // 2:
-                ax.set_title(one.scheme_title.item(), loc="center", pad=2)
+                ax.set_title(outcomes.scheme_title.item(), loc="center", pad=2)
     figure.supylabel("initial displacement over its value of 1996", fontsize="medium")
     legend(figure, atlas.outcome.values, cases=False)
     return figure

@@ -23,21 +23,21 @@ def draw(chaos: xr.Dataset) -> Figure:
     problems = chaos.problem.values
     figure, axes = panels(2, len(problems), PAGE, 9.5, sharex=True)
     for column, name in enumerate(problems):
-        one = chaos.sel(problem=name)
+        motions = chaos.sel(problem=name)
         above, below = axes[:, column]
-        for scheme, look in curve_styles(one.scheme).items():
+        for scheme, look in curve_styles(motions.scheme).items():
             if scheme in SHOWN:
-                of = one.sel(scheme=scheme)
-                largest, error = (of[part].isel(place=0) for part in ("exponent", "uncertainty"))
-                label = of.scheme_title.item()
-                above.errorbar(of.steps_per_period, largest, ERRORS * error, label=label, elinewidth=0.8, **look)
-                below.plot(of.steps_per_period, of.contraction / of.damping, **look)
+                runs = motions.sel(scheme=scheme)
+                largest, error = (runs[part].isel(place=0) for part in ("exponent", "uncertainty"))
+                label = runs.scheme_title.item()
+                above.errorbar(runs.steps_per_period, largest, ERRORS * error, label=label, elinewidth=0.8, **look)
+                below.plot(runs.steps_per_period, runs.contraction / runs.damping, **look)
         above.axhline(0, color="0.6", linewidth=0.6, zorder=0)
-        if np.isfinite(one.printed_exponent):
-            above.axhline(one.printed_exponent.item(), color="0.7", linewidth=1.5, zorder=0)
+        if np.isfinite(motions.printed_exponent):
+            above.axhline(motions.printed_exponent.item(), color="0.7", linewidth=1.5, zorder=0)
         below.axhline(1, color="0.6", linewidth=0.6, zorder=0)
         below.set_xlabel("steps in a period of the load")
-        steps = one.steps_per_period.values
+        steps = motions.steps_per_period.values
         ticks = steps[:: -(-len(steps) // 5)]
         for ax in (above, below):
             ax.set(xscale="log")
@@ -49,7 +49,7 @@ def draw(chaos: xr.Dataset) -> Figure:
             ratios = [tick for tick in (0.2, 0.5, 1, 2, 5, 10) if low < tick < high]
             below.set_yticks(ratios, [f"{tick:g}" for tick in ratios])
             below.minorticks_off()
-        letter(above, column, one.problem_title.item())
+        letter(above, column, motions.problem_title.item())
         letter(below, column + len(problems), "contraction")
     axes[0, 0].set_ylabel("largest exponent (1/s)")
     axes[1, 0].set_ylabel("over that of the motion")

@@ -26,13 +26,13 @@ def draw(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> Figure:
     columns = -(-len(problems) // rows)
     figure, axes = panels(rows, columns, PAGE, 5.4 * rows + 1.2, sharey=True)
     for index, (ax, problem) in enumerate(zip(axes.flat, problems, strict=False)):
-        of_problem = control_cost.sel(problem=problem)
+        costs = control_cost.sel(problem=problem)
         ax.axhline(ALLOWED, color="0.85", linewidth=2, zorder=0)
         for name, look in curve_styles_in_order(shown).items():
-            one = of_problem.sel(scheme=name)
-            title, look = one.scheme_title.item(), look | {"markersize": 3, "linewidth": 1}
-            ax.plot(one.equal_force_evaluations, one.equal_error, label=title, **look | {"linestyle": "-"})
-            ax.plot(one.force_evaluations, one.error, **look | {"linestyle": "--", "markerfacecolor": "white"})
+            runs = costs.sel(scheme=name)
+            title, look = runs.scheme_title.item(), look | {"markersize": 3, "linewidth": 1}
+            ax.plot(runs.equal_force_evaluations, runs.equal_error, label=title, **look | {"linestyle": "-"})
+            ax.plot(runs.force_evaluations, runs.error, **look | {"linestyle": "--", "markerfacecolor": "white"})
         if problem in solver_cost.problem and SOLVER in solver_cost.solver:
             solver = solver_cost.sel(problem=problem, solver=SOLVER)
             ax.plot(
@@ -40,7 +40,7 @@ def draw(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> Figure:
             )
         ax.set(xscale="log", yscale="log", ylim=(1e-7, 3))
         ax.set_xlabel("evaluations of the force")
-        letter(ax, index, wrapped(of_problem.problem_title.item(), 16))
+        letter(ax, index, wrapped(costs.problem_title.item(), 16))
     for ax in axes[:, 0]:
         ax.set_ylabel("error of the displacement\nover its size")
     for unused in axes.ravel()[len(problems) :]:

@@ -35,13 +35,13 @@ def draw(histories: list[xr.Dataset]) -> Figure:
     figure, axes = panels(1, len(histories), PAGE, 5.4, sharey=True)
     for index, (ax, history) in enumerate(zip(axes[0], histories, strict=True)):
         for place, (name, look) in enumerate(curve_styles(history.scheme).items()):
-            one = history.sel(scheme=name)
-            error = sizes(one).clip(FLOOR, CEILING)
+            run = history.sel(scheme=name)
+            error = sizes(run).clip(FLOOR, CEILING)
             marks = (0.1 + 0.05 * place, 0.3) if error.notnull().any() else None
-            ax.plot(error.t, error, label=one.scheme_title.item(), markevery=marks, **look)
-            if one.status != 0:
-                every = round((one.t[1] - one.t[0]).item() / one.step_size.item())
-                end = max((one.failed_at_step.item() - 1) // every - 1, 0)
+            ax.plot(error.t, error, label=run.scheme_title.item(), markevery=marks, **look)
+            if run.status != 0:
+                every = round((run.t[1] - run.t[0]).item() / run.step_size.item())
+                end = max((run.failed_at_step.item() - 1) // every - 1, 0)
                 ax.plot(error.t[end], error[end], "x", color=look["color"], markersize=7, markeredgewidth=1.5)
         ax.set(xlabel="elapsed time $t$ (s)", yscale="log")
         steps = history.steps_per_period.item()

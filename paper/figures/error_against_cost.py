@@ -55,21 +55,21 @@ def draw(data: xr.Dataset) -> Figure:
     """
     data = data.sel(problem=PROBLEM, periods=PERIODS)
     picture, (row,) = panels(1, 2, PAGE, 8.0, sharey=True)
-    for place, (axes, (label, (of_schemes, of_solvers))) in enumerate(zip(row, _COSTS.items(), strict=True)):
+    for place, (axes, (label, (scheme_cost, solver_cost))) in enumerate(zip(row, _COSTS.items(), strict=True)):
         for solver, marker in GENERAL.items():
             if solver == NO_FORCE and place:
                 continue
-            one = data.sel(solver=solver).sortby("tolerance", ascending=False)
-            known = one.solver_max_trajectory_error.where(one.solver_max_trajectory_error < TOP)
-            axes.plot(one[of_solvers], known, color="0.6", marker=marker, ls="", ms=4, label=SOLVERS[solver])
-            drawn = [at for at in zip(one[of_solvers].values, known.values, strict=True) if at[1] > BOTTOM]
+            runs = data.sel(solver=solver).sortby("tolerance", ascending=False)
+            known = runs.solver_max_trajectory_error.where(runs.solver_max_trajectory_error < TOP)
+            axes.plot(runs[solver_cost], known, color="0.6", marker=marker, ls="", ms=4, label=SOLVERS[solver])
+            drawn = [at for at in zip(runs[solver_cost].values, known.values, strict=True) if at[1] > BOTTOM]
             _name(axes, solver, drawn, on_left=solver != "tsit5")
         for scheme, (colour, marker) in ((name, SCHEMES[name]) for name in SCHEMES if name in data.scheme):
-            one = data.sel(scheme=scheme).sortby("steps_per_period", ascending=False)
+            runs = data.sel(scheme=scheme).sortby("steps_per_period", ascending=False)
             # a small error at a step that is coarser than one whose motion is lost is an accident
-            kept = np.logical_and.accumulate(one.max_trajectory_error.values < TOP)
-            look = {"color": colour, "marker": marker, "ls": "-", "lw": 1.4, "label": one.scheme_title.item()}
-            axes.plot(one[of_schemes], one.max_trajectory_error.where(kept), **look)
+            kept = np.logical_and.accumulate(runs.max_trajectory_error.values < TOP)
+            look = {"color": colour, "marker": marker, "ls": "-", "lw": 1.4, "label": runs.scheme_title.item()}
+            axes.plot(runs[scheme_cost], runs.max_trajectory_error.where(kept), **look)
         for error in (0.1, 0.01, 0.001):
             axes.axhline(error, color="0.8", lw=0.6, zorder=0)
         axes.set(xscale="log", yscale="log", ylim=(BOTTOM, TOP), xlabel=label)

@@ -27,16 +27,16 @@ MEASURES = {
 def draw(growth: xr.Dataset) -> Figure:
     """One panel per measure, at the finest step."""
     figure, axes = panels(1, 4, PAGE, 6.0, sharex=True)
-    one = growth.sel(problem="hardening").isel(steps_per_period=-1)
-    one = one.sel(scheme=[name for name in SHOWN if name in one.scheme.values])
-    known = (one.flagged == 0).rename(measure="of")
-    periods = one.periods.values
+    errors = growth.sel(problem="hardening").isel(steps_per_period=-1)
+    errors = errors.sel(scheme=[name for name in SHOWN if name in errors.scheme.values])
+    known = (errors.flagged == 0).rename(measure="of")
+    periods = errors.periods.values
     for index, (ax, (title, (measure, powers))) in enumerate(zip(axes.flat, MEASURES.items(), strict=True)):
-        error = abs(one[measure]).where(known.sel(of=measure))
+        error = abs(errors[measure]).where(known.sel(of=measure))
         if measure == "amplitude_decay":
-            error = (1 - (1 - error) ** error.periods).where(one.keeps_energy == 0)
-        for name, look in curve_styles(one.scheme).items():
-            ax.plot(periods, error.sel(scheme=name), label=one.scheme_title.sel(scheme=name).item(), **look)
+            error = (1 - (1 - error) ** error.periods).where(errors.keeps_energy == 0)
+        for name, look in curve_styles(errors.scheme).items():
+            ax.plot(periods, error.sel(scheme=name), label=errors.scheme_title.sel(scheme=name).item(), **look)
         for power in powers:
             low = float(error.isel(periods=slice(0, 2)).min())
             line = low / 3 * (periods / periods[0]) ** power

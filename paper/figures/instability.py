@@ -42,10 +42,10 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset, window: xr.Dataset) -> Fig
     letter(plane, 1, "its phase portrait")
     looks = curve_styles(portrait.scheme)
     for place, (name, look) in enumerate(looks.items()):
-        one = portrait.sel(scheme=name)
-        height = 1 + one.energy_error
+        motion = portrait.sel(scheme=name)
+        height = 1 + motion.energy_error
         marked = (0.02 + 0.03 * place, 0.2) if height.notnull().any() else None
-        energy.plot(periods, height, label=one.scheme_title.item(), markevery=marked, **look)
+        energy.plot(periods, height, label=motion.scheme_title.item(), markevery=marked, **look)
     energy.set(xlabel="elapsed periods", ylabel="energy over\nits initial value", yscale="log")
     energy.set_ylim(bottom=1e-3)
     letter(energy, 2, "energy of all schemes")

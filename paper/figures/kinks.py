@@ -28,20 +28,20 @@ def draw(kinks: xr.Dataset) -> Figure:
     figure, axes = panels(rows, columns, PAGE, 5.2 * rows + 1, sharex=True)
     steps = kinks.steps_per_period
     for index, (ax, problem) in enumerate(zip(axes.flat, kinks.problem.values, strict=False)):
-        of_problem = kinks.sel(problem=problem)
-        worst = float(of_problem.error.isel(steps_per_period=0).max())
+        runs = kinks.sel(problem=problem)
+        worst = float(runs.error.isel(steps_per_period=0).max())
         for power in (1, 2):
             ax.plot(steps, worst * (steps[0] / steps) ** power, color="0.8", linestyle="-", linewidth=2.5, zorder=0)
         for name, look in curve_styles(kinks.scheme).items():
-            error = of_problem.error.sel(scheme=name)
+            error = runs.error.sel(scheme=name)
             if np.isfinite(error).any():
                 ax.plot(steps, error, label=error.scheme_title.item(), **look)
-            if np.isfinite(dividing := of_problem.dividing_error.sel(scheme=name)).any():
-                numbers = of_problem.period / of_problem.spacing * of_problem.steps_per_spacing
+            if np.isfinite(dividing := runs.dividing_error.sel(scheme=name)).any():
+                numbers = runs.period / runs.spacing * runs.steps_per_spacing
                 ax.plot(numbers, dividing, **look | {"linestyle": ""})
         ax.set(xscale="log", yscale="log")
         ax.xaxis.set_minor_formatter(NullFormatter())
-        letter(ax, index, wrapped(of_problem.problem_title.item(), 12))
+        letter(ax, index, wrapped(runs.problem_title.item(), 12))
         if index + columns >= number:
             ax.set_xlabel("steps per period")
             ax.tick_params(labelbottom=True)

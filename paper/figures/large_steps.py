@@ -58,8 +58,8 @@ def draw(large_steps: xr.Dataset) -> Figure:
     colours = ListedColormap(list(CLASSES.values()))
     rows = np.arange(large_steps.sizes["scheme"] + 1) - 0.5
     for index, (ax, problem) in enumerate(zip(axes.ravel(), large_steps.problem.values, strict=False)):
-        one = large_steps.sel(problem=problem)
-        outcome = classify(one)
+        runs = large_steps.sel(problem=problem)
+        outcome = classify(runs)
         ax.pcolormesh(
             edges, rows, outcome, cmap=colours, vmin=-0.5, vmax=len(CLASSES) - 0.5, edgecolors="0.6", linewidth=0.2
         )
@@ -68,7 +68,7 @@ def draw(large_steps: xr.Dataset) -> Figure:
         ax.set(xscale="log", yticks=rows[:-1] + 0.5, yticklabels=large_steps.scheme_title.values)
         ax.set_xticks([0.01, 0.05, 0.2, 0.5], ["1/100", "1/20", "1/5", "1/2"])
         ax.minorticks_off()
-        letter(ax, index, one.problem_title.item())
+        letter(ax, index, runs.problem_title.item())
     axes[0, 0].invert_yaxis()
     for ax in axes[-1]:
         ax.set_xlabel("step size over period, Δt/T")

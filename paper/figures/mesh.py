@@ -26,9 +26,8 @@ def draw(mesh: xr.Dataset) -> Figure:
         mesh.seconds_per_period.sel(scheme=name) for name in ("average_acceleration", "central_difference")
     )
     for name, (marker, colour) in zip(dict.fromkeys(names), itertools.cycle(LOOKS), strict=False):
-        chosen = np.array([one == name for one in names])
-        one = (implicit / explicit).isel(case=chosen)
-        axes.plot(one.mesh_ratio, one, marker=marker, color=colour, label=f"{name} masses")
+        ratio = (implicit / explicit).isel(case=np.array(names) == name)
+        axes.plot(ratio.mesh_ratio, ratio, marker=marker, color=colour, label=f"{name} masses")
     axes.axhline(1, color="0.6", linewidth=0.8)
     axes.set(xscale="log", yscale="log", xlabel="ω of the mesh / ω of the motion", ylabel="time, implicit / explicit")
     whole_decades(axes)

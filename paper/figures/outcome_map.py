@@ -25,9 +25,9 @@ class RunOf1996(NamedTuple):
     scheme: str | None
     marker: str
 
-    def place(self, one: xr.Dataset) -> tuple[float, float]:
+    def place(self, outcomes: xr.Dataset) -> tuple[float, float]:
         """Coordinates of the run on a map: step size over period at the nearest amplitude, and relative amplitude."""
-        nearest = one.isel(amplitude=int(np.argmin(np.abs(np.log(one.u0.values / self.u0)))))
+        nearest = outcomes.isel(amplitude=int(np.argmin(np.abs(np.log(outcomes.u0.values / self.u0)))))
         return self.dt / nearest.period.item(), self.u0 / nearest.u0.item() * nearest.amplitude.item()
 
 
@@ -66,7 +66,7 @@ def _edges(axis: xr.DataArray) -> tuple[float, float]:
     return first / half, last * half
 
 
-def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
+def outcome_map(ax: Axes, outcomes: xr.Dataset, limit: float) -> None:
     """Draw outcomes over step size and amplitude, and the step size at the linear limit of stability of ωΔt.
 
     Here ω is the highest frequency along the motion.
@@ -78,12 +78,12 @@ def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
     limit
         Stability limit of ωΔt on the linear oscillator. If it is infinite, no line is drawn.
     """
-    ax.set_label(f"{one.scheme_title.item()}, {one.problem_title.item()}")
-    ax.set(xscale="log", yscale="log", xlim=_edges(one.step_size_over_period), ylim=_edges(one.amplitude))
+    ax.set_label(f"{outcomes.scheme_title.item()}, {outcomes.problem_title.item()}")
+    ax.set(xscale="log", yscale="log", xlim=_edges(outcomes.step_size_over_period), ylim=_edges(outcomes.amplitude))
     # in panel coordinates, because cells have different sizes in data coordinates
-    ax.imshow(one.outcome, extent=(0, 1, 0, 1), transform=ax.transAxes, **IMAGE)
+    ax.imshow(outcomes.outcome, extent=(0, 1, 0, 1), transform=ax.transAxes, **IMAGE)
     if np.isfinite(limit):
-        ax.plot(limit / (one.highest_frequency * one.period), one.amplitude, **LIMIT)
+        ax.plot(limit / (outcomes.highest_frequency * outcomes.period), outcomes.amplitude, **LIMIT)
 
 
 def step_ticks(ax: Axes, labels: Mapping[float, str]) -> None:

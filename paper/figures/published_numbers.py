@@ -25,13 +25,13 @@ BEYOND = 3.0
 SMALLEST = 1e-16
 
 
-def _errors(ax: Axes, one: xr.Dataset, styles: dict) -> None:
+def _errors(ax: Axes, runs: xr.Dataset, styles: dict) -> None:
     """Draw the error of each scheme on a problem against the number of steps."""
     for name, style in styles.items():
-        error = one.error.sel(scheme=name)
-        ax.plot(one.steps, error.where(error < BEYOND).clip(min=SMALLEST), label=error.scheme_title.item(), **style)
+        error = runs.error.sel(scheme=name)
+        ax.plot(runs.steps, error.where(error < BEYOND).clip(min=SMALLEST), label=error.scheme_title.item(), **style)
     ax.set(xscale="log", yscale="log")
-    ends = one.steps.values[[0, -1]]
+    ends = runs.steps.values[[0, -1]]
     ax.set_xticks(ends, [f"{n:,}" for n in ends])
     ax.minorticks_off()
 
@@ -49,9 +49,9 @@ def draw(published_numbers: xr.Dataset) -> Figure:
     figure, axes = panels(rows, columns, PAGE, 4.0 * rows + 1.2)
     styles = curve_styles(shown.scheme)
     for index, (ax, problem) in enumerate(zip(axes.flat, shown.problem.values, strict=False)):
-        one = shown.sel(problem=problem)
-        _errors(ax, one, styles)
-        letter(ax, index, wrapped(one.problem_title.item(), 16))
+        runs = shown.sel(problem=problem)
+        _errors(ax, runs, styles)
+        letter(ax, index, wrapped(runs.problem_title.item(), 16))
         if index + columns >= number:
             ax.set_xlabel("steps")
     figure.supylabel("error of the displacement", fontsize="medium")

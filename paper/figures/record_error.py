@@ -27,15 +27,15 @@ KINDS: dict[int, dict[str, Any]] = {
 )
 def draw(errors: xr.Dataset) -> Figure:
     """Three panels with one point for each record, oscillator and step."""
-    one = errors.sel(scheme=SCHEME)
+    runs = errors.sel(scheme=SCHEME)
     figure, (axes,) = panels(1, 3, PAGE, 6.2)
-    by = [one.power_above, predicted(one), one.of_period]
+    by = [runs.power_above, predicted(runs), runs.of_period]
     titles = ["power above $1/(4\\Delta t)$", "prediction", "mean load over a step"]
     labels = ["root of the share of the power", "predicted error", "predicted error of the period"]
     for index, (ax, predictor, title, label) in enumerate(zip(axes, by, titles, labels, strict=True)):
-        error = one.error.sel(load="averages" if index == 2 else "samples")
+        error = runs.error.sel(load="averages" if index == 2 else "samples")
         for divides, look in reversed(KINDS.items()):
-            kept = (one.divides == divides).values
+            kept = (runs.divides == divides).values
             x, y = (some.isel(ratio=kept).values for some in xr.broadcast(predictor, error))
             ax.plot(x.ravel(), y.ravel(), linestyle="", markersize=1.8, markeredgewidth=0, **look)
         if index:
@@ -44,7 +44,7 @@ def draw(errors: xr.Dataset) -> Figure:
         ax.set(xscale="log", yscale="log", xlabel=label)
         letter(ax, index, title)
     axes[0].set(ylabel="measured error over the peak", xlim=(1e-4, 1.5))
-    largest = float(np.nanmax(one.error)) * 3
+    largest = float(np.nanmax(runs.error)) * 3
     for ax in axes:
         ax.set_ylim(1e-5, largest)
         ax.label_outer()

@@ -29,19 +29,21 @@ def draw(data: xr.Dataset) -> Figure:
     data = data.sel(periods=100)
     size = data.sizes["problem"]
     figure, axes = panels(2, size, PAGE, 10, sharex="row", sharey=True)
-    for index, (row, (label, (of_schemes, of_solvers))) in enumerate(zip(axes, _COSTS.items(), strict=True)):
+    for index, (row, (label, (scheme_cost, solver_cost))) in enumerate(zip(axes, _COSTS.items(), strict=True)):
         for column, (ax, problem) in enumerate(zip(row, data.problem.values, strict=True)):
-            one = data.sel(problem=problem)
+            runs = data.sel(problem=problem)
             for scheme, grey in SCHEMES.items():
-                run = one.sel(scheme=scheme)
+                run = runs.sel(scheme=scheme)
                 error = run.max_trajectory_error.where(run.max_trajectory_error < TOP)
-                ax.plot(run[of_schemes], error, color=grey, linestyle="-", linewidth=2.5, label=run.scheme_title.item())
+                ax.plot(
+                    run[scheme_cost], error, color=grey, linestyle="-", linewidth=2.5, label=run.scheme_title.item()
+                )
             for solver, look in curve_styles_in_order(SOLVERS).items():
-                run = one.sel(solver=solver)
+                run = runs.sel(solver=solver)
                 error = run.solver_max_trajectory_error.where(run.solver_max_trajectory_error < TOP)
-                ax.plot(run[of_solvers], error, label=SOLVERS[solver], **look)
+                ax.plot(run[solver_cost], error, label=SOLVERS[solver], **look)
             ax.set(xscale="log", yscale="log", xlabel=label, ylim=(1e-11, TOP))
-            letter(ax, index * size + column, wrapped(one.problem_title.item(), 18))
+            letter(ax, index * size + column, wrapped(runs.problem_title.item(), 18))
         row[0].set_ylabel("error of the displacement")
     legend_below(figure, columns=5)
     return figure

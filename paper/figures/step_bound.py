@@ -22,10 +22,12 @@ def draw(bound: xr.Dataset) -> Figure:
     place = np.array([names.index(name) for name in bound.potential_title.values])
     predicted = bound.coefficient * bound.omega_step**2
     for name, look in curve_styles(bound.scheme).items():
-        one = bound.sel(scheme=name)
-        style = look | {"linestyle": "", "markersize": 3, "label": one.scheme_title.item()}
-        by_potential.plot(one.coefficient.sel(quantity="energy"), place, **style)
-        by_potential.axvline(one.convex_coefficient.item(), color=look["color"], linestyle=look["linestyle"], lw=0.8)
+        motions = bound.sel(scheme=name)
+        style = look | {"linestyle": "", "markersize": 3, "label": motions.scheme_title.item()}
+        by_potential.plot(motions.coefficient.sel(quantity="energy"), place, **style)
+        by_potential.axvline(
+            motions.convex_coefficient.item(), color=look["color"], linestyle=look["linestyle"], lw=0.8
+        )
         period = {"scheme": name, "quantity": "period"}
         measured.plot(100 * predicted.sel(period), 100 * bound.error.sel(period), **style)
     by_potential.set(xlabel="energy error over the square of ωΔt", xlim=(0, None))

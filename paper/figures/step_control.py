@@ -47,9 +47,11 @@ def _ratios(ax: Axes, estimates: xr.Dataset) -> None:
     look = curve_styles_in_order(estimates.estimator.values)
     ax.axhline(1, color="0.7", linewidth=2.5, zorder=0)
     for name, curve in look.items():
-        one = estimates.sel(estimator=name)
-        ax.plot(estimates.phase, one.ratio, label=one.estimator_title.item(), markevery=12, markersize=3, **curve)
-        ax.plot(estimates.phase, one.linear_ratio, color=curve["color"], linewidth=0.5)
+        estimate = estimates.sel(estimator=name)
+        ax.plot(
+            estimates.phase, estimate.ratio, label=estimate.estimator_title.item(), markevery=12, markersize=3, **curve
+        )
+        ax.plot(estimates.phase, estimate.linear_ratio, color=curve["color"], linewidth=0.5)
     ax.set(yscale="log", ylim=(LEAST, None), xlabel="part of the period", ylabel="estimate over true error")
 
 
@@ -65,8 +67,8 @@ def _errors(ax: Axes, control: xr.Dataset, titles: dict, look: dict) -> None:
         if name == "equal":
             steps, error = control.steps_per_period, control.equal_return_error
         else:
-            one = control.sel(controller=name)
-            steps, error = one.steps / control.attrs["periods"], one.return_error
+            runs = control.sel(controller=name)
+            steps, error = runs.steps / control.attrs["periods"], runs.return_error
         resolved = np.asarray(steps) >= control.steps_per_period.min().item()
         ax.plot(np.asarray(steps)[resolved], np.asarray(error)[resolved], label=title, markersize=3, **look[name])
     ax.set(xscale="log", yscale="log", xlabel="steps per period", ylabel="distance from the start")

@@ -23,17 +23,17 @@ def draw(rule: xr.Dataset) -> Figure:
     safe = safe.where(safe > 0)
     figure, axes = panels(1, rule.sizes["problem"], PAGE, 7, sharex=True, sharey=True)
     for index, (ax, problem) in enumerate(zip(axes[0], rule.problem.values, strict=True)):
-        of_problem = rule.sel(problem=problem)
+        motions = rule.sel(problem=problem)
         for name, look in curve_styles(rule.scheme).items():
             stiff = safe.sel(scheme=name, problem=problem)
             title = rule.scheme_title.sel(scheme=name).item()
-            steps = of_problem.period * of_problem.highest_frequency / stiff
+            steps = motions.period * motions.highest_frequency / stiff
             ax.plot(steps, stiff, label=title, markersize=3, **look | {"linestyle": ""})
         ax.set(xscale="log", yscale="log", xlabel="steps per period, $T/\\Delta t$")
         ax.set_xticks([10, 20, 50, 100, 200, 500], ["10", "20", "50", "100", "200", "500"])
         ax.set_yticks([0.1, 0.2, 0.5, 1, 2], ["0.1", "0.2", "0.5", "1", "2"])
         ax.minorticks_off()
-        letter(ax, index, of_problem.problem_title.item())
+        letter(ax, index, motions.problem_title.item())
     axes[0, 0].set_ylabel("highest frequency × step")
     legend_below(figure, columns=5)
     return figure

@@ -19,11 +19,11 @@ def draw(history: xr.Dataset) -> Figure:
     figure, axes = panels(rows, 1, COLUMN, 2.3 * rows + 0.8, sharex=True, sharey=True)
     styles = curve_styles(history.scheme)
     for index, (ax, name) in enumerate(zip(axes.flat, history.scheme.values, strict=True)):
-        one = history.sel(scheme=name)
-        exact, v = history.reference_v.isel(component=0), one.v.isel(component=0)
+        run = history.sel(scheme=name)
+        exact, v = history.reference_v.isel(component=0), run.v.isel(component=0)
         ax.plot(history.t_reference, exact, "o", color="0.7", markersize=5, label="exact")
         ax.plot(history.t, v, label="scheme", **styles[name] | {"linestyle": "-", "linewidth": 0.7, "markersize": 2.5})
-        letter(ax, index, one.scheme_title.item())
+        letter(ax, index, run.scheme_title.item())
     axes[-1, 0].set_xlabel("elapsed time $t$ (s)")
     figure.supylabel("velocity of the first mass (1/s)", fontsize="medium")
     return figure

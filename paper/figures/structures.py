@@ -34,23 +34,23 @@ def draw(structures: xr.Dataset) -> Figure:
     rows = -(-number // columns)
     figure, axes = panels(rows, columns, PAGE, 3.3 * rows + 1.5, sharex=True)
     for index, (ax, problem) in enumerate(zip(axes.ravel(), shown.problem.values, strict=False)):
-        one = shown.sel(problem=problem)
+        runs = shown.sel(problem=problem)
         for name, look in curve_styles(shown.scheme).items():
-            error = one.displacement_error.sel(scheme=name)
+            error = runs.displacement_error.sel(scheme=name)
             # no line joins the points if there are only two
             line = look if error.sizes["steps_per_period"] > 2 else look | {"linestyle": "none", "markersize": 5}
-            ax.plot(one.steps_per_period, error, label=error.scheme_title.item(), **line)
-        ax.axhline(one.displacement_uncertainty.item(), color="0.7", linewidth=1.5, zorder=0)
+            ax.plot(runs.steps_per_period, error, label=error.scheme_title.item(), **line)
+        ax.axhline(runs.displacement_uncertainty.item(), color="0.7", linewidth=1.5, zorder=0)
         ax.set(xscale="log", yscale="log")
-        steps = one.steps_per_period.values
+        steps = runs.steps_per_period.values
         labelled = steps[:: -(-len(steps) // 3)]
         ax.set_xticks(labelled, [f"{n:g}" for n in labelled])
         ax.minorticks_off()
         ax.margins(x=0.1)
-        seen = one.displacement_error.where(one.displacement_error < BEYOND)
+        seen = runs.displacement_error.where(runs.displacement_error < BEYOND)
         if seen.notnull().any():
             ax.set_ylim(seen.min() / 3, 3 * seen.max())
-        letter(ax, index, one.problem_title.item())
+        letter(ax, index, runs.problem_title.item())
         if index + columns >= number:
             ax.set_xlabel("steps in the time scale")
             ax.tick_params(labelbottom=True)

@@ -109,8 +109,8 @@ def curve_styles(schemes: xr.DataArray) -> dict[str, dict[str, Any]]:
 
     The style follows from the family of a scheme and its place among all schemes of the family.
     """
-    of = zip(*(schemes[name].values.tolist() for name in ("scheme", "family", "place_in_family")), strict=True)
-    return {name: _curve_style(_number(family, place)) for name, family, place in of}
+    places = zip(*(schemes[name].values.tolist() for name in ("scheme", "family", "place_in_family")), strict=True)
+    return {name: _curve_style(_number(family, place)) for name, family, place in places}
 
 
 def curve_styles_in_order(names: Iterable[str]) -> dict[str, dict[str, Any]]:

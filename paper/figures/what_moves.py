@@ -31,12 +31,12 @@ def draw(what_moves: xr.Dataset) -> Figure:
     for index, (ax, (name, title)) in enumerate(zip(axes, QUANTITIES.items(), strict=False)):
         medians = 100 * median_changes(what_moves[name]).sel(variant=variants)
         for p, ((label, look), shift) in enumerate(zip(looks.items(), shifts, strict=True)):
-            one = medians.isel(period=p)
-            size = np.maximum(abs(one.change), SMALLEST)
+            changes = medians.isel(period=p)
+            size = np.maximum(abs(changes.change), SMALLEST)
             # the interval of the size of a change whose interval contains zero begins at zero
-            crosses = (one.low <= 0) & (one.high >= 0)
-            inner = np.minimum(abs(one.low), abs(one.high)).where(~crosses, SMALLEST)
-            outer = np.maximum(abs(one.low), abs(one.high))
+            crosses = (changes.low <= 0) & (changes.high >= 0)
+            inner = np.minimum(abs(changes.low), abs(changes.high)).where(~crosses, SMALLEST)
+            outer = np.maximum(abs(changes.low), abs(changes.high))
             place = np.arange(len(variants)) + shift
             style = {"color": look["color"], "marker": look["marker"]}
             ax.hlines(place, np.maximum(inner, SMALLEST), np.maximum(outer, SMALLEST), color=look["color"], lw=0.9)

@@ -14,10 +14,10 @@ from study.runs.needs import dominated
 def tabulate(needs: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
     """One row per scheme: number of problems on which a step keeps the error, median cost, and dominating schemes."""
     forces = costs(needs)
-    of = respects(forces, spectral)
+    kept = respects(forces, spectral)
     rows = []
     for name in forces.scheme.values:
-        cost, others = forces.sel(scheme=name), dominated(of, name)
+        cost, others = forces.sel(scheme=name), dominated(kept, name)
         rows.append(
             {
                 "Scheme": forces.scheme_title.sel(scheme=name).item(),

@@ -35,10 +35,10 @@ def answers(decisions: xr.Dataset) -> dict[str, xr.Dataset]:
     }
 
 
-def _measured(one: xr.Dataset) -> str:
+def _measured(decision: xr.Dataset) -> str:
     """The problem, and the duration of its runs unless the records give it."""
-    title, periods = one.problem_title.item(), f"{one.decided.item():g}"
-    if one.problem.item() == "records":
+    title, periods = decision.problem_title.item(), f"{decision.decided.item():g}"
+    if decision.problem.item() == "records":
         return title
     return f"{title}, {periods} period{'' if periods == '1' else 's'}"
 
@@ -47,13 +47,13 @@ def _measured(one: xr.Dataset) -> str:
 def tabulate(decisions: xr.Dataset) -> pd.DataFrame:
     """One row per kind of model: the explicit and the implicit scheme with their steps and Δt·ω, and what was run."""
     rows = []
-    for model, one in answers(decisions).items():
+    for model, decided in answers(decisions).items():
         row = {"Model": sentence(model)}
-        for kind in one.kind.values:
-            decision = one.sel(kind=kind)
+        for kind in decided.kind.values:
+            decision = decided.sel(kind=kind)
             known = bool(decision.step_size > 0)
             row[sentence(kind)] = decision.scheme_title.item() if known else "–"
             row[f"Steps, {kind}"] = steps_of(decision) if known else ""
             row[f"ωΔt, {kind}"] = number(decision.omega_step.item(), 2) if known else ""
-        rows.append(row | {"Measured on": _measured(one)})
+        rows.append(row | {"Measured on": _measured(decided)})
     return pd.DataFrame(rows)
