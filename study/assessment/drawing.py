@@ -96,12 +96,14 @@ def curves(
     emphasised: Sequence[str] | None = None,
     stable: xr.DataArray | None = None,
     order: Sequence[str] = (),
+    joined: bool = True,
 ) -> str:
     """Values of every scheme against the step sizes or times of its runs, as SVG; empty if there is nothing to draw.
 
     Schemes that are not ``emphasised`` are grey; by default none is. Colours follow from the place in ``order``, by
     default of the emphasised schemes, so that figures with one order agree. A dotted line marks the step of each
-    emphasised scheme in ``stable``, its limit of stability.
+    emphasised scheme in ``stable``, its limit of stability. Points are not ``joined`` if their places along the axis
+    scatter, as the times of single runs do.
     """
     from matplotlib.figure import Figure
 
@@ -120,12 +122,13 @@ def curves(
         worst = pd.DataFrame({"x": x[tried], "y": y[tried]})
         worst = worst.loc[worst.groupby(np.floor(IN_OCTAVE * np.log2(worst.x))).y.idxmax()]
         if name not in strong:
-            axes.plot(worst.x, worst.y, color=PALE, lw=0.8)
+            axes.plot(worst.x, worst.y, "-" if joined else ".", color=PALE, lw=0.8)
             continue
         s = list(order or strong).index(name)
         colour = COLOURS[s % len(COLOURS)]
         style: dict[str, Any] = {"color": colour, "marker": MARKERS[s % len(MARKERS)], "mfc": "none"}
-        axes.plot(worst.x, worst.y, **style, ms=5, lw=1.4, markevery=IN_OCTAVE, label=str(selected.scheme_title.values))
+        style |= {"markevery": IN_OCTAVE} if joined else {"ls": ""}
+        axes.plot(worst.x, worst.y, **style, ms=5, lw=1.4, label=str(selected.scheme_title.values))
         if stable is not None and 0 < stable.sel(scheme=name) < np.inf:
             axes.axvline(stable.sel(scheme=name).item(), color=colour, ls=":", lw=1.4)
     for limit in limits:

@@ -100,9 +100,10 @@ def _quantity_section(assessed: xr.Dataset, quantity: str, titles: dict[str, str
     )
     stable = assessed.stable_step_size.sel(excitation=1.0) if "stable_step_size" in assessed else None
     against_step = curves(assessed, assessed.step_size, "step size, s", values, "error", limits, strong, stable, order)
-    times = times_of_runs(assessed)
-    against_time = curves(assessed, times, "time of a run, s", values, "error", limits, strong, order=order)
-    time_note = "." if "seconds_per_run" in assessed else ", which is its number of steps times the time of a step."
+    single = "seconds_per_run" in assessed
+    times, label = times_of_runs(assessed), "time of a run, s"
+    against_time = curves(assessed, times, label, values, "error", limits, strong, order=order, joined=not single)
+    time_note = ", measured once." if single else ", which is its number of steps times the time of a step."
     parts = [
         f"<h2>Error of {text_of(quantity)}</h2>",
         f'<div class="pair">{figure_of(against_step, caption)}',

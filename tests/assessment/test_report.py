@@ -137,6 +137,16 @@ def test_a_scheme_has_one_colour_in_all_figures_of_a_page(assessed):
         assert [colour for colour in COLOURS[1:] if colour in drawn] == [COLOURS[place + 1]]
 
 
+def test_times_of_single_runs_are_points(assessed):
+    """A line through measured times of single runs, which jumps to and fro."""
+    ds = xr.load_dataset(assessed[0].with_suffix(".nc"))
+    against = ds, ds.step_size, "time", ds.error.isel(quantity=0), "error"
+    assert [curves(*against, joined=joined).count("stroke-width: 1.4") for joined in (True, False)] == [4, 0]
+    assert "The same errors against the time of a run, measured once." in page(
+        ds.assign(seconds_per_run=ds.seconds_per_step * ds.steps)
+    )
+
+
 def test_the_drawn_motion_is_the_motion(assessed):
     """The lowest and the highest value in each part of the duration are those of a solution by SciPy."""
     ds = xr.load_dataset(assessed[0].with_suffix(".nc")).sel(quantity="displacement")
