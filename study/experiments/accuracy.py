@@ -90,8 +90,8 @@ def accuracy(
     run, error = np.full((2, *needed.shape), np.nan)
     for p, s in np.argwhere(wanted <= finest):
         run[p, s] = sampled[sampled >= wanted[p, s] * (1 - 1e-9)][0]
-        one = _measured([problems[p]], [schemes[s]], [int(run[p, s])], [growth["extrapolated"]], finest)
-        error[p, s] = one.max_trajectory_error.item()
+        extrapolated = _measured([problems[p]], [schemes[s]], [int(run[p, s])], [growth["extrapolated"]], finest)
+        error[p, s] = extrapolated.max_trajectory_error.item()
     along = ("problem", "scheme")
     allowed = f"{100 * growth['allowed_error']:g} % of the displacement"
     longer = longer.assign(

@@ -56,8 +56,8 @@ def bifurcation(
         u0=np.tile([u0, u0 + perturbation], len(step_sizes)),
         steps=steps,
     )
-    one, other = pairs.u.values.reshape(len(step_sizes), 2, -1).transpose(1, 0, 2)
-    apart = np.abs(other - one) >= ORDER_ONE  # false after a failure, because the displacement is then NaN
+    first, second = pairs.u.values.reshape(len(step_sizes), 2, -1).transpose(1, 0, 2)
+    apart = np.abs(second - first) >= ORDER_ONE  # false after a failure, because the displacement is then NaN
     status, failed_at_step = (pairs[name].values[::2] for name in ("status", "failed_at_step"))
     whole = np.full(len(step_sizes), steps)
     # a chaotic run for the exponent may fail at another step than the pair of runs, so it is repeated up to the step
@@ -67,7 +67,7 @@ def bifurcation(
     growth = sweep(problem, scheme, dt=step_sizes, steps=lasted, observe=["lyapunov_exponent"])
     last = np.where(status == COMPLETED, steps, failed_at_step - 1)
     places = last[:, None] + np.arange(1 - shown, 1)
-    shown_u = np.where(places < 0, np.nan, np.take_along_axis(one, np.maximum(places, 0), axis=1))
+    shown_u = np.where(places < 0, np.nan, np.take_along_axis(first, np.maximum(places, 0), axis=1))
     return xr.Dataset(
         {
             "u": (

@@ -94,8 +94,8 @@ def steps_per_period_coordinate(values: Iterable[float]) -> dict:
 
 def of_energy_error(periods: int) -> dict[str, str]:
     """Attributes of the largest energy error over a number of periods."""
-    of = f"largest relative error of the total energy over {periods} periods, eq. (17) of Xie (1996)"
-    return {"long_name": of, "units": "1"}
+    long_name = f"largest relative error of the total energy over {periods} periods, eq. (17) of Xie (1996)"
+    return {"long_name": long_name, "units": "1"}
 
 
 def periods(problem: str) -> dict[str, float]:

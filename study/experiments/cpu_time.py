@@ -43,10 +43,10 @@ def cpu_time(
     for p, problem in enumerate(problems):
         progress(f"timing on {problem}")
         timed = [Timed(problems_by_name[problem], schemes_by_name[scheme], (MaxEnergyError(),)) for scheme in schemes]
-        seconds_to_compile[p] = [one.seconds_to_compile for one in timed]
+        seconds_to_compile[p] = [timer.seconds_to_compile for timer in timed]
         for repeat in range(repeats):
-            for s, one in enumerate(timed):
-                elapsed[p, s, repeat], _ = one.run(approximate_periods[problem] / steps_per_period, steps)
+            for s, timer in enumerate(timed):
+                elapsed[p, s, repeat], _ = timer.run(approximate_periods[problem] / steps_per_period, steps)
     per_step = elapsed / steps
     quartiles = np.quantile(per_step, [0.25, 0.5, 0.75], axis=-1)
     ratio = np.quantile(per_step / per_step[:, [list(schemes).index(BASELINE)]], [0.25, 0.5, 0.75], axis=-1)

@@ -110,8 +110,8 @@ def long_times(
             for scheme in (plain, Compensated(scheme=cast(OneStep, plain))):
                 ds = sweep(definition, scheme, dt=dt, steps=length * steps_per_period, observe=OBSERVED)
                 errors.append((ds.mean_energy_error.values, _delay(ds, dt, length, *exact)))
-            for variable, one, other in zip(size, *errors, strict=True):
-                size[variable][s, k] = np.sqrt(np.mean((one - other) ** 2))
+            for variable, ordinary, compensated in zip(size, *errors, strict=True):
+                size[variable][s, k] = np.sqrt(np.mean((ordinary - compensated) ** 2))
     return xr.Dataset(
         {
             f"{name}_round_off": (

@@ -125,24 +125,24 @@ def mesh(
         counts = [np.ceil(2 * np.pi / LIMIT * ratio[c] * 1.02) * np.array(REFINED), np.array(steps_per_period)]
         observed = [Quantity(lambda u: u[-1], name="top", reduce="peak"), observers["newton_iterations"]]
         runs = [
-            [run(problem, schemes[name], dt=period / n, steps=round(periods * n), observe=observed) for n in of]
-            for name, of in zip(SCHEMES, counts, strict=True)
+            [run(problem, schemes[name], dt=period / n, steps=round(periods * n), observe=observed) for n in tried]
+            for name, tried in zip(SCHEMES, counts, strict=True)
         ]
-        peaks = [np.array([one.top.item() for one in of]) for of in runs]
+        peaks = [np.array([ds.top.item() for ds in series]) for series in runs]
         truth = peaks[0][-1]
         doubt[c] = abs(peaks[1][-1] / truth - 1)
         timed = [Timed(problem, schemes[name], ()) for name in SCHEMES]
-        for s, of in enumerate(counts):
+        for s, tried in enumerate(counts):
             kept = np.logical_and.accumulate((abs(peaks[s] / truth - 1) <= allowed_error)[::-1])[::-1]
             if kept.any():
                 first = int(np.argmax(kept))
-                steps[c, s], errors[c, s] = of[first], abs(peaks[s][first] / truth - 1)
-                iterations[c, s] = runs[s][first].newton_iterations.item() / round(periods * of[first])
+                steps[c, s], errors[c, s] = tried[first], abs(peaks[s][first] / truth - 1)
+                iterations[c, s] = runs[s][first].newton_iterations.item() / round(periods * tried[first])
         elapsed = np.full((repeats, len(SCHEMES)), np.nan)
-        for repeat, (s, one) in product(range(repeats), enumerate(timed)):
+        for repeat, (s, timer) in product(range(repeats), enumerate(timed)):
             if np.isfinite(steps[c, s]):
                 total = round(periods * steps[c, s])
-                elapsed[repeat, s] = one.run(period / steps[c, s], total)[0] / total
+                elapsed[repeat, s] = timer.run(period / steps[c, s], total)[0] / total
         per_step[c] = np.median(elapsed, axis=0)
     dims = ("case", "scheme")
     time = steps * per_step
@@ -178,10 +178,22 @@ def mesh(
         },
         coords={
             **coordinates.scheme_coordinates(SCHEMES),
-            "rows": ("case", [one[0] for one, _ in cases], {"long_name": "rows of the panel", "units": "1"}),
-            "columns": ("case", [one[1] for one, _ in cases], {"long_name": "columns of the panel", "units": "1"}),
-            "unknowns": ("case", [one[0] * one[1] for one, _ in cases], {"long_name": "unknowns", "units": "1"}),
-            "stiffening": ("case", [one for _, one in cases], {"long_name": "factor of the stiff row", "units": "1"}),
+            "rows": ("case", [rows for (rows, _), _ in cases], {"long_name": "rows of the panel", "units": "1"}),
+            "columns": (
+                "case",
+                [columns for (_, columns), _ in cases],
+                {"long_name": "columns of the panel", "units": "1"},
+            ),
+            "unknowns": (
+                "case",
+                [rows * columns for (rows, columns), _ in cases],
+                {"long_name": "unknowns", "units": "1"},
+            ),
+            "stiffening": (
+                "case",
+                [factor for _, factor in cases],
+                {"long_name": "factor of the stiff row", "units": "1"},
+            ),
             "mesh_ratio": (
                 "case",
                 ratio,

@@ -70,11 +70,11 @@ def step_bound(allowed_error: Tolerance, periods: int) -> xr.Dataset:
     omega_step, period = np.full(shape, np.nan), np.full(len(motions), np.nan)
     for name, (title, potential, starts) in POTENTIALS.items():
         progress(f"step bounds for {title}")
-        there = [k for k, (one, _) in enumerate(motions) if one == name]
+        there = [k for k, (potential_name, _) in enumerate(motions) if potential_name == name]
         definition = Problem(potential=potential, u0=starts[0], title=title)
         rest_at = OutcomeObserver.of(definition).rest_at
         orbits = [orbit(replace(definition, u0=u0)) for u0 in starts]
-        period[there], omega = ([getattr(one, of) for one in orbits] for of in ("period", "highest_frequency"))
+        period[there], omega = ([getattr(one, field) for one in orbits] for field in ("period", "highest_frequency"))
         initial = np.array([float(definition.stored_energy(u0)) for u0 in starts])
         height = np.array([np.max(one.v) ** 2 / 2 for one in orbits])
         for s, scheme in enumerate(chosen):

@@ -73,10 +73,10 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
             timed = list(pool.map(partial(Timed, problems_by_name[problem], reductions=(EnergyDrift(),)), chosen))
         for k, parts in enumerate(steps_per_period):
             dt = period / parts
-            steps = [int(FIRST_STEPS * max(1, LONG_ENOUGH / one.run(dt, FIRST_STEPS)[0])) for one in timed]
+            steps = [int(FIRST_STEPS * max(1, LONG_ENOUGH / timer.run(dt, FIRST_STEPS)[0])) for timer in timed]
             for repeat in range(repeats):
-                for s, one in enumerate(timed):
-                    seconds, completed = one.run(dt, steps[s])
+                for s, timer in enumerate(timed):
+                    seconds, completed = timer.run(dt, steps[s])
                     per_step[p, s, k, repeat] = seconds / steps[s] if completed else np.nan
     dims = ("problem", "scheme", "steps_per_period")
     steps_of_run = accuracy.steps_per_period * accuracy.periods
