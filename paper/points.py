@@ -106,6 +106,6 @@ def points(figure: Figure) -> pd.DataFrame:
         for names in [{"x name": _names(axes.xaxis, x), "y name": _names(axes.yaxis, y)}]
         for numbers in [{"curve": label, "x": x, "y": y, "value": value, **names}]
     ]
-    found = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=COLUMNS)
-    found["panel"] = found.panel.str.replace("\n", " ")
-    return found.dropna(axis="columns", how="all") if parts else found
+    table = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=COLUMNS)
+    table["panel"] = table.panel.str.replace("\n", " ")
+    return table.dropna(axis="columns", how="all") if parts else table

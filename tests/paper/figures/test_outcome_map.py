@@ -24,7 +24,7 @@ def test_every_cell_is_drawn_in_its_place():
         {"amplitude": amplitudes, "step_size_over_period": parts},
     )
     figure, ax = plt.subplots(dpi=100)
-    outcome_map(ax, one, np.inf)
+    outcome_map(ax, one.assign_coords(scheme_title="Bathe", problem_title="spring"), np.inf)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     drawn = np.asarray(canvas.buffer_rgba())[::-1, :, :3]
@@ -32,4 +32,5 @@ def test_every_cell_is_drawn_in_its_place():
     columns, rows = ax.transData.transform(places).astype(int).T
     colours = 255 * np.array([to_rgb(colour) for _, colour in OUTCOME_STYLES.values()])
     np.testing.assert_allclose(drawn[rows, columns], colours[outcome.ravel()], atol=1)
+    assert ax.get_label() == "Bathe, spring"
     plt.close(figure)
