@@ -202,7 +202,7 @@ class _Ladder:
             if new := new - known:
                 self.run(new)
                 continue
-            if finer_steps := {count for need, _ in needed[: len(limits)] for count in self._finer(need)} - known:
+            if finer_steps := {count for need, _ in needed[: len(limits)] for count in self._finer(need, finest)} - known:
                 self.confirming |= {count for count in finer_steps if count != two_digits(count, self.multiple)}
                 self.run(finer_steps)
                 continue
@@ -210,13 +210,16 @@ class _Ladder:
             wanted = {need for need, _ in needed if need < math.inf}
             wanted |= {min((count for count in known if count > need), default=need) for need in wanted}
             if self.motion.kinked:
-                wanted |= {count for need, _ in needed[: len(limits)] for count in self._finer(need)[:CONFIRMING]}
+                wanted |= {count for need, _ in needed[: len(limits)] for count in self._finer(need, finest)}
             if not self.several or not wanted - varied:
                 return
             self.vary(wanted - varied)
 
-    def _finer(self, need: float) -> list[float]:
-        """Numbers of steps that confirm a need, up to twice as many, on one geometric ladder."""
+    def _finer(self, need: float, finest: int) -> list[float]:
+        """Numbers of steps that confirm a need, up to twice as many, on one geometric ladder.
+
+        With one unknown they also lie next to whole numbers, and with kinks of the force at numbers of two digits.
+        """
         if need == math.inf:
             return []
         of_octave = CONFIRMING_SEVERAL if self.halved else CONFIRMING
@@ -224,7 +227,8 @@ class _Ladder:
         numbers = [COARSEST * 2 ** ((first + k + 0.5) / of_octave) for k in range(of_octave)]
         if self.halved:  # several unknowns are compared with the reference at samples only
             return [max(round(number / self.multiple), 1) * self.multiple for number in numbers]
-        return numbers + [k * (1 + BESIDE) for k in range(math.ceil(need), int(min(2 * need, COARSE)) + 1)]
+        numbers += [k * (1 + BESIDE) for k in range(math.ceil(need), int(min(2 * need, COARSE)) + 1)]
+        return numbers + (between(need, min(2 * need, finest)) if self.motion.kinked else [])
 
 
 def between(coarser: float, need: float, multiple: int = 1) -> list[int]:
