@@ -1,7 +1,9 @@
 """Strict settings of JAX for every test, and fixtures that several folders use."""
 
+import functools
 import gc
 from collections.abc import Iterable
+from contextlib import nullcontext
 from pathlib import Path
 
 import equinox as eqx
@@ -11,12 +13,15 @@ import numpy as np
 import pytest
 
 import study
+from study.algebra.jit import short_runs
 from study.problem import trusses
 from tests import browser as browsers
 
 PROJECT = Path(__file__).parent.parent
 # as in the pipeline's jobs: imported objects are never freed, so the garbage collector can skip them
 gc.freeze()
+# a search among all programs takes a fifth of a second, and by Python's own thresholds every tenth test starts one
+gc.set_threshold(50_000, 20, 50)
 jax.config.update("jax_numpy_rank_promotion", "raise")
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 
@@ -41,6 +46,13 @@ ORDER = (
     "docs",
     "paper",
 )
+#: Folders and files whose runs have so few steps that programs without optimisation are faster.
+SHORT = [
+    *(PROJECT / "tests" / room for room in ("scheme", "observer", "mechanics", "control")),
+    *(PROJECT / "tests" / "marching" / f"test_{name}.py" for name in ("components", "family", "kernel")),
+]
+#: A file of these folders that has long runs.
+LONG = PROJECT / "tests" / "scheme" / "test_with_history.py"
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -65,6 +77,13 @@ def pytest_runtest_teardown(item, nextitem):
     """Clear compiled programs between folders: other folders rarely use them, and thousands slow all tests down."""
     if nextitem is None or nextitem.path.parent != item.path.parent:
         jax.clear_caches()
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _compilation(request):
+    short = any(map(request.path.is_relative_to, SHORT)) and request.path != LONG
+    with short_runs() if short else nullcontext():
+        yield
 
 
 @pytest.fixture(params=list(study.schemes))
@@ -144,6 +163,7 @@ def _hardening(strain):
     return strain * strain / 2 + strain**4 / 4
 
 
+@functools.cache
 def _damped_chain(structure=None, linear=False) -> study.Problem:
     n = 5
     return study.Problem(
