@@ -69,8 +69,18 @@ def _observed_orders(problem, scheme, exact, duration, steps):
     return -np.diff(np.log(errors)) / np.diff(np.log(steps))
 
 
-def test_order_of_one_damped_and_driven_oscillator(scheme):
-    orders = _observed_orders(_driven_along(motion, damping=0.3), scheme, motion, 3.0, STEPS[scheme.order_with_damping])
+@pytest.fixture(scope="module")
+def driven():
+    return _driven_along(motion, damping=0.3)
+
+
+@pytest.fixture(scope="module")
+def driven_pair():
+    return _driven_along(_two, damping=np.diag([0.2, 0.4]) + 0.1, mass=np.array([[2.0, 0.5], [0.5, 1.0]]))
+
+
+def test_order_of_one_damped_and_driven_oscillator(driven, scheme):
+    orders = _observed_orders(driven, scheme, motion, 3.0, STEPS[scheme.order_with_damping])
     assert orders == pytest.approx(scheme.order_with_damping, abs=0.1)
 
 
@@ -83,11 +93,10 @@ def test_a_load_alone_leaves_a_method_its_order(name):
     assert orders == pytest.approx(scheme.order, abs=0.1)
 
 
-def test_order_of_two_coupled_unknowns(sampled_kind):
+def test_order_of_two_coupled_unknowns(driven_pair, sampled_kind):
     scheme = SIXTH if study.schemes[sampled_kind].order == 12 else study.schemes[sampled_kind]
-    problem = _driven_along(_two, damping=np.diag([0.2, 0.4]) + 0.1, mass=np.array([[2.0, 0.5], [0.5, 1.0]]))
     steps = STEPS[scheme.order_with_damping]
-    orders = _observed_orders(problem, scheme, _two, 3.0, steps)
+    orders = _observed_orders(driven_pair, scheme, _two, 3.0, steps)
     assert orders == pytest.approx(scheme.order_with_damping, abs=0.1)
 
 

@@ -61,7 +61,7 @@ def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
         "two-step method of ρ∞ = 1",
     ],
 )
-@pytest.mark.parametrize("problem", ["hardening", "softening"])
+@pytest.mark.parametrize("problem", ["hardening", pytest.param("softening", marks=pytest.mark.exhaustive)])
 def test_limits(scheme, limit, problem):
     dt = {"hardening": 0.15, "softening": 1.14}[problem] / 40
     np.testing.assert_allclose(_trajectory(scheme, problem, dt), _trajectory(limit, problem, dt), rtol=0, atol=1e-11)

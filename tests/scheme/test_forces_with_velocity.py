@@ -1,5 +1,7 @@
 """Forces that depend on the velocity: linear forces equal damping, and nonlinear ones keep the order of schemes."""
 
+from functools import cache
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -8,10 +10,8 @@ import study
 from tests.scheme.test_convergence import SIXTH, STEPS, motion
 
 
-@pytest.mark.parametrize("tangent", ["dense", "diagonal"])
-@pytest.mark.parametrize("name", ["average_acceleration", "central_difference", "gauss4", "kr_alpha", "houbolt"])
-def test_a_force_linear_in_the_velocity_is_damping(name, tangent):
-    """A tangent that lacks the part of the velocity in one scheme."""
+@cache
+def _with_damping_or_the_force_of_a_velocity(tangent):
     n, coefficients = 6, np.linspace(0.2, 0.8, 6)
 
     def force(u):
@@ -19,8 +19,15 @@ def test_a_force_linear_in_the_velocity_is_damping(name, tangent):
 
     u0 = np.linspace(-1, 1, n)
     damped = study.Problem(force, u0=u0, damping=coefficients, tangent=tangent)
-    equivalent = study.Problem(lambda u, v: force(u) + coefficients * v, u0=u0, tangent=tangent)
-    expected, observed = (study.run(problem, name, dt=0.05, steps=100) for problem in (damped, equivalent))
+    return damped, study.Problem(lambda u, v: force(u) + coefficients * v, u0=u0, tangent=tangent)
+
+
+@pytest.mark.parametrize("tangent", ["dense", "diagonal"])
+@pytest.mark.parametrize("name", ["average_acceleration", "central_difference", "gauss4", "kr_alpha", "houbolt"])
+def test_a_force_linear_in_the_velocity_is_damping(name, tangent):
+    """A tangent that lacks the part of the velocity in one scheme."""
+    problems = _with_damping_or_the_force_of_a_velocity(tangent)
+    expected, observed = (study.run(problem, name, dt=0.05, steps=100) for problem in problems)
     np.testing.assert_allclose(expected.u, observed.u, atol=5e-14)
     np.testing.assert_allclose(expected.v, observed.v, atol=5e-13)
 

@@ -40,8 +40,14 @@ def _motion(problem, scheme, **options):
     return study.run(problem, scheme, **{"dt": 0.05, "steps": 40, "observe": ["trajectory"]} | options)
 
 
-def test_every_kind_of_state_gives_the_numbers_of_full_matrices(state_kind):
-    sparse_model, full_model = _model(title="sparse"), _model(full=True, title="full")
+@pytest.fixture(scope="module")
+def models():
+    """The model with sparse and with full matrices."""
+    return _model(title="sparse"), _model(full=True, title="full")
+
+
+def test_every_kind_of_state_gives_the_numbers_of_full_matrices(models, state_kind):
+    sparse_model, full_model = models
     assert isinstance(sparse_model.tangent, SparseTangent) and full_model.tangent == 0
     if reason := study.schemes[state_kind].refusal(sparse_model):
         assert state_kind in {"energy_momentum", "average_vector_field", "gauss4"}, reason
@@ -53,17 +59,22 @@ def test_every_kind_of_state_gives_the_numbers_of_full_matrices(state_kind):
     np.testing.assert_allclose(sparse_run.u, full_run.u, atol=1e-11)
 
 
-@pytest.mark.parametrize("scheme", ["average_acceleration", "bathe", "rk4"])
-def test_a_stiffness_next_to_the_force_is_the_force_with_it(scheme):
+@pytest.fixture(scope="module")
+def inside():
+    """The model whose stiffness is part of its force."""
     full = STIFFNESS.toarray()
-    inside = _model(
+    return _model(
         force=lambda u: _force(u) + full @ u,
         potential=lambda u: _potential(u) + u @ full @ u / 2,
         stiffness=None,
         mass=MASS.toarray(),
     )
+
+
+@pytest.mark.parametrize("scheme", ["average_acceleration", "bathe", "rk4"])
+def test_a_stiffness_next_to_the_force_is_the_force_with_it(models, inside, scheme):
     options = {"observe": ["trajectory", "max_energy_error"]}
-    separate, combined = (_motion(model, scheme, **options) for model in (_model(), inside))
+    separate, combined = (_motion(model, scheme, **options) for model in (models[0], inside))
     np.testing.assert_allclose(separate.u, combined.u, atol=1e-11)
     np.testing.assert_allclose(separate.max_energy_error, combined.max_energy_error, rtol=1e-7)
 
@@ -80,10 +91,14 @@ def test_one_unknown_and_diagonals_may_have_a_stiffness():
     assert _motion(full, "gauss4").status == _motion(chain, "gauss4").status == 0
 
 
+@pytest.fixture(scope="module")
+def linear():
+    return _model(force=None, potential=None)
+
+
 @pytest.mark.parametrize(("scheme", "factors"), [("average_acceleration", 1), ("bathe", 2), ("wilson_theta", 1)])
-def test_a_linear_structure_factorises_once(scheme, factors):
+def test_a_linear_structure_factorises_once(linear, scheme, factors):
     """A run factorises the mass and the matrix of each sub-step once; each sub-step has one linear solution."""
-    linear = _model(force=None, potential=None)
     factorisations.cache_clear()
     jax.clear_caches()
     ds = _motion(linear, scheme, dt=0.0517, steps=200, observe=["newton_iterations"])
@@ -91,8 +106,7 @@ def test_a_linear_structure_factorises_once(scheme, factors):
     assert ds.newton_iterations == 200 * factors
 
 
-def test_a_linear_structure_keeps_its_energy_and_its_modes():
-    linear = _model(force=None, potential=None)
+def test_a_linear_structure_keeps_its_energy_and_its_modes(linear):
     assert _motion(linear, "average_acceleration", steps=2000, observe=["max_energy_error"]).max_energy_error < 1e-11
     squares = np.linalg.eigvals(np.linalg.solve(MASS.toarray(), STIFFNESS.toarray())).real
     np.testing.assert_allclose(frequencies(linear), np.sqrt(np.sort(squares)), rtol=1e-10)
@@ -147,9 +161,9 @@ def test_the_form_of_the_force_may_be_declared():
         _model(tangent="dense", title="tied")
 
 
-def test_ensembles_and_derivatives_of_sparse_models():
+def test_ensembles_and_derivatives_of_sparse_models(models):
     """A coloured tangent that is wrong in a lane or in a derivative only."""
-    model = _model()
+    model, full_model = models
     lanes = _motion(model, "average_acceleration", u0=np.stack([START, 0.5 * START]))
     np.testing.assert_allclose(
         lanes.u.isel(lane=1), _motion(model, "average_acceleration", u0=0.5 * START).u, atol=1e-12
@@ -158,7 +172,7 @@ def test_ensembles_and_derivatives_of_sparse_models():
     def last(factor, problem):
         return jnp.sum(study.final_state(problem, "average_acceleration", dt=0.05, steps=5, u0=factor * START)["u"])
 
-    slopes = [jax.jacfwd(last)(1.0, problem) for problem in (model, _model(full=True))]
+    slopes = [jax.jacfwd(last)(1.0, problem) for problem in (model, full_model)]
     np.testing.assert_allclose(jax.jacrev(last)(1.0, model), slopes[1], rtol=1e-10)
     np.testing.assert_allclose(slopes[0], slopes[1], rtol=1e-10)
 

@@ -28,10 +28,16 @@ def _errors(name, problem, steps, duration=4.0, samples=50):
     ]
 
 
-@pytest.mark.parametrize("name", sorted({*ONE_OF_EACH, *BACKWARDS, *FIRST} - {"energy_momentum"}))
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in ONE_OF_EACH else pytest.mark.exhaustive)
+        for name in sorted({*ONE_OF_EACH, *BACKWARDS, *FIRST} - {"energy_momentum"})
+    ],
+)
 def test_no_scheme_has_more_than_order_two_at_yield_points(name):
     """No step ends at a yield point, so the error is of second order in the step size, or of first order."""
-    steps = [1600, 3200, 6400, 12800, 25600]
+    steps = [1600, 3200, 6400, 12800]
     errors = _errors(name, YIELDING, steps)
     order = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
     assert order > (0.9 if name in FIRST else 1.6)
