@@ -250,7 +250,7 @@ def test_a_free_oscillator_is_judged_by_period_phase_and_amplitude():
     assert ds.attrs["reference"] == "heyoka" and ds.attrs["duration"] == pytest.approx(10 * 8.3498, rel=0.01)
 
 
-def test_chaos_ends_what_a_reference_can_say():
+def test_chaos_ends_what_a_reference_can_say(undrawn):
     """It alone sees that the duration is cut to the time over which the references agree, and that the page says so.
 
     The scheme of order 12 needs few runs.

@@ -172,7 +172,7 @@ def test_the_attributes_of_a_scheme_are_checked(scheme, sentence):
             call(scheme)
 
 
-def test_the_page_of_a_scheme_has_its_order_and_its_errors(tmp_path, capsys):
+def test_the_page_of_a_scheme_has_its_order_and_its_errors(tmp_path, capsys, undrawn):
     """It alone runs ``study assess-scheme``."""
     page = tmp_path / "heun.html"
     words = ["--compare-with", "rk4", "--problems", "hardening", "--output", str(page)]

@@ -54,9 +54,7 @@ def test_a_load_that_acts_for_a_moment_is_not_stepped_over():
         assert reference.solution(route, grid, 1e-10).u[-1] == pytest.approx(exact, abs=1e-7)
 
 
-@pytest.mark.parametrize(
-    "shape, lasts", [("rectangle", 1e-3), ("table", 1e-3), ("table", 1e-5), ("smooth", 1e-3), ("smooth", 1e-5)]
-)
+@pytest.mark.parametrize("shape, lasts", [("rectangle", 1e-3), ("table", 1e-5), ("smooth", 1e-5)])
 def test_the_certified_reference_contains_a_short_pulse(shape, lasts):
     """The impulse of one newton second at t = 3.3 on an oscillator that moves already; the peak is that of a blow."""
     table = 3.3 + lasts * np.array([-1.0, 0.0, 0.5, 1.0, 2.0]), np.array([0.0, 0.0, 2.0, 0.0, 0.0]) / lasts

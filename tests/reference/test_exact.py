@@ -79,9 +79,8 @@ def test_digits_on_which_the_integrations_differ_are_refused():
     chaotic = study.Problem(
         CubicSpring(-1.0, -1.0).force, u0=0.5, damping=0.3, load=lambda t: 0.5 * jnp.cos(1.2 * t), title="chaotic"
     )
-    assert exact.trajectory(chaotic, [50.0]).u_certified < 1e-25
-    with pytest.raises(RouteFailed, match=r"the exact solution of 'chaotic' up to t = 900 is known to .* only"):
-        exact.trajectory(chaotic, [900.0])
+    with pytest.raises(RouteFailed, match=r"the exact solution of 'chaotic' up to t = 600 is known to .* only"):
+        exact.trajectory(chaotic, [600.0])
 
 
 def test_phases_hold_every_step_of_every_step_size():
