@@ -51,8 +51,6 @@ SHORT = [
     *(PROJECT / "tests" / room for room in ("scheme", "observer", "mechanics", "control")),
     *(PROJECT / "tests" / "marching" / f"test_{name}.py" for name in ("components", "family", "kernel")),
 ]
-#: A file of these folders that has long runs.
-LONG = PROJECT / "tests" / "scheme" / "test_with_history.py"
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -81,8 +79,7 @@ def pytest_runtest_teardown(item, nextitem):
 
 @pytest.fixture(autouse=True, scope="module")
 def _compilation(request):
-    short = any(map(request.path.is_relative_to, SHORT)) and request.path != LONG
-    with short_runs() if short else nullcontext():
+    with short_runs() if any(map(request.path.is_relative_to, SHORT)) else nullcontext():
         yield
 
 

