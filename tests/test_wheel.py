@@ -116,14 +116,6 @@ def test_the_core_recommends_a_scheme_from_a_folder_of_results(python, tmp_path)
     assert _run([python, "-c", code], tmp_path).strip() == "cheap"
 
 
-@pytest.mark.parametrize("form", ["module", "script"])
-def test_the_command_line_lists_schemes(python, tmp_path, form):
-    """A command that the wheel does not install."""
-    command = [python, "-m", "study"] if form == "module" else [python.parent / "study"]
-    printed = _run([*command, "list", "schemes"], tmp_path)
-    assert "average_acceleration" in printed and "rk4" in printed
-
-
 def test_the_core_writes_a_run_to_a_file(python, tmp_path):
     """The provenance of the run names only packages that are installed with the core."""
     options = ["--dt", "0.05", "--steps", "9", "--output", "run.nc"]
