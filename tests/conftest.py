@@ -48,7 +48,7 @@ ORDER = (
 )
 #: Folders and files whose runs have so few steps that programs without optimisation are faster.
 SHORT = [
-    *(PROJECT / "tests" / room for room in ("scheme", "observer", "mechanics", "control")),
+    *(PROJECT / "tests" / room for room in ("scheme", "observer")),
     *(PROJECT / "tests" / "marching" / f"test_{name}.py" for name in ("components", "family", "kernel")),
 ]
 
