@@ -30,39 +30,39 @@ def sentence(title: str) -> str:
     return title[0].upper() + title[1:]
 
 
-def steps_of(one: xr.Dataset) -> str:
+def steps_of(need: xr.Dataset) -> str:
     """The step of a need or decision: steps in a time scale, or its size in ms under records."""
-    if one.problem.item() == "records":
-        return f"{number(1e3 * one.step_size.item(), 2)} ms"
+    if need.problem.item() == "records":
+        return f"{number(1e3 * need.step_size.item(), 2)} ms"
     # a multiple of the spacing of a record need not be a whole part of the time scale
-    steps = f"{one.steps_per_period.item():,.1f}".removesuffix(".0")
-    at_most = AT_MOST if one.verdict.item() == COARSEST else ""
-    return f"{at_most}{steps}{FINEST if one.smaller_steps.item() == 0 else ''}"
+    steps = f"{need.steps_per_period.item():,.1f}".removesuffix(".0")
+    at_most = AT_MOST if need.verdict.item() == COARSEST else ""
+    return f"{at_most}{steps}{FINEST if need.smaller_steps.item() == 0 else ''}"
 
 
-def forces_of(one: xr.Dataset) -> str:
+def forces_of(need: xr.Dataset) -> str:
     """The number of forces in a time scale, or in a second under records."""
-    scale = 1.0 if one.problem.item() == "records" else one.time_scale.item()
-    return f"{one.force_evaluations.item() * scale:,.0f}"
+    scale = 1.0 if need.problem.item() == "records" else need.time_scale.item()
+    return f"{need.force_evaluations.item() * scale:,.0f}"
 
 
-def answer(one: xr.Dataset, limits: Mapping[str, float]) -> dict[str, str]:
+def answer(need: xr.Dataset, limits: Mapping[str, float]) -> dict[str, str]:
     """A decision as words and numbers, by column; the scheme is a dash if none keeps the error.
 
     ``limits`` has the limits of Δt·ω by scheme. The computing time is stated if it decides. A column is empty if it
     does not apply.
     """
-    if not one.step_size > 0:
+    if not need.step_size > 0:
         return {name: "–" if name == "Scheme" else "" for name in COLUMNS}
-    times = number(1e3 * one.seconds.item() * one.time_scale.item(), 2) if one.cost.item() == "seconds" else ""
-    omega_step, limit = one.omega_step.item(), limits.get(one.scheme.item(), np.inf)
+    times = number(1e3 * need.seconds.item() * need.time_scale.item(), 2) if need.cost.item() == "seconds" else ""
+    omega_step, limit = need.omega_step.item(), limits.get(need.scheme.item(), np.inf)
     # a value just below its limit is not printed as the limit
     digits = next((digits for digits in range(2, 7) if f"{omega_step:.{digits}g}" != f"{limit:.{digits}g}"), 2)
     cells = (
-        one.scheme_title.item(),
-        "…" if one.ties > 1 else "",
-        steps_of(one),
-        forces_of(one),
+        need.scheme_title.item(),
+        "…" if need.ties > 1 else "",
+        steps_of(need),
+        forces_of(need),
         times,
         number(omega_step, digits),
         f"{limit:.3g}" if np.isfinite(limit) else "",
