@@ -269,8 +269,8 @@ def _support(ratio: float) -> Circumstance:
 
     The exact motion is the sum of the slow mode and the response to the load. The fast mode is at rest.
     """
-    of_load, phase = 1.5, 0.7
-    soft = 1 - of_load**2  # by the second equation the response has u₁ = soft · u₂
+    load_frequency, phase = 1.5, 0.7
+    soft = 1 - load_frequency**2  # by the second equation the response has u₁ = soft · u₂
     second = ratio / ((ratio + soft) * soft - 1)
     response = np.array([soft * second, second])
     # the smaller root ω² of ω⁴ − (κ + 2) ω² + κ = 0, in a form without cancellation
@@ -279,14 +279,14 @@ def _support(ratio: float) -> Circumstance:
 
     def motion(t: float, derivative: int) -> np.ndarray:
         turn = derivative * np.pi / 2
-        forced = of_load**derivative * np.cos(of_load * t - phase + turn) * response
+        forced = load_frequency**derivative * np.cos(load_frequency * t - phase + turn) * response
         free = frequency**derivative * np.cos(frequency * t + turn) * mode
         return forced + np.outer(SPEEDS, free)
 
     problem = Problem(
         potential=StrainEnergy(_stretches, eqx.Partial(_densities, np.array([ratio, 1.0]))),
         u0=np.zeros(2),
-        load=HarmonicLoad(np.array([ratio, 0.0]), frequency=of_load, phase=phase),
+        load=HarmonicLoad(np.array([ratio, 0.0]), frequency=load_frequency, phase=phase),
         title="moving support",
     )
     exact = {name: motion(DURATION, derivative) for derivative, name in enumerate(QUANTITIES)}

@@ -57,8 +57,8 @@ def control_cost(
         name: np.full((*shape, len(tolerances)), np.nan) for name in ("error", "force_evaluations", "steps", "rejected")
     }
     equal = {name: np.full((*shape, len(steps_per_sample)), np.nan) for name in ("error", "force_evaluations")}
-    for one in (controlled, equal):
-        one["status"] = np.full(one["error"].shape, NOT_RUN, np.int8)
+    for results in (controlled, equal):
+        results["status"] = np.full(results["error"].shape, NOT_RUN, np.int8)
     uncertainty, used = np.empty(len(problems)), np.full(shape, "", object)
     for p, problem in enumerate(problems):
         exact, definition = known(problem), problems_by_name[problem]

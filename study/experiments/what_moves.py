@@ -195,12 +195,12 @@ def what_moves(
     ]
     oscillators = _Oscillators(scheme, np.stack([one.acceleration for one in grounds]), spacing)
     shape = (len(VARIANTS), len(periods), records)
-    of_variant, of_period, record = np.indices(shape)
-    ratio = np.array([one.ratio or 1 / parts for one in VARIANTS.values()])[of_variant]
+    variant_index, period_index, record = np.indices(shape)
+    ratio = np.array([one.ratio or 1 / parts for one in VARIANTS.values()])[variant_index]
     damping, strength = (
-        np.array([getattr(one, name) for one in VARIANTS.values()])[of_variant] for name in ("damping", "strength")
+        np.array([getattr(one, name) for one in VARIANTS.values()])[variant_index] for name in ("damping", "strength")
     )
-    period = np.asarray(periods, float)[of_period]
+    period = np.asarray(periods, float)[period_index]
     progress("intensities of the records")
     strong = {"record": record[0].astype(float), "scale": np.ones(shape[1:]), "period": period[0]}
     elastic, _ = oscillators.run(
