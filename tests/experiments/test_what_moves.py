@@ -1,9 +1,14 @@
 """Collapse, drift and residual drift of a yielding mass with P-Δ."""
 
+from pathlib import Path
+
+import jax.numpy as jnp
 import numpy as np
 import pytest
+import yaml
 
-from study.experiments.what_moves import TRIED, _collapse_intensity, what_moves
+from study import settings
+from study.experiments.what_moves import TRIED, _collapse_intensity, _Oscillators, what_moves
 
 
 def test_collapse_is_found_and_failed_runs_are_no_collapses():
@@ -34,3 +39,21 @@ def test_collapse_scales_with_strength():
     # at the collapse the static force of the yielding spring, less the P-Δ effect, vanishes
     static = ds.hardening * ds.collapse + (1 - ds.hardening) - ds.p_delta * ds.collapse
     assert static.item() == pytest.approx(0, abs=1e-12) and 0 < ds.hardening < ds.p_delta
+
+
+def test_the_load_is_the_record_between_its_samples_and_zero_after_it():
+    samples = np.random.default_rng(0).normal(size=(3, 5))
+    load = _Oscillators("average_acceleration", samples, 0.1).problem(jnp.array(1.0), 2.0, 1.0, 0.05, 1.0).load
+    times = np.array([0.0, 0.03, 0.1, 0.25, 0.399])
+    expected = -2.0 * np.interp(times, 0.1 * np.arange(5), samples[1])
+    assert [float(load(t)) for t in times] == pytest.approx(expected, rel=1e-6, abs=1e-6)
+    assert float(load(0.41)) == 0
+
+
+def test_the_records_of_the_full_study_leave_the_march_one_native_loop():
+    """Would catch a table that makes the runs of the full study take twice as long."""
+    full = yaml.safe_load((Path(__file__).parents[2] / "config" / "full.yaml").read_text())["what_moves"]
+    oscillators = _Oscillators("average_acceleration", np.zeros((1, 8)), 0.01)
+    samples = oscillators.problem(jnp.array(0.0), 1.0, 1.0, 0.05, 1.0).load.samples
+    each = samples.nbytes / samples.size
+    assert each * full["records"] * (full["duration"] / 0.01 + 1) < 0.9 * settings._THRESHOLD
