@@ -105,18 +105,20 @@ def mesh(
     allowed_error
         Allowed error of the largest displacement of the top.
     repeats
-        Number of measurements of a time; the schemes are timed in turns.
+        Number of measurements of the time that decides; the schemes are timed in turns.
 
     Returns
     -------
     xarray.Dataset
         Over (case, scheme): ``steps_per_period`` from which on all steps tried keep the error, ``seconds_per_step``,
-        ``seconds_per_period``, ``newton_iterations_per_step``; over case: ``mesh_ratio``, ω of the mesh over ω of the
-        motion, and ``crossover``, the ratio at which both schemes take the same time.
+        ``seconds_per_period``, ``newton_iterations_per_step``; over (case, scheme, tried): ``tried_error`` and
+        ``tried_seconds`` of a lowest period, for every number of steps tried; over case: ``mesh_ratio``, ω of the mesh
+        over ω of the motion, and ``crossover``, the ratio at which both schemes take the same time.
     """
     cases = list(product(map(tuple, panels), stiffening))
     shape = (len(cases), len(SCHEMES))
     steps, per_step, iterations, errors = (np.full(shape, np.nan) for _ in range(4))
+    tried_error, tried_seconds = np.full((2, *shape, max(len(REFINED), len(steps_per_period))), np.nan)
     ratio, doubt = np.full(len(cases), np.nan), np.full(len(cases), np.nan)
     for c, ((rows, columns), factor) in enumerate(cases):
         progress(f"panel of {rows} by {columns}, one row {factor:g} times as stiff")
@@ -133,17 +135,21 @@ def mesh(
         doubt[c] = abs(peaks[1][-1] / truth - 1)
         timed = [Timed(problem, schemes[name], ()) for name in SCHEMES]
         for s, tried in enumerate(counts):
+            tried_error[c, s, : len(tried)] = abs(peaks[s] / truth - 1)
             kept = np.logical_and.accumulate((abs(peaks[s] / truth - 1) <= allowed_error)[::-1])[::-1]
             if kept.any():
                 first = int(np.argmax(kept))
                 steps[c, s], errors[c, s] = tried[first], abs(peaks[s][first] / truth - 1)
                 iterations[c, s] = runs[s][first].newton_iterations.item() / round(periods * tried[first])
-        elapsed = np.full((repeats, len(SCHEMES)), np.nan)
+        elapsed = np.full((repeats, *tried_seconds.shape[1:]), np.nan)
         for repeat, (s, timer) in product(range(repeats), enumerate(timed)):
+            for k, n in enumerate(counts[s]):
+                if repeat == 0 or n == steps[c, s]:  # the time of steps that decide nothing is measured once
+                    elapsed[repeat, s, k] = timer.run(period / n, round(periods * n))[0] / periods
+        for s, tried in enumerate(counts):
+            tried_seconds[c, s, : len(tried)] = np.nanmedian(elapsed[:, s, : len(tried)], axis=0)
             if np.isfinite(steps[c, s]):
-                total = round(periods * steps[c, s])
-                elapsed[repeat, s] = timer.run(period / steps[c, s], total)[0] / total
-        per_step[c] = np.median(elapsed, axis=0)
+                per_step[c, s] = tried_seconds[c, s, list(tried).index(steps[c, s])] / steps[c, s]
     dims = ("case", "scheme")
     time = steps * per_step
     return xr.Dataset(
@@ -164,6 +170,16 @@ def mesh(
                 dims,
                 time,
                 {"long_name": "time of a lowest period with the allowed error", "units": "s"},
+            ),
+            "tried_error": (
+                (*dims, "tried"),
+                tried_error,
+                {"long_name": "error of the largest displacement", "units": "1"},
+            ),
+            "tried_seconds": (
+                (*dims, "tried"),
+                tried_seconds,
+                {"long_name": "median time of a lowest period", "units": "s"},
             ),
             "crossover": (
                 "case",
