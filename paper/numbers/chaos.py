@@ -14,6 +14,18 @@ ERRORS = 2
 SCHEMES = ["average_acceleration", "central_difference", "rk4", "newmark_dissipative"]
 
 
+def _is_below_two(order: float, half: float) -> bool:
+    """Whether the interval of an order excludes second order."""
+    return bool(order + half < 2)
+
+
+def windows(steps: np.ndarray, inside: np.ndarray) -> str | None:
+    """Ranges of neighbouring steps tried that are inside, such as ``8 to 24 and 40``, or None without any."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int))).reshape(-1, 2)
+    words = [f"{steps[a]} to {steps[b - 1]}" if b - a > 1 else f"{steps[a]}" for a, b in ends]
+    return listed(words) if words else None
+
+
 @numbers(requires={"chaos.schemes": SCHEMES})
 def of_chaos(chaos: xr.Dataset) -> dict:
     """Exponents, contraction, orders of mean squares, and steps with regular motion."""
@@ -23,12 +35,13 @@ def of_chaos(chaos: xr.Dataset) -> dict:
     fine = chaos.sel(scheme="rk4").isel(steps_per_period=-1, place=0)
     most = chaos.steps_per_period.values[chaos.regular.sel(scheme="newmark_dissipative", problem="ueda").values == 1]
     others = [name for name in chaos.problem.values if name != "ueda"]
+    beam = chaos.sel(problem="buckled_beam").isel(steps_per_period=-1)
+    spectrum = beam.sel(scheme="rk4")
     lost = lost_again(chaos).stack(case=["problem", "scheme"])
 
     def regular(problem: str, scheme: str) -> str | None:
-        one = chaos.sel(problem=problem, scheme=scheme)
-        steps = one.steps_per_period.values[(one.regular == 1).values].tolist()
-        return listed(map(str, steps)) if steps else None
+        is_regular = (chaos.regular.sel(problem=problem, scheme=scheme) == 1).values
+        return windows(chaos.steps_per_period.values, is_regular)
 
     def ordered(problem: str, scheme: str) -> str:
         order, half = orders_of_means(chaos, problem)[scheme]
@@ -55,6 +68,14 @@ def of_chaos(chaos: xr.Dataset) -> dict:
             f"{one.exponent.item():.3f} ± {ERRORS * one.uncertainty.item():.3f} ({one.problem_title.item()})"
             for one in (fine.sel(problem=name) for name in chaos.problem.values)
         ),
+        "chaos_beam_spectrum": listed(
+            f"{value:.3f} ± {ERRORS * error:.3f}".replace("-", "−")
+            for value, error in zip(spectrum.exponent.values, spectrum.uncertainty.values, strict=True)
+        ),
+        **{
+            f"chaos_beam_spectrum_{name}": f"{abs(beam.exponent.sel(scheme=name) - spectrum.exponent).max().item():.3f}"
+            for name in (*FAITHFUL, "newmark_dissipative")
+        },
         "chaos_kept_contraction": f"{100 * abs(ratio.sel(scheme='central_difference') - 1).max().item():.1g}",
         "chaos_contraction": span(ratio.sel(scheme="newmark_dissipative", problem="ueda"), ".1f"),
         "chaos_beam_contraction": span(ratio.sel(scheme="newmark_dissipative", problem="buckled_beam"), ".1f"),
@@ -66,6 +87,8 @@ def of_chaos(chaos: xr.Dataset) -> dict:
         )
         or None,
         "chaos_no_order_elsewhere": not any(map(second, others)),
+        "chaos_order_duffing": ordered("duffing_chaotic", "average_acceleration"),
+        "chaos_order_is_lower": _is_below_two(*orders_of_means(chaos, "duffing_chaotic")["average_acceleration"]),
         "chaos_orders": "; ".join(
             f"{chaos.problem_title.sel(problem=name).item()}: " + listed(ordered(name, scheme) for scheme in FAITHFUL)
             for name in others

@@ -66,9 +66,9 @@ def of_stability(
     energy_error: xr.Dataset,
 ) -> dict:
     """Outcomes on the maps, several roots of a step, onset of chaos, and steps that suffice at all amplitudes."""
-    onset = bifurcation.step_size.values[
-        (bifurcation.lyapunov_exponent * bifurcation.step_size > CHAOTIC).values.argmax()
-    ]
+    chaotic = (bifurcation.lyapunov_exponent * bifurcation.step_size > CHAOTIC).values.astype(int)
+    onset_at = chaotic.argmax()
+    onset = bifurcation.step_size.values[onset_at]
     several = roots.unique_up_to.sel(scheme="average_acceleration")
     # NaN for step sizes that are not between the onset of chaos and the onset of several roots
     in_chaos = roots.steps_together.where((roots.step_size >= onset) & (roots.step_size < several))
@@ -99,6 +99,8 @@ def of_stability(
         "twenty_not_everywhere": bool((of_both <= 10).all() and (at_all_amplitudes > 20).any()),
         "chaos_before_roots": bool(onset < several),
         "chaos_from": f"{onset:.2f}",
+        "chaos_of_order_windows": int((np.diff(chaotic, prepend=0) > 0).sum()),
+        "chaos_of_order_share": f"{100 * chaotic[onset_at:].mean():.0f}",
         "unique_average_acceleration": f"{several.item():.2f}",
         "together": f"{in_chaos.median().item():.0f}",
         "together_span": span(in_chaos, ".0f"),

@@ -40,6 +40,17 @@ def test_statistics_converge_or_not(order, holds):
     assert np.isnan(claims.orders_of_means(data)[SCHEMES[1]]).all()
 
 
+@pytest.mark.parametrize("order, holds", [(2, True), (1, False)])
+def test_other_statistics_converge_or_not(order, holds):
+    data = _chaos(steps=(24, 32, 48, 64))
+    data["mean_square"] = 2.5 + (data.scheme != "rk4") * 10.0 / data.steps_per_period**order + 0 * data.regular
+    data["mean_square_uncertainty"] = xr.full_like(data.regular, 1e-6)
+    finding = claims.other_statistics_converge(data.assign_coords(problem=["beam"]))
+    assert finding.holds == holds and f"ueda, average_acceleration: {order:.1f} ± 0.0" in finding.ours
+    nothing = claims.other_statistics_converge(data)  # Ueda's oscillator alone
+    assert not nothing.holds and nothing.ours == "none"
+
+
 @pytest.mark.parametrize("shared, scatter", [(4e-4, 0.0), (1e-5, 0.1)])
 def test_the_interval_of_an_order_covers_it(shared, scatter):
     random, steps, error = np.random.default_rng(1), np.array([24, 32, 40, 48, 64]), 2e-4

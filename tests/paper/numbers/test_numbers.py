@@ -6,6 +6,7 @@ import pytest
 import xarray as xr
 
 from paper.numbers.__main__ import commits, gathered
+from paper.numbers.chaos import windows
 from paper.numbers.claims import JUDGED, of_claims
 from paper.numbers.reproduction import of_drift
 from paper.products import Product
@@ -55,3 +56,9 @@ def test_without_resonance_there_is_no_window():
     }
     numbers = of_drift(xr.Dataset(runs, {"steps_per_period": parts}))
     assert numbers["resonance_20_from"] == numbers["resonance_20_to"] == "nan" and numbers["drift_20"] == "-5.00"
+
+
+def test_neighbouring_steps_make_a_window():
+    steps = np.array([8, 12, 16, 20, 24])
+    assert windows(steps, np.array([True, True, True, False, True])) == "8 to 16 and 24"
+    assert windows(steps, np.zeros(5, bool)) is None
