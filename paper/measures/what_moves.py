@@ -11,6 +11,8 @@ QUANTITIES = {
 }
 #: Numbers of records that an engineer may choose.
 CHOSEN = (20, 40)
+#: Variants with a longer step than the reference, in ascending order.
+STEPS = ["spacing", "off", "two", "four"]
 #: Number of resamplings of the records, and percentiles of 95 % intervals.
 RESAMPLED, INTERVAL = 2000, (2.5, 97.5)
 
@@ -43,6 +45,19 @@ def median_changes(quantity: xr.DataArray) -> xr.Dataset:
     dims = ("variant", "period")
     found = xr.Dataset({"change": (dims, change), "low": (dims, low), "high": (dims, high)}, coords=quantity.coords)
     return found.where(_known(quantity))
+
+
+def coarsest_step(quantity: xr.DataArray) -> float:
+    """Longest step tried, over the spacing, at and below which the step moves the median less than damping does.
+
+    The upper end of the 95 % interval of the change by the step is compared, at every period with a finite median. NaN
+    if no step tried moves the median less.
+    """
+    medians = median_changes(quantity).dropna("period", subset=["change"])
+    outer = np.maximum(abs(medians.low), abs(medians.high))
+    less = (outer < abs(medians.change.sel(variant="damping"))).all("period") & bool(medians.sizes["period"])
+    fine = np.logical_and.accumulate(less.sel(variant=STEPS).values)
+    return float(quantity.ratio.sel(variant=STEPS[fine.sum() - 1])) if fine.any() else np.nan
 
 
 def _known(quantity: xr.DataArray) -> xr.DataArray:

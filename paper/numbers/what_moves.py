@@ -3,12 +3,24 @@
 import numpy as np
 import xarray as xr
 
-from paper.measures.what_moves import CHOSEN, QUANTITIES, choice_spread, median_changes, record_changes, without_drift
+from paper.measures.what_moves import (
+    CHOSEN,
+    QUANTITIES,
+    choice_spread,
+    coarsest_step,
+    median_changes,
+    record_changes,
+    without_drift,
+)
 from paper.products import numbers
 from study.words import listed, number, percent, span
 
-#: Change of the answer for a single record that counts.
-NOTICED = 0.01
+#: Changes of the answer for a single record that count, and that are large.
+NOTICED, LARGE = 0.01, 0.05
+
+
+def _spacings(ratio: float) -> str:
+    return "the spacing" if ratio == 1 else f"{number(ratio, 3)} times the spacing"
 
 
 @numbers(moves="what_moves")
@@ -39,8 +51,12 @@ def of_what_moves(moves: xr.Dataset) -> dict:
             entries[f"moves_{short}_choice_{count}"] = span(100 * choice_spread(quantity, count), ".0f")
         single = record_changes(quantity).sel(variant="spacing")
         beyond = (single > NOTICED).where(single.notnull())
+        large = (single > LARGE).where(single.notnull())
         entries[f"moves_{short}_single"] = percent(float(beyond.mean()))
         entries[f"moves_{short}_worst"] = number(100 * float(single.where(np.isfinite(single)).max()), 3)
+        entries[f"moves_{short}_large"] = span(100 * large.mean("record"), ".0f")
+        coarsest = coarsest_step(quantity)
+        entries[f"moves_{short}_coarsest"] = _spacings(coarsest) if np.isfinite(coarsest) else None
         smaller.append(abs(change.sel(variant="spacing")).max() < abs(change.sel(variant="damping")).min())
         chosen = min(choice_spread(quantity, count).min().item() for count in CHOSEN)
         most.append(100 * chosen > abs(change.sel(variant=["spacing", "damping", "strength"])).max())

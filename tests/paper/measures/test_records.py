@@ -6,7 +6,7 @@ import xarray as xr
 
 from paper.claims import records
 from paper.measures.record_error import order, predicted, scatter
-from paper.measures.what_moves import choice_spread, median_changes, record_changes
+from paper.measures.what_moves import choice_spread, coarsest_step, median_changes, record_changes
 from paper.numbers.what_moves import of_what_moves
 
 
@@ -77,6 +77,24 @@ def test_medians_change_by_the_step_and_choices_by_the_records():
     )
 
 
+@pytest.mark.parametrize(
+    "changes, coarsest",
+    [
+        ([0.01, 0.02, 0.05, 0.2], 2.0),
+        ([0.01, 0.2, 0.05, 0.2], 1.0),
+        ([0.01, 0.02, 0.05, 0.09], 4.0),
+        ([0.2, 0.01, 0.01, 0.01], np.nan),
+        ([0.01, np.inf, 0.05, 0.2], np.nan),  # where a median is a collapse, no change is known
+    ],
+)
+def test_the_coarsest_step_and_all_finer_ones_move_the_median_less_than_damping(changes, coarsest):
+    values = np.array([1.0, 2.0, 3.0, 10.0]) * (1 + np.array([0.0, *changes, -0.1]))[:, None]
+    variants = ["reference", "spacing", "off", "two", "four", "damping"]
+    coords = {"variant": variants, "period": [1.0], "ratio": ("variant", [0.25, 1.0, 4 / 3, 2.0, 4.0, 0.25])}
+    one = xr.DataArray(values[:, None], coords, ("variant", "period", "record"))
+    assert coarsest_step(one) == pytest.approx(coarsest, nan_ok=True)
+
+
 @pytest.mark.parametrize("step, holds", [(0.01, True), (0.2, False)])
 def test_the_step_is_compared_with_damping_and_choice(step, holds):
     assert records.step_moves_least(_moves(step)).holds == holds
@@ -85,8 +103,9 @@ def test_the_step_is_compared_with_damping_and_choice(step, holds):
 @pytest.mark.parametrize("strength, most", [(0.85, True), (0.05, False)])
 def test_the_choice_of_records_is_compared_with_the_other_changes(strength, most):
     moves = _moves(0.01)
-    weaker = moves.sel(variant=["reference"] * 3).assign_coords(variant=["strength", "two", "four"])
-    moves = xr.concat([moves, weaker * xr.DataArray([strength, 1.0, 1.0], dims="variant")], "variant")
+    others = moves.sel(variant=["reference"] * 4).assign_coords(variant=["strength", "off", "two", "four"])
+    moves = xr.concat([moves, others * xr.DataArray([strength, 1.0, 1.0, 1.0], dims="variant")], "variant")
+    moves = moves.assign_coords(ratio=("variant", [0.25, 1.0, 0.25, 0.25, 4 / 3, 2.0, 4.0]))
     one = {"runs": 7, "failed": 0}
     found = of_what_moves(
         moves.assign(one).assign_coords(
@@ -95,6 +114,7 @@ def test_the_choice_of_records_is_compared_with_the_other_changes(strength, most
     )
     # the medians of forty of the four records differ by more than the damping of a tenth
     assert found["moves_step_is_least"] and found["moves_choice_is_most"] == most
+    assert found["moves_peak_coarsest"] == "4 times the spacing"
 
 
 def test_a_median_over_collapses_is_no_drift_and_is_named():
