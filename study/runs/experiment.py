@@ -202,15 +202,16 @@ class _Ladder:
             if new := new - known:
                 self.run(new)
                 continue
-            if finer_steps := {count for need, _ in needed[: len(limits)] for count in self._finer(need, finest)} - known:
-                self.confirming |= {count for count in finer_steps if count != two_digits(count, self.multiple)}
-                self.run(finer_steps)
+            confirming = {count for need, _ in needed[: len(limits)] for count in self._finer(need, finest)}
+            if new := confirming - known:
+                self.confirming |= {count for count in new if count != two_digits(count, self.multiple)}
+                self.run(new)
                 continue
             varied = set(self.varied.steps_per_period) if len(self.varied) else set()
             wanted = {need for need, _ in needed if need < math.inf}
             wanted |= {min((count for count in known if count > need), default=need) for need in wanted}
             if self.motion.kinked:
-                wanted |= {count for need, _ in needed[: len(limits)] for count in self._finer(need, finest)}
+                wanted |= confirming
             if not self.several or not wanted - varied:
                 return
             self.vary(wanted - varied)
