@@ -203,9 +203,9 @@ class _Ladder:
                 self.run(new)
                 continue
             confirming = {count for need, _ in needed[: len(limits)] for count in self._finer(need, finest)}
-            if new := confirming - known:
-                self.confirming |= {count for count in new if count != two_digits(count, self.multiple)}
-                self.run(new)
+            if finer_steps := confirming - known:
+                self.confirming |= {count for count in finer_steps if count != two_digits(count, self.multiple)}
+                self.run(finer_steps)
                 continue
             varied = set(self.varied.steps_per_period) if len(self.varied) else set()
             wanted = {need for need, _ in needed if need < math.inf}
