@@ -95,13 +95,14 @@ def limits_of(spectral: xr.Dataset) -> dict[str, float]:
     return spectral.stability_limit.sel(damping_ratio=0.0).to_series().to_dict()
 
 
-_REQUIRES = {
+#: Requirements on the configuration of tables with limits of stability.
+REQUIRES = {
     "": contained("runs.schemes", "spectrum.schemes", "structures.schemes", within="spectral.schemes"),
     "spectral.damping_ratios": [0.0],
 }
 
 
-@table("Recommended schemes and steps", requires=_REQUIRES)
+@table("Recommended schemes and steps", requires=REQUIRES)
 def tabulate(decisions: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
     """One row per problem, quantity, kind of scheme and error; a dash where no scheme keeps the error.
 

@@ -4,8 +4,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.products import table
-from paper.tables.decision import sentence, steps_of
-from study.words import number
+from paper.tables.decision import REQUIRES, answer, limits_of, sentence
 
 #: Problem and quantity that stand for each kind of model.
 MODELS = {
@@ -43,17 +42,14 @@ def _measured(decision: xr.Dataset) -> str:
     return f"{title}, {periods} period{'' if periods == '1' else 's'}"
 
 
-@table("Schemes and steps by kind of model")
-def tabulate(decisions: xr.Dataset) -> pd.DataFrame:
+@table("Schemes and steps by kind of model", requires=REQUIRES)
+def tabulate(decisions: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
     """One row per kind of model: the explicit and the implicit scheme with their steps and Δt·ω, and what was run."""
-    rows = []
+    limits, rows = limits_of(spectral), []
     for model, decided in answers(decisions).items():
         row = {"Model": sentence(model)}
         for kind in decided.kind.values:
-            decision = decided.sel(kind=kind)
-            known = bool(decision.step_size > 0)
-            row[sentence(kind)] = decision.scheme_title.item() if known else "–"
-            row[f"Steps, {kind}"] = steps_of(decision) if known else ""
-            row[f"ωΔt, {kind}"] = number(decision.omega_step.item(), 2) if known else ""
+            words = answer(decided.sel(kind=kind), limits)
+            row |= {sentence(kind): words["Scheme"]} | {f"{name}, {kind}": words[name] for name in ("Steps", "ωΔt")}
         rows.append(row | {"Measured on": _measured(decided)})
     return pd.DataFrame(rows)
