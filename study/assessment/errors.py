@@ -236,8 +236,8 @@ class ErrorsAlong(Reduction):
     def start(self, problem, state):
         u, v = self.coefficients[self.first, 0], self.coefficients[self.first, 1]
         v = v / self.length[self.first].reshape(-1, *(1,) * (v.ndim - 1))
-        distance = (jnp.abs(u - state.u) + jnp.abs(v - state.v)).reshape(len(self.first), -1).sum(axis=1)
-        reference = jnp.argmin(distance)
+        distances = jnp.abs(u - state.u[None]) + jnp.abs(v - state.v[None])
+        reference = jnp.argmin(distances.reshape(len(self.first), -1).sum(axis=1))
         scales = tuple(scale[reference] for scale in self.scales)
         return self.first[reference], scales, (jnp.zeros(()),) * len(self.quantities)
 
