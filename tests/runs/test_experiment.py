@@ -143,16 +143,18 @@ def test_a_record_decides_among_steps_that_divide_its_spacing_and_its_starts_are
         assert one.largest_error.item() == pytest.approx(max(error, one.error.item()), rel=1e-3)
 
 
-@pytest.mark.parametrize(("kinked", "need"), [(False, 50), (True, 71)])
-def test_with_kinks_all_steps_that_confirm_a_need_are_run_from_all_starts(monkeypatch, kinked, need):
-    """The own start errs by 1/2n, and another one also by 2 % between 60 and 70.5 steps; 1 % is allowed.
+@pytest.mark.parametrize(
+    ("kinked", "low", "high", "need"), [(False, 60, 70.5, 50), (True, 60, 70.5, 71), (True, 79.999, 80.001, 81)]
+)
+def test_with_kinks_all_steps_that_confirm_a_need_are_run_from_all_starts(monkeypatch, kinked, low, high, need):
+    """The own start errs by 1/2n, and another one also by 2 % between ``low`` and ``high`` steps; 1 % is allowed.
 
     With kinks the finest number of steps in an octave that fails counts, and else only the needed one.
     """
 
     def measured(scheme, starts, chosen, step_sizes, durations):
         counts = 1 / np.array(step_sizes)
-        error = np.where(([*chosen] == [1]) & (counts > 60) & (counts < 70.5), 0.02, 0.5 / counts)
+        error = np.where(([*chosen] == [1]) & (counts > low) & (counts < high), 0.02, 0.5 / counts)
         return pd.DataFrame({"step_size": step_sizes, "duration": durations[0], "displacement": error})
 
     monkeypatch.setattr(experiment, "measured", measured)
