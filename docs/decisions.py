@@ -81,14 +81,15 @@ def recommended(results: Path) -> dict[str, str]:
 
 
 def measured(decision: xr.Dataset) -> str:
-    """What was run for a decision: the problem, its quantity and unknowns, and the duration in periods."""
+    """What was run for a decision: the problem, its quantity and unknowns, the duration in periods, and the starts."""
     title, quantity = sentence(decision.problem_title.item()), decision.quantity.item()
     if decision.problem.item() == "records":
         spacing = number(1e3 * decision.spacing.item())
         return f"{title}: {quantity} in {decision.starts.item()} runs, samples every {spacing} ms"
     unknowns, periods = decision.unknowns.item(), decision.decided.item()
     times = f"{number(periods)} period{'s' * (periods != 1)} T = {number(decision.time_scale.item(), 2)} s"
-    return f"{title}, {unknowns} unknown{'s' * (unknowns > 1)}: {quantity} over {times}"
+    starts = f" from {decision.starts.item()} starts" if decision.starts > 1 else ""
+    return f"{title}, {unknowns} unknown{'s' * (unknowns > 1)}: {quantity} over {times}{starts}"
 
 
 def by_model(results: Path) -> str:
