@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from study.algebra.jit import jit
 from study.mechanics.definition import Problem
+from study.mechanics.internal_force import switches
 from study.observer.outcome import OutcomeObserver
 from study.problem.named import problems
 from study.scheme.base import Scheme
@@ -28,6 +29,9 @@ GROWTH, DISTANCES = 1.002, 20_000
 _Points = Float[np.ndarray, "points"]
 #: Numbers of points of an orbit that are tried in turn, and the relative difference of two periods that is accepted.
 POINTS, CONVERGED = tuple(2**n for n in range(9, 17)), 1e-8
+#: Distance from a kink, relative to the size of the orbit, at which the force and the tangent on either side of it are
+#: compared, and their relative difference from which on they jump.
+BESIDE, JUMP = 1e-9, 1e-3
 
 
 class ModifiedEnergy(NamedTuple):
@@ -161,6 +165,28 @@ def _turning_point(problem: Problem, energy: float, rest: float, scale: float) -
     )
 
 
+@partial(jit, compiler=eqx.filter_jit)
+def _switches(problem: Problem, places):
+    return jax.vmap(lambda u: switches(problem.static_force, u))(places)
+
+
+def _check_tangent(problem: Problem, places: _Points) -> None:
+    """Refuse a force or a tangent that jumps between two of the ordered places of an orbit."""
+    from scipy import optimize  # here, as this import takes a third of the time of importing the study
+
+    for i, number in np.argwhere(np.diff(np.sign(_switches(problem, places)), axis=0)):
+        kink = optimize.brentq(
+            lambda u, number=number: float(_switches(problem, np.full(1, u))[0, number]), *places[i : i + 2]
+        )
+        beside = kink + BESIDE * np.ptp(places) * np.array([-1, 1])
+        for values, values_beside in zip(_at(problem, places)[1:], _at(problem, beside)[1:], strict=True):
+            if abs(values_beside[1] - values_beside[0]) > JUMP * np.abs(values).max():
+                raise ValueError(
+                    f"the force of '{problem.title}' or its tangent jumps at u = {kink:.6g}, and no step bound is "
+                    "known there; study.assess finds the step by runs."
+                )
+
+
 @jax.enable_x64(True)
 def orbit(problem: Problem) -> Orbit:
     r"""The oscillation of a free oscillator of one unknown, by quadrature.
@@ -172,8 +198,8 @@ def orbit(problem: Problem) -> Orbit:
     Raises
     ------
     ValueError
-        If the problem has several unknowns, damping, a load or no potential, if it does not oscillate or rests, or if
-        the motion is so near to a separatrix that the period does not converge.
+        If the problem has several unknowns, damping, a load or no potential, if it does not oscillate or rests, if its
+        force or tangent jumps, or if the motion is so near to a separatrix that the period does not converge.
     """
     well = OutcomeObserver.of(problem)
     rest, mass = float(well.rest_at), float(problem.momentum(1.0))
@@ -189,6 +215,8 @@ def orbit(problem: Problem) -> Orbit:
         (period, _), by_energy, (u, v, forces) = _integrals(
             problem, np.float64(at_start), np.float64(mass), ends, np.cos(angles), np.sin(angles)
         )
+        if points == POINTS[0]:
+            _check_tangent(problem, np.asarray(u))
         if abs(period - before) <= CONVERGED * period:
             places = np.concatenate([[float(problem.u0), ends[0], rest, ends[1]], u])
             fastest = math.sqrt(2 / mass * (at_start - float(well.rest)))
@@ -231,8 +259,8 @@ def step_bound(
     :math:`0 \le p' \le \omega^2 M`, C_E is at most ¼ for central difference and 1/6 for average acceleration, with any
     number of unknowns.
 
-    The bound excludes motions with a load or damping, and schemes that dissipate. Near a separatrix C_T grows without
-    bound. A step that keeps the energy may therefore be far too long for the period there.
+    The bound excludes motions with a load or damping, forces whose tangent jumps, and schemes that dissipate. Near a
+    separatrix C_T grows without bound. A step that keeps the energy may therefore be far too long for the period there.
 
     Parameters
     ----------
@@ -258,9 +286,9 @@ def step_bound(
     KeyError
         If there is no problem or scheme of that name.
     ValueError
-        If the problem is not a free oscillator of one unknown with a potential, rests, does not oscillate or is too
-        near to a separatrix; if the scheme has no modified energy; or if ``allowed_error`` or ``periods`` is not
-        positive.
+        If the problem is not a free oscillator of one unknown with a potential, rests, does not oscillate, is too near
+        to a separatrix, or has a force or a tangent that jumps; if the scheme has no modified energy; or if
+        ``allowed_error`` or ``periods`` is not positive.
 
     References
     ----------

@@ -13,6 +13,9 @@ from study.observer.crossings import Oscillations
 OSCILLATOR = study.Problem(potential=lambda u: 2 * u**2, u0=0.3, title="linear")
 PENDULUM = study.Problem(potential=lambda u: 1 - jnp.cos(u), u0=2.5, title="pendulum")
 MORSE = study.Problem(potential=lambda u: jnp.expm1(-u) ** 2, u0=-0.5, mass=1.7, title="Morse")
+#: The force has a sign that changes, and its tangent does not jump there.
+CUBE = study.Problem(potential=lambda u: jnp.abs(u) ** 3, u0=1.0, title="cube")
+STOP = study.Problem(potential=lambda u: u**2 / 2 + 5 * jnp.maximum(u - 0.5, 0) ** 2, u0=1.0, title="stop")
 MOVING = study.Problem(potential=lambda u: jnp.exp(u) - u - 1, u0=0.2, v0=1.0, title="Toda")
 
 
@@ -49,7 +52,7 @@ def test_the_period_of_the_pendulum():
     assert step_bound(PENDULUM, "central_difference").period == pytest.approx(float(exact), rel=1e-12)
 
 
-@pytest.mark.parametrize("problem", [PENDULUM, MORSE, MOVING], ids=lambda one: one.title)
+@pytest.mark.parametrize("problem", [PENDULUM, MORSE, MOVING, CUBE], ids=lambda one: one.title)
 @pytest.mark.parametrize("scheme", [study.schemes["central_difference"], study.Newmark(beta=0.2, gamma=0.5)])
 def test_errors_of_runs_are_those_predicted(problem, scheme):
     """The leading terms are confirmed by runs whose steps are so small that the next terms are a hundredth."""
@@ -116,6 +119,8 @@ def test_a_convex_chain_of_many_unknowns_keeps_the_bound_of_the_energy(scheme, c
             (study.Problem(potential=lambda u: 1 - jnp.cos(u), u0=0.0, v0=2.1, title="own"), "central_difference"),
             "'own' does not oscillate",
         ),
+        ((STOP, "central_difference"), "its tangent jumps at u = 0.5"),
+        ((study.Problem(potential=jnp.abs, u0=1.0, title="own"), "central_difference"), "jumps at u = 0"),
         (("fpu_chain", "central_difference"), "more than one unknown"),
         (("duffing_chaotic", "central_difference"), "damping or a load"),
     ],
