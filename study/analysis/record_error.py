@@ -78,13 +78,16 @@ def record_error(
     KeyError
         If there is no scheme of that name.
     ValueError
-        If the error of the period of the scheme is not known here, or a number is not positive.
+        If the error of the period of the scheme is not known here, a number is not positive, or the step is not stable.
     """
     for name, value in (("dt", dt), ("period", period), ("damping", damping)):
         if not (np.all(np.asarray(value) > 0) and np.all(np.isfinite(value))):
             raise ValueError(f"{name} must be positive, not {value!r}.")
-    modified = modified_energy(schemes[scheme] if isinstance(scheme, str) else scheme)
+    scheme = schemes[scheme] if isinstance(scheme, str) else scheme
+    modified, limit = modified_energy(scheme), scheme.stability_limit
     omega = 2 * np.pi / np.asarray(period, float)
+    if limit is not None and np.max(omega) * dt >= limit:
+        raise ValueError(f"dt must be below {limit / np.max(omega):.4g} s, the stability limit of '{scheme.title}'.")
     spacing = float(ground.dt) / POINTS
     t = spacing * np.arange(POINTS * (len(ground.acceleration) - 1) + 1)
     steps = dt * np.arange(math.ceil(t[-1] / dt - 1e-9) + 1)

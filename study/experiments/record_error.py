@@ -197,16 +197,12 @@ def record_error(schemes: Schemes) -> xr.Dataset:
         error[s, tried] = (largest[:2] / linear_peak).T
         peak_error[s, tried] = np.abs([peak[0] / linear_peak - 1, peak[2] / yielding_peak - 1]).T
         if scheme in PREDICTED:
-            terms[:, s] = np.array(
-                [
-                    [predicted(ground, dt, periods, scheme=scheme) for dt in of_record]
-                    for ground, of_record in zip(grounds, sizes, strict=True)
-                ]
-            ).transpose(2, 0, 3, 1)
+            for i, j in np.argwhere(tried.any(axis=1)):
+                at = tried[i, :, j]
+                terms[:, s, i, at, j] = predicted(grounds[i], sizes[i, j], periods[at], scheme=scheme)
     high = np.array(
         [[_above(ground, 1 / (4 * dt)) for dt in of_record] for ground, of_record in zip(grounds, sizes, strict=True)]
     )
-    terms = np.where(tried, terms, np.nan)
     dims = ("scheme", "record", "period", "ratio")
     return xr.Dataset(
         {

@@ -39,7 +39,12 @@ def test_power_that_the_steps_mistake_for_that_of_the_oscillator_is_its_error():
 
 @pytest.mark.parametrize(
     "arguments, message",
-    [({"scheme": "rk4"}, "no step bound is known"), ({"dt": 0.0}, "dt must be positive"), ({"damping": -1}, "damping")],
+    [
+        ({"scheme": "rk4"}, "no step bound is known"),
+        ({"dt": 0.0}, "dt must be positive"),
+        ({"damping": -1}, "damping"),
+        ({"scheme": "central_difference", "dt": 0.32}, "dt must be below 0.3183 s, the stability limit"),
+    ],
 )
 def test_what_is_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
