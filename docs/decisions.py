@@ -81,15 +81,18 @@ def recommended(results: Path) -> dict[str, str]:
 
 
 def measured(decision: xr.Dataset) -> str:
-    """What was run for a decision: the problem, its quantity and unknowns, the duration in periods, and the starts."""
-    title, quantity = sentence(decision.problem_title.item()), decision.quantity.item()
+    """What was run for a decision: the problem, its unknowns if there are several, the duration and the starts."""
+    title, starts = sentence(decision.problem_title.item()), decision.starts.item()
     if decision.problem.item() == "records":
-        spacing = number(1e3 * decision.spacing.item())
-        return f"{title}: {quantity} in {decision.starts.item()} runs, samples every {spacing} ms"
+        return f"{title}: {starts} runs, samples every {number(1e3 * decision.spacing.item())} ms"
     unknowns, periods = decision.unknowns.item(), decision.decided.item()
-    times = f"{number(periods)} period{'s' * (periods != 1)} T = {number(decision.time_scale.item(), 2)} s"
-    starts = f" from {decision.starts.item()} starts" if decision.starts > 1 else ""
-    return f"{title}, {unknowns} unknown{'s' * (unknowns > 1)}: {quantity} over {times}{starts}"
+    parts = [
+        title,
+        *([f"{unknowns} unknowns"] if unknowns > 1 else []),
+        f"{number(periods)} period{'s' * (periods != 1)} T = {number(decision.time_scale.item(), 2)} s",
+        f"{starts} start{'s' * (starts != 1)}",
+    ]
+    return ", ".join(parts)
 
 
 def by_model(results: Path) -> str:
