@@ -2,7 +2,7 @@
 
 import pytest
 
-from study.words import printed, printed_unit
+from study.words import measured, printed, printed_unit
 
 
 @pytest.mark.parametrize(
@@ -24,3 +24,18 @@ def test_powers_of_ten_and_minus_signs(text, expected):
 @pytest.mark.parametrize("units, expected", [("m s-2", "m s⁻²"), ("m2", "m²"), ("kN", "kN"), ("%", "%")])
 def test_the_exponents_of_a_unit_are_raised(units, expected):
     assert printed_unit(units) == expected
+
+
+@pytest.mark.parametrize(
+    "value, uncertainty, expected",
+    [
+        (244406.0, 41.0, ("244410", "40")),
+        (0.01876845, 1.1e-5, ("0.01877", "1e-05")),
+        (0.96, 0.97, ("1", "1")),
+        (-3.0, 1e-12, ("-3", "1e-12")),
+        (1 / 3, 0.0, ("0.3333333", "0")),
+        (1 / 3, float("nan"), ("0.3333333", "–")),
+    ],
+)
+def test_a_value_is_printed_up_to_its_uncertainty(value, uncertainty, expected):
+    assert measured(value, uncertainty) == expected

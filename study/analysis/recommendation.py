@@ -10,7 +10,7 @@ import xarray as xr
 
 from study.analysis.duration import FREE, round_down, step_exponent, step_over
 from study.registry import UnknownName, did_you_mean
-from study.words import number, percent, step_size, step_with_unit, text_of, typed
+from study.words import measured, number, percent, step_size, step_with_unit, text_of, typed
 
 #: Columns of step sizes, which are never printed larger than they are, and columns of whole numbers.
 STEP_SIZES = ("step_size", "largest_step_size", "step_size_of_runs")
@@ -278,7 +278,5 @@ def reference_value(values: xr.Dataset) -> str:
     unit = f" {values.quantity_units.item()}" if values.quantity_units.item() != "1" else ""
     where = f" in component {largest.component.item()}" if known.sizes["component"] > 1 else ""
     when = f" at t = {largest.reference_time.item():.4g} s" if largest.reference_time.notnull() else ""
-    return (
-        f"Reference of {values.quantity.item()}: {largest.reference_value.item():.7g}{unit}{where}{when}, uncertain by "
-        f"{largest.reference_value_uncertainty.item():.1g}{unit}."
-    )
+    value, uncertainty = measured(largest.reference_value.item(), largest.reference_value_uncertainty.item())
+    return f"Reference of {values.quantity.item()}: {value}{unit}{where}{when}, uncertain by {uncertainty}{unit}."

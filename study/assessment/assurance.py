@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from study.analysis.duration import step_exponent
-from study.words import listed, number, printed, printed_unit
+from study.words import listed, measured, number, printed, printed_unit
 
 #: Largest number of components of a quantity whose reference values a page shows.
 SHOWN = 6
@@ -110,7 +110,7 @@ def values_of_reference(assessed: xr.Dataset) -> list[tuple[str, ...]]:
         unit = assessed.quantity_units.sel(quantity=name).item()
         for row in table.loc[table.reference_value.abs().nlargest(SHOWN).index].itertuples():
             time = "–" if np.isnan(row.reference_time) else f"{row.reference_time:.4g}"
-            numbers = printed(f"{row.reference_value:.7g} ± {row.reference_value_uncertainty:.1g}")
+            numbers = printed(" ± ".join(measured(row.reference_value, row.reference_value_uncertainty)))
             value = numbers if unit == "1" else f"{numbers} {printed_unit(unit)}"
             rows.append((f"{name}, component {row.Index}" if len(table) > 1 else name, value, time))
     return rows
