@@ -29,10 +29,10 @@ SMALLEST_STEP = 1e-13
 
 #: Names of the values stored for each step: the time at its end, its size, the estimate of its error, the number of
 #: trial steps rejected by the estimate so far, and the number rejected so far because no finite solution was found.
-OF_EACH_STEP = ("t", "step_size", "estimate", "rejected_by_estimate", "rejected_by_solver")
+STEP_VALUES = ("t", "step_size", "estimate", "rejected_by_estimate", "rejected_by_solver")
 
 #: Name of the array that holds the values of each step.
-OF_STEP = "of each step"
+STEP_ARRAY = "of each step"
 
 #: Largest gap between the end of a step and a stated time, at which a step must end, as a fraction of the interval that
 #: remains. The step is lengthened to close such a gap. Otherwise round-off would add a tiny step.
@@ -120,7 +120,7 @@ class AdaptiveMarch(eqx.Module):
             none,
             none,
             state,
-            tuple(one.started(one.start(here, state), effort) for one in march.reductions),
+            tuple(reduction.started(reduction.start(here, state), effort) for reduction in march.reductions),
             estimator,
             carried,
             self.estimator.sizes(here, state),
@@ -134,7 +134,7 @@ class AdaptiveMarch(eqx.Module):
     def _sample(self, trial: Trial, initial, state, t, dt, estimate) -> dict[str, jax.Array]:
         # in one array, because storing an array takes as long as a step of one unknown
         step_numbers = jnp.stack([t, dt, estimate, trial.estimated.astype(float), trial.unsolved.astype(float)])
-        return {**self.march._sample(self.march.problem, initial, state, t), OF_STEP: step_numbers}
+        return {**self.march._sample(self.march.problem, initial, state, t), STEP_ARRAY: step_numbers}
 
     def turn(self, trial: Trial, initial, tolerance) -> tuple[Trial, dict[str, jax.Array]]:
         """Progress of the run after one trial step, and the sample of that step."""

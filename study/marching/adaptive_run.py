@@ -18,10 +18,10 @@ from study.control.estimators import Sizes
 from study.io import flags
 from study.marching import kernel
 from study.marching.adaptive import (
-    OF_EACH_STEP,
-    OF_STEP,
     RUNNING,
+    STEP_ARRAY,
     STEP_TOO_SMALL,
+    STEP_VALUES,
     TOO_MANY_STEPS,
     AdaptiveMarch,
     Trial,
@@ -49,7 +49,7 @@ MOST_ROOM = 2**15
 
 #: Number of equal parts of a trial run, which measures the sizes of a motion if one of them is zero at the start. Its
 #: scheme dissipates energy, because a size that grows in an unresolved contact would loosen every tolerance.
-OF_TRIAL = 200
+TRIAL_STEPS = 200
 
 #: Change of a constant energy during a run of which a warning is given, as a fraction of the largest kinetic energy.
 LARGE_CHANGE = 0.1
@@ -65,14 +65,14 @@ _HOW = {
     TOO_MANY_STEPS: "it reached the largest number of steps before its end",
 }
 
-_OF_STEPS = {
+_STEP_ATTRIBUTES = {
     "step_size": {"long_name": "size of the step that ends here", "units": "s"},
     "estimate": {"long_name": "estimate of the error of that step", "units": "1"},
     "rejected_by_estimate": {"long_name": "trial steps before it that the estimate rejected", "units": "1"},
     "rejected_by_solver": {"long_name": "trial steps before it without balance or finite state", "units": "1"},
 }
 
-_OF_RUN = {
+_RUN_ATTRIBUTES = {
     "steps": {"long_name": "number of steps", "units": "1"},
     "steps_rejected_by_estimate": {"long_name": "trial steps that the estimate rejected", "units": "1"},
     "steps_rejected_by_solver": {"long_name": "trial steps without balance or finite state", "units": "1"},
@@ -85,24 +85,24 @@ def _start(march: March, starts: tuple) -> tuple[jax.Array, jax.Array]:
 
 
 @partial(jit, compiler=eqx.filter_jit)
-def _begin(of, lanes: bool, adaptive, arguments, starts, dt, tolerance, room: int):
-    def one(arguments, starts, dt, tolerance):
-        march = of(adaptive, arguments)
+def _begin(march_of, lanes: bool, adaptive, arguments, starts, dt, tolerance, room: int):
+    def lane_start(arguments, starts, dt, tolerance):
+        march = march_of(adaptive, arguments)
         return march.begin(*_start(march.march, starts), dt, tolerance, room)
 
-    return (jax.vmap(one) if lanes else one)(arguments, starts, dt, tolerance)
+    return (jax.vmap(lane_start) if lanes else lane_start)(arguments, starts, dt, tolerance)
 
 
 @partial(jit, compiler=eqx.filter_jit)
-def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts, grid) -> tuple[Sizes, Effort]:
+def _scales_of_trial(march_of, lanes: bool, adaptive, arguments, starts, grid) -> tuple[Sizes, Effort]:
     """Largest value of each size of the motion in a run with steps to the times of a grid, and the effort of the run.
 
     A value that is not finite becomes zero. The times of the load are among those of the grid, because otherwise the
     run could step over a pulse.
     """
 
-    def one(arguments, starts):
-        march = of(adaptive, arguments)
+    def lane_scales(arguments, starts):
+        march = march_of(adaptive, arguments)
         problem = march.march.problem
         scheme = bathe if problem.history is None else WithHistory(scheme=bathe)
 
@@ -117,15 +117,17 @@ def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts, grid) -> tupl
         (_, largest, effort), _ = lax.scan(step, begin, jnp.stack([grid[:-1], grid[1:]], axis=1))
         return tuple(jnp.where(jnp.isfinite(size), size, 0.0) for size in largest), effort
 
-    return (jax.vmap(one) if lanes else one)(arguments, starts)
+    return (jax.vmap(lane_scales) if lanes else lane_scales)(arguments, starts)
 
 
 @partial(jit, compiler=eqx.filter_jit)
-def _proceed(of, lanes: bool, adaptive, arguments, trial, stored, initial, tolerance, room: int, turns):
-    trial, stored = proceed(partial(of, adaptive), lanes, arguments, trial, stored, initial, tolerance, room, turns)
+def _proceed(march_of, lanes: bool, adaptive, arguments, trial, stored, initial, tolerance, room: int, turns):
+    trial, stored = proceed(
+        partial(march_of, adaptive), lanes, arguments, trial, stored, initial, tolerance, room, turns
+    )
 
     def result(arguments, trial):
-        return of(adaptive, arguments).result(trial)
+        return march_of(adaptive, arguments).result(trial)
 
     return trial, stored, (jax.vmap(result) if lanes else result)(arguments, trial)
 
@@ -203,7 +205,7 @@ class Adaptive:
             method = UnequalSteps(scheme=scheme)
         observed = (*observers, ChangeOfEnergy()) if watches_energy else observers
         self._march = unlabelled(March.of(self._problem, method, observed, bool(lanes), bound))
-        self._of = _itself if make is None else _Family(make)
+        self._march_of = _itself if make is None else _Family(make)
         if make is not None:  # a problem that is made again has new functions, which would be compiled again
             self._march = eqx.tree_at(lambda march: march.problem, self._march, None)
         if self._march.in_kernels:
@@ -211,7 +213,7 @@ class Adaptive:
         shape = (lanes, *np.shape(self._problem.u0))
         self._starts = () if make else tuple(np.broadcast_to(x, shape) if lanes else x for x in starts)
         self._labels = Labels(self._problem, scheme, observers)
-        self._labels.attributes |= _OF_STEPS
+        self._labels.attributes |= _STEP_ATTRIBUTES
 
     def dataset(self, control: Control, on_failure: str) -> xr.Dataset:
         """March to the end, and label the result."""
@@ -228,16 +230,16 @@ class Adaptive:
         data: dict[str, Any] = {
             "status": (lane, status, _STATUS),
             "failed_at_step": (lane, np.where(failed, steps + 1, -1), FAILED_AT_STEP_ATTRIBUTES),
-            "failed_at_time": (lane, np.where(failed, t, np.nan), _OF_RUN["failed_at_time"]),
-            "steps": (lane, steps, _OF_RUN["steps"]),
+            "failed_at_time": (lane, np.where(failed, t, np.nan), _RUN_ATTRIBUTES["failed_at_time"]),
+            "steps": (lane, steps, _RUN_ATTRIBUTES["steps"]),
         }
         for cause, total in (("estimate", trial.estimated), ("solver", trial.unsolved)):
             name = f"steps_rejected_by_{cause}"
-            data[name] = (lane, np.asarray(total), _OF_RUN[name])
+            data[name] = (lane, np.asarray(total), _RUN_ATTRIBUTES[name])
         data |= {name: self._labels.variable(name, nan_where(failed, value), lane) for name, value in values.items()}
         coordinates: dict[str, Any] = {n: ("lane", x) for n, x in self._over.items() if x.ndim == 1}
         if samples:
-            samples |= dict(zip(OF_EACH_STEP, np.moveaxis(samples.pop(OF_STEP), -1, 0), strict=True))
+            samples |= dict(zip(STEP_VALUES, np.moveaxis(samples.pop(STEP_ARRAY), -1, 0), strict=True))
             along = (*lane, "sample" if self._lanes else "t")
             coordinates["t"] = (along, samples.pop("t"), {"long_name": "elapsed time", "units": "s"})
             for name in ("rejected_by_estimate", "rejected_by_solver"):
@@ -249,7 +251,7 @@ class Adaptive:
             coordinates["tolerance"] = ("lane", tolerance, {"long_name": "tolerance", "units": "1"})
         elif control.controller.needs_tolerance:
             named["tolerance"] = float(control.tolerance)
-        return xr.Dataset(data, coordinates, self._labels.of_dataset | named)
+        return xr.Dataset(data, coordinates, self._labels.dataset_attributes | named)
 
     def _marched(
         self, control: Control, tolerance: PerRun, dt: PerRun
@@ -262,17 +264,17 @@ class Adaptive:
         keeps = bool(self._march.records) or not lanes
         room = max(16, min(MOST_ROOM, ROOM // (unknowns * several))) if keeps else 0
         turns = max(1, int(PAUSE / 8 / (several * unknowns**1.5)))
-        begin = self._of, lanes, adaptive, self._over, self._starts
+        begin = self._march_of, lanes, adaptive, self._over, self._starts
         trial, initial, stored = _begin(*begin, dt, tolerance, room)
-        if control.estimator.relative and not all(np.all(np.asarray(one)) for one in trial.scales):
+        if control.estimator.relative and not all(np.all(np.asarray(size)) for size in trial.scales):
             # estimates are relative to sizes of the motion so far, and at least one size is zero at the start
-            grid = np.union1d(np.linspace(0.0, control.times[-1], OF_TRIAL + 1), control.times)
+            grid = np.union1d(np.linspace(0.0, control.times[-1], TRIAL_STEPS + 1), control.times)
             scales, effort = _scales_of_trial(*begin, grid)
             trial = trial._replace(scales=tuple(map(jnp.maximum, trial.scales, scales)), rejected=effort)
         parts = []
         while True:
             trial, stored, values = _proceed(
-                self._of, lanes, adaptive, self._over, trial, stored, initial, tolerance, room, turns
+                self._march_of, lanes, adaptive, self._over, trial, stored, initial, tolerance, room, turns
             )
             ended = np.all(np.asarray(trial.status) != RUNNING)
             if keeps and (ended or np.any(np.asarray(trial.place) >= room)):
@@ -304,19 +306,19 @@ class Adaptive:
         status = np.asarray(trial.status)
         failed = np.flatnonzero(status)
         first = failed[0]
-        how, step, at, size = (np.ravel(x)[first] for x in (status, trial.steps, trial.t, trial.dt))
+        code, step, at, size = (np.ravel(x)[first] for x in (status, trial.steps, trial.t, trial.dt))
         many = f"{failed.size} of {status.size} runs failed, the first of them, lane {first}: " if status.ndim else ""
         cause = ""
         if not (self._over or self._scheme.explicit):
             state = jax.tree.map(lambda x: x[first], trial.state) if self._lanes else trial.state
             usual = max(float(size), float(at) / max(int(step), 1))  # the size may have shrunk before the failure
             cause = cause_of_derivative(self._problem.at(state), float(at), state.u, state.v, usual)
-        if not cause and how < STEP_TOO_SMALL:
-            cause = likely_cause(self._problem, self._scheme, int(how), float(size))
-        what = (
+        if not cause and code < STEP_TOO_SMALL:
+            cause = likely_cause(self._problem, self._scheme, int(code), float(size))
+        message = (
             f"{many}'{self._scheme.title}' failed on '{self._problem.title}' after {step} steps, at t = {at:.6g}, with "
-            f"dt = {size:.6g}: {_HOW[int(how)]}." + (f" Likely cause: {cause}" if cause else "")
+            f"dt = {size:.6g}: {_HOW[int(code)]}." + (f" Likely cause: {cause}" if cause else "")
         )
         if on_failure == "raise":
-            raise RuntimeError(what)
-        warnings.warn(what, RunFailedWarning, stacklevel=4)
+            raise RuntimeError(message)
+        warnings.warn(message, RunFailedWarning, stacklevel=4)

@@ -43,7 +43,7 @@ RESERVED = (
 
 #: Default bound of the displacement, as multiples of u₀ + T u̇₀ and of T² f/m, with the duration T, the largest load f
 #: and the smallest mass m. It is large, because a physically unstable motion may grow from a tiny displacement.
-OF_START, OF_LOAD = 1e9, 1e5
+START_MULTIPLES, LOAD_MULTIPLES = 1e9, 1e5
 
 #: Largest number of times of jumps, kinks and short pulses of the load at which its size is taken before a run.
 PULSES = 256
@@ -158,11 +158,11 @@ def checked_bound(
             raise ValueError(f"bound must be a displacement greater than zero, np.inf for none, not {bound!r}.")
         return float(bound)
     starts = [(u0, v0), *((problem.u0, problem.v0) for problem in problems[1:])]
-    farthest = OF_START * max(np.abs(u).max() + duration * np.abs(v).max() for u, v in starts)
+    farthest = START_MULTIPLES * max(np.abs(u).max() + duration * np.abs(v).max() for u, v in starts)
     for problem in problems:
         if problem.load is not None:
             masses = np.asarray(diagonal(1.0 if problem.mass is None else problem.mass))
-            reached = OF_LOAD * duration**2 * _largest_load(problem, duration) / masses[masses > 0].min()
+            reached = LOAD_MULTIPLES * duration**2 * _largest_load(problem, duration) / masses[masses > 0].min()
             farthest = max(farthest, reached)
     return float(farthest) or np.inf
 

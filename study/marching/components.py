@@ -118,10 +118,10 @@ def each(function: Callable) -> Callable:
     lanes share. An array with several entries, at most ``MOST_ENTRIES``, is returned as :class:`Components`.
     """
 
-    def of_lanes(*arguments):
+    def batched(*arguments):
         leaves, tree = jax.tree.flatten(arguments, is_leaf=_is_components)
-        ones = [_of_one_lane(leaf) for leaf in leaves]
-        program, result = jax.make_jaxpr(lambda *x: function(*jax.tree.unflatten(tree, x)), return_shape=True)(*ones)
+        shapes = [_lane_shape(leaf) for leaf in leaves]
+        program, result = jax.make_jaxpr(lambda *x: function(*jax.tree.unflatten(tree, x)), return_shape=True)(*shapes)
         lanes = Lanes(next(len(x) for x in jax.tree.leaves(arguments) if jnp.ndim(x)))
         try:
             results = lanes.results(program, [_value(leaf) for leaf in leaves])
@@ -131,7 +131,7 @@ def each(function: Callable) -> Callable:
         packed = map(lanes.packed, results, program.out_avals)
         return jax.tree.unflatten(jax.tree.structure(result), list(packed))
 
-    return of_lanes
+    return batched
 
 
 def across(shape: tuple[int, ...]) -> Callable[[Callable], Callable]:
@@ -143,11 +143,11 @@ def across(shape: tuple[int, ...]) -> Callable[[Callable], Callable]:
 def together(function: Callable) -> Callable:
     """As :func:`each`, for whole arrays with an axis of lanes in front, by ``jax.vmap``."""
 
-    def of_lanes(*arguments):
+    def batched(*arguments):
         arguments = joined(arguments)
         return jax.vmap(function, jax.tree.map(lambda x: 0 if jnp.ndim(x) else None, arguments))(*arguments)
 
-    return of_lanes
+    return batched
 
 
 def joined(tree: Any) -> Any:
@@ -176,35 +176,35 @@ class Lanes:
         known = dict(zip(jaxpr.invars, values, strict=True))
         known |= zip(jaxpr.constvars, map(self._constant, constants), strict=True)
 
-        def value(of):
-            literal = isinstance(of, core.Literal)
-            return np.asarray(of.val, of.aval.dtype) if literal else known[of]  # type: ignore[attr-defined]
+        def value(variable):
+            literal = isinstance(variable, core.Literal)
+            return np.asarray(variable.val, variable.aval.dtype) if literal else known[variable]  # type: ignore[attr-defined]
 
         for operation in jaxpr.eqns:
-            results = self._computed(operation, [value(of) for of in operation.invars])
+            results = self._computed(operation, [value(variable) for variable in operation.invars])
             known |= zip(operation.outvars, results, strict=True)
-        return [value(of) for of in jaxpr.outvars]
+        return [value(variable) for variable in jaxpr.outvars]
 
-    def packed(self, value: Any, of: Any) -> Any:
+    def packed(self, value: Any, aval: Any) -> Any:
         """A value as arrays with an axis of lanes in front, or as :class:`Components` of such arrays."""
         if isinstance(value, Whole):
             return value.array
-        if not _is_divisible(of.shape):
-            return self._whole(value, of)
-        entries = objects([self._full(x) for x in _entries(value).flat], of.shape)
-        return Components(entries) if of.shape else entries[()]
+        if not _is_divisible(aval.shape):
+            return self._whole(value, aval)
+        entries = objects([self._full(x) for x in _entries(value).flat], aval.shape)
+        return Components(entries) if aval.shape else entries[()]
 
     def _full(self, component: Any) -> jax.Array:
         """A component as an array (lanes,)."""
         return component if jnp.ndim(component) else lax.broadcast(component, (self._lanes,))
 
-    def _whole(self, value: Any, of: Any) -> jax.Array:
+    def _whole(self, value: Any, aval: Any) -> jax.Array:
         """A value as one array with an axis of lanes in front."""
         if isinstance(value, Whole):
             return value.array
         if not _varies(value) or not value.size:
-            shared = jnp.zeros(of.shape, of.dtype) if _varies(value) else jnp.asarray(value)
-            return jnp.broadcast_to(shared, (self._lanes, *of.shape))
+            shared = jnp.zeros(aval.shape, aval.dtype) if _varies(value) else jnp.asarray(value)
+            return jnp.broadcast_to(shared, (self._lanes, *aval.shape))
         return _stacked(objects([self._full(x) for x in value.flat], value.shape))
 
     def _computed(self, operation: Any, values: list) -> list:
@@ -214,7 +214,7 @@ class Lanes:
             return self.results(operation.params[CALLS[name]], values)
         if name == "call_hi_primitive":  # an operation of JAX since version 0.12 that consists of others
             expanded = functools.partial(operation.primitive.to_lojax, **operation.params)
-            return self.results(jax.make_jaxpr(expanded)(*(of.aval for of in operation.invars)), values)
+            return self.results(jax.make_jaxpr(expanded)(*(variable.aval for variable in operation.invars)), values)
         if not any(map(_varies, values)):
             return self._alone(operation, values)
         if name in _LOOPS:
@@ -249,8 +249,8 @@ class Lanes:
 
     def _together(self, operation: Any, values: list) -> list:
         """Results of an operation on arrays of all lanes."""
-        types = [of.aval for of in operation.invars]
-        arrays = [self._whole(x, of) if _varies(x) else x for x, of in zip(values, types, strict=True)]
+        types = [variable.aval for variable in operation.invars]
+        arrays = [self._whole(x, aval) if _varies(x) else x for x, aval in zip(values, types, strict=True)]
         axes = [0 if _varies(x) else None for x in values]
         return [_value(x) for x in jax.vmap(_function(operation), axes, axis_size=self._lanes)(*arrays)]
 
@@ -263,13 +263,13 @@ class Lanes:
     def _elementwise(self, operation: Any, *operands: np.ndarray) -> np.ndarray:
         shape = operation.outvars[0].aval.shape
         wide = zip(*(np.broadcast_to(x, shape).flat for x in operands), strict=True)
-        return objects([self._bound(operation.primitive, *ones, **operation.params) for ones in wide], shape)
+        return objects([self._bound(operation.primitive, *entries, **operation.params) for entries in wide], shape)
 
     def _joined(self, primitive: Any, terms: np.ndarray) -> np.ndarray:
         """The rows of an array joined one after the other by an operation of two entries."""
 
         def pair(x, y):
-            return objects([self._bound(primitive, *ones) for ones in zip(x.flat, y.flat, strict=True)], x.shape)
+            return objects([self._bound(primitive, *entries) for entries in zip(x.flat, y.flat, strict=True)], x.shape)
 
         return functools.reduce(pair, [terms[k, ...] for k in range(len(terms))])
 
@@ -293,14 +293,14 @@ class Lanes:
         x = x.reshape(math.prod(inner), -1, left, 1)
         y = y.reshape(math.prod(inner), -1, 1, right)
         pairs = zip(*(np.broadcast_to(_, (*x.shape[:3], right)).flat for _ in (x, y)), strict=True)
-        terms = objects([self._bound(lax.mul_p, *ones) for ones in pairs], (*x.shape[:3], right))
+        terms = objects([self._bound(lax.mul_p, *factors) for factors in pairs], (*x.shape[:3], right))
         return self._joined(lax.add_p, terms).reshape(operation.outvars[0].aval.shape)
 
     def _while(self, operation: Any, values: list) -> list:
         condition, body = (operation.params[f"{name}_jaxpr"] for name in ("cond", "body"))
         first, second = (operation.params[f"{name}_nconsts"] for name in ("cond", "body"))
         condition_values, body_values, begin = values[:first], values[first : first + second], values[first + second :]
-        types = [of.aval for of in operation.outvars]
+        types = [variable.aval for variable in operation.outvars]
         varies, before = [_varies(x) for x in begin], None
         while varies != before:
             after = _depend(body.jaxpr, [*map(_varies, body_values), *varies])
@@ -309,7 +309,7 @@ class Lanes:
         varies = [vary or apart for vary in varies]
 
         def packed(values):
-            return [self.packed(x, of) if v else x for x, of, v in zip(values, types, varies, strict=True)]
+            return [self.packed(x, aval) if v else x for x, aval, v in zip(values, types, varies, strict=True)]
 
         def unpacked(carry):
             return [_value(x) if v else x for x, v in zip(carry, varies, strict=True)]
@@ -335,10 +335,10 @@ class Lanes:
 
     def _branch(self, operation: Any, values: list) -> list:
         choice, *operands = values
-        types = [of.aval for of in operation.outvars]
+        types = [variable.aval for variable in operation.outvars]
 
         def results(branch):
-            return [self.packed(x, of) for x, of in zip(self.results(branch, operands), types, strict=True)]
+            return [self.packed(x, aval) for x, aval in zip(self.results(branch, operands), types, strict=True)]
 
         def chosen(*cases):
             return functools.reduce(lambda x, k: where(choice[()] == k, cases[k], x), range(1, len(cases)), cases[0])
@@ -367,15 +367,15 @@ class Lanes:
             stored.append(results[carried:])
         if params["reverse"]:
             stored.reverse()
-        types = [of.aval for of in operation.outvars[carried:]]
-        return carry + [self._rows(column, of) for column, of in zip(zip(*stored, strict=True), types, strict=True)]
+        types = [variable.aval for variable in operation.outvars[carried:]]
+        return carry + [self._rows(column, aval) for column, aval in zip(zip(*stored, strict=True), types, strict=True)]
 
-    def _rows(self, values: Sequence, of: Any) -> Any:
+    def _rows(self, values: Sequence, aval: Any) -> Any:
         """The values, one below the other, as one value."""
         if not any(map(_varies, values)):
             return jnp.stack([jnp.asarray(x) for x in values])
         if any(isinstance(x, Whole) for x in values):
-            row = jax.ShapeDtypeStruct(of.shape[1:], of.dtype)
+            row = jax.ShapeDtypeStruct(aval.shape[1:], aval.dtype)
             return Whole(jnp.stack([self._whole(x, row) for x in values], 1))
         return np.stack([_entries(x) for x in values])
 
@@ -392,7 +392,7 @@ def _is_components(x: Any) -> bool:
     return isinstance(x, Components)
 
 
-def _of_one_lane(leaf: Any) -> jax.ShapeDtypeStruct:
+def _lane_shape(leaf: Any) -> jax.ShapeDtypeStruct:
     if _is_components(leaf):
         return jax.ShapeDtypeStruct(leaf.entries.shape, leaf.entries.flat[0].dtype)
     return jax.ShapeDtypeStruct(jnp.shape(leaf)[1:], jnp.result_type(leaf))
@@ -459,14 +459,14 @@ def _stacked(entries: np.ndarray) -> jax.Array:
 
 def _depend(program: Any, depends: Sequence[bool]) -> list[bool]:
     """Which results of a program depend on the arguments for which ``depends`` is true."""
-    of = dict(zip(program.invars, depends, strict=True))
+    dependence = dict(zip(program.invars, depends, strict=True))
 
-    def one(variable):
-        return not isinstance(variable, core.Literal) and of.get(variable, False)
+    def is_dependent(variable):
+        return not isinstance(variable, core.Literal) and dependence.get(variable, False)
 
     for operation in program.eqns:
-        of |= dict.fromkeys(operation.outvars, any(map(one, operation.invars)))
-    return [one(variable) for variable in program.outvars]
+        dependence |= dict.fromkeys(operation.outvars, any(map(is_dependent, operation.invars)))
+    return [is_dependent(variable) for variable in program.outvars]
 
 
 def _function(operation: Any) -> Callable:
@@ -481,16 +481,16 @@ def _function(operation: Any) -> Callable:
 
 def _alone(operation: Any, values: list) -> list:
     """Results of an operation that all lanes share; indices are computed at once, so that they are known."""
-    name, types = operation.primitive.name, [of.aval for of in operation.outvars]
-    indices = all(jnp.issubdtype(of.dtype, jnp.integer) or of.dtype == bool for of in types)
+    name, types = operation.primitive.name, [variable.aval for variable in operation.outvars]
+    indices = all(jnp.issubdtype(aval.dtype, jnp.integer) or aval.dtype == bool for aval in types)
     if not indices or any(isinstance(x, jax.core.Tracer) for x in values):
         return _function(operation)(*values)
-    if name in _OF_INDICES:
-        results = [_OF_INDICES[name](operation.params, *values)]
+    if name in _INDEX_OPERATIONS:
+        results = [_INDEX_OPERATIONS[name](operation.params, *values)]
     else:
         with jax.ensure_compile_time_eval():
             results = _function(operation)(*values)
-    return [np.broadcast_to(np.asarray(x, of.dtype), of.shape) for x, of in zip(results, types, strict=True)]
+    return [np.broadcast_to(np.asarray(x, aval.dtype), aval.shape) for x, aval in zip(results, types, strict=True)]
 
 
 def _whole_numbers(params: dict) -> np.ndarray:
@@ -499,7 +499,7 @@ def _whole_numbers(params: dict) -> np.ndarray:
 
 
 #: Operations on indices that NumPy computes, because JAX would compile a program for each of them.
-_OF_INDICES: dict[str, Callable] = {
+_INDEX_OPERATIONS: dict[str, Callable] = {
     name: lambda params, *operands, numpy_function=numpy_function: numpy_function(*operands)
     for name, numpy_function in {
         "add": np.add,

@@ -55,14 +55,16 @@ def _on_cores(run: Callable[..., Result], arguments: Sequence[tuple]) -> list[Re
     # a new thread does not inherit the context, the precision and the deadline of this thread
     @jax.enable_x64(jax.enable_x64.value)
     @until(end)
-    def one(arguments, context):
+    def in_context(arguments, context):
         return context.run(run, *arguments, on_pause=lambda step: not stopped.is_set())
 
     contexts = [copy_context() for _ in arguments]  # one for each, because a context runs in one thread at a time
     silent = None if len(arguments) > workers else True  # None shows the bar only in a terminal
     with ThreadPoolExecutor(min(workers, len(arguments))) as pool:
         try:
-            return list(tqdm(pool.map(one, arguments, contexts), total=len(arguments), disable=silent, leave=False))
+            return list(
+                tqdm(pool.map(in_context, arguments, contexts), total=len(arguments), disable=silent, leave=False)
+            )
         except BaseException:
             stopped.set()
             pool.shutdown(cancel_futures=True)

@@ -26,8 +26,8 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
         arrays are not numbers of one length.
     """
     if not callable(make) or isinstance(make, Problem):
-        what = f"the problem '{make.title}'" if isinstance(make, Problem) else repr(make)
-        raise TypeError(f"over= needs a function that makes a problem in place of {what}.")
+        description = f"the problem '{make.title}'" if isinstance(make, Problem) else repr(make)
+        raise TypeError(f"over= needs a function that makes a problem in place of {description}.")
     if not isinstance(over, Mapping):
         raise TypeError(f"over must be a mapping of names to arrays, such as over={{'scale': [1, 2]}}, not {over!r}.")
     arguments = inspect.signature(make).parameters
@@ -44,8 +44,12 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
     lengths = {name: len(value) for name, value in values.items()}
     if len(set(lengths.values())) != 1 or not all(lengths.values()):
         raise ValueError(f"over needs arrays of one length, at least one, not {lengths or 'nothing'}.")
-    for name, one in arguments.items():
-        if one.default is one.empty and one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY) and name not in over:
+    for name, argument in arguments.items():
+        if (
+            argument.default is argument.empty
+            and argument.kind in (argument.POSITIONAL_OR_KEYWORD, argument.KEYWORD_ONLY)
+            and name not in over
+        ):
             raise ValueError(f"over lacks '{name}', an argument of the function that makes the problem.")
     return {name: value.astype(float) for name, value in values.items()}
 
@@ -101,8 +105,8 @@ def times_of_lanes(
         return np.unique(np.concatenate([times_of(load, duration, sides=True) for load in loads]))
     lanes = {name: jnp.asarray(value) for name, value in over.items()}
 
-    def of_lanes(t):
+    def load_of_lanes(t):
         return jax.vmap(lambda values: make(**values).load(t))(lanes)  # type: ignore[misc]
 
-    times = beside_jumps(of_lanes, events(of_lanes, duration), duration)
+    times = beside_jumps(load_of_lanes, events(load_of_lanes, duration), duration)
     return times[(times > 0) & (times < duration)]

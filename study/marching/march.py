@@ -110,7 +110,7 @@ class March(eqx.Module):
         """The march of a family in which ``make`` has these arguments, with an axis of lanes."""
         if self.make is None:
             return self
-        arguments = self._across(lambda one: one)(arguments)
+        arguments = self._across(lambda leaf: leaf)(arguments)
         return eqx.tree_at(lambda march: march.arguments, self, arguments, is_leaf=lambda x: x is None)
 
     def _problem(self, arguments: Any) -> Problem:
@@ -150,12 +150,12 @@ class March(eqx.Module):
         starts from u₀ and v₀ of its problem, unless ``u0`` is NaN.
         """
 
-        def one(problem, u0, v0, dt):
+        def lane_start(problem, u0, v0, dt):
             if self.make is not None:
                 u0, v0 = jnp.where(jnp.isnan(u0), u0, problem.u0), jnp.asarray(problem.v0)
             state, effort = started(self.scheme, problem, u0, v0, dt)
             here = problem.at(state).at_time(0.0)
-            carried = tuple(one.started(one.start(here, state), effort) for one in self.reductions)
+            carried = tuple(reduction.started(reduction.start(here, state), effort) for reduction in self.reductions)
             return (
                 state,
                 carried,
@@ -164,7 +164,7 @@ class March(eqx.Module):
             )
 
         # a start by components would take long to compile, and is computed only once
-        state, carried, failure, first = self._each(one, together)(u0, v0, dt)
+        state, carried, failure, first = self._each(lane_start, together)(u0, v0, dt)
         if self.lanes:
             state, carried = self._across(lambda *parts: parts)(state, carried)
         stored = {name: jnp.zeros((room + 1, *value.shape)).at[0].set(value) for name, value in first.items()}
@@ -220,16 +220,16 @@ class March(eqx.Module):
     def _advance_in_kernels(self, progress: Progress, dt, until, steps) -> Progress | None:
         """As :meth:`_advance`, in kernels; None if they are refused."""
 
-        def step(number, lane, others):
-            (failure, state, carried), (dt, steps, arguments) = lane, others
+        def step(number, lane, inputs):
+            (failure, state, carried), (dt, steps, arguments) = lane, inputs
             lane = self.step_of_lane(self._problem(arguments), number, failure, state, carried, dt, steps)
             goes_on = lane[0] == 0
             return lane, goes_on if steps is None else goes_on & (number + 1 < steps)
 
         begin, *lanes = progress
-        others = jnp.broadcast_to(dt, progress.failure.shape), steps, self.arguments
+        inputs = jnp.broadcast_to(dt, progress.failure.shape), steps, self.arguments
         interpret = jax.default_backend() == "cpu"
-        end = kernel.advanced(step, tuple(lanes), others, begin, until, PATIENCE, interpret)
+        end = kernel.advanced(step, tuple(lanes), inputs, begin, until, PATIENCE, interpret)
         return None if end is None else Progress(until, *end)
 
     def proceed(
@@ -294,11 +294,11 @@ class March(eqx.Module):
     def result(self, progress: Progress) -> tuple[jax.Array, dict[str, jax.Array]]:
         """``Progress.failure`` and the variables of the reductions after the steps so far."""
 
-        def one(problem, state, carried):
+        def lane_result(problem, state, carried):
             return {
                 name: value
                 for reduction, c in zip(self.reductions, carried, strict=True)
                 for name, value in reduction.result(c, problem.at(state), state).items()
             }
 
-        return progress.failure, joined(self._each(one)(progress.state, progress.carried))
+        return progress.failure, joined(self._each(lane_result)(progress.state, progress.carried))

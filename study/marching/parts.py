@@ -156,10 +156,11 @@ class Lane(NamedTuple):
             return stored, march.result(progress)
 
         program, results = jax.make_jaxpr(lane, return_shape=True)(*first)
-        sample, others = (
-            sum(x.size * x.dtype.itemsize for x in jax.tree.leaves(one)) for one in (results[0], (results[1], first))
+        sample, remainder = (
+            sum(x.size * x.dtype.itemsize for x in jax.tree.leaves(arrays))
+            for arrays in (results[0], (results[1], first))
         )
-        return cls(program, samples * sample + others, arguments)
+        return cls(program, samples * sample + remainder, arguments)
 
     def digest(self, *others: Any) -> str:
         """A digest of program, arguments and other values, equal in every process."""

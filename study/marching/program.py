@@ -106,22 +106,22 @@ def _whole(form: _Form, numbers: list, counts, begin: tuple, room: int, each_ste
     """Samples and result of a run in one call, which saves the time to pass its progress between calls."""
     march = form.march(numbers)
 
-    def one(u0, v0, dt, arguments, lane_steps):
+    def run(u0, v0, dt, arguments, lane_steps):
         tile_march = march.with_arguments(arguments)
         progress, initial, stored = tile_march.start(u0, v0, dt, room)
         return _proceed(tile_march, counts, each_step, stored, progress, initial, dt, lane_steps)[1:]
 
-    return _each_tile(march, one, (*begin, lane_steps))
+    return _each_tile(march, run, (*begin, lane_steps))
 
 
 @partial(jit, static_argnums=(0, 3))
 def _start(form: _Form, numbers: list, begin: tuple, room: int):
     march = form.march(numbers)
 
-    def one(u0, v0, dt, arguments):
+    def start(u0, v0, dt, arguments):
         return march.with_arguments(arguments).start(u0, v0, dt, room)
 
-    return _each_tile(march, one, begin)
+    return _each_tile(march, start, begin)
 
 
 @partial(jit, static_argnums=(0, 3), donate_argnums=4)
@@ -129,10 +129,10 @@ def _stretch(form: _Form, numbers: list, counts, each_step: bool, stored, lanes:
     """Progress, samples and result of a run after one more stretch."""
     march = form.march(numbers)
 
-    def one(stored, progress, initial, dt, arguments, lane_steps):
+    def stretch(stored, progress, initial, dt, arguments, lane_steps):
         return _proceed(march.with_arguments(arguments), counts, each_step, stored, progress, initial, dt, lane_steps)
 
-    return _each_tile(march, one, (stored, *lanes))
+    return _each_tile(march, stretch, (stored, *lanes))
 
 
 def _stretches(steps: int, every: int, samples: int, room: int, pause: int) -> Iterator[tuple[int, int]]:
@@ -160,10 +160,10 @@ def as_result(result: tuple, samples: dict[str, np.ndarray]) -> Result:
 def _canonical(tree: Any) -> Any:
     """The tree with arrays of NumPy in the precision of JAX, which may pass them on without converting them."""
 
-    def one(leaf):
+    def canonical(leaf):
         return np.asarray(leaf, jax.dtypes.canonicalize_dtype(leaf.dtype)) if isinstance(leaf, np.ndarray) else leaf
 
-    return jax.tree.map(one, tree)
+    return jax.tree.map(canonical, tree)
 
 
 class Program:

@@ -27,7 +27,7 @@ FAILED_AT_STEP_ATTRIBUTES = {"long_name": "step at which the run failed, -1 wher
 
 
 #: Attributes of the coordinates of an ensemble.
-OF_LANE = {
+LANE_ATTRIBUTES = {
     "dt": {"long_name": "step size", "units": "s"},
     "steps": {"long_name": "number of steps", "units": "1"},
     "u0": {"long_name": "initial displacement", "units": "1"},
@@ -95,7 +95,7 @@ class Labels:
             **Restarts.variables,
         }
         self.attributes |= {name: a for observer in observers for name, a in observer.variables.items()}
-        self.of_dataset = {
+        self.dataset_attributes = {
             "title": f"{scheme.title} on the {problem.title}",
             "problem": problem.title,
             "scheme": scheme.title,
@@ -158,9 +158,10 @@ class Labels:
         for name, value in values.items():
             data[name] = self.variable(name, value, (*lane, along) if name in result.samples else lane)
         coordinates: dict[str, tuple] = {
-            name: ((*lane, *self._component[: value.ndim - 1]), value, OF_LANE[name]) for name, value in by_lane.items()
+            name: ((*lane, *self._component[: value.ndim - 1]), value, LANE_ATTRIBUTES[name])
+            for name, value in by_lane.items()
         }
         if samples:
             t = np.multiply.outer(dt, np.arange(samples + 1) * every)
             coordinates["t"] = ((*lane, "sample") if dt.ndim else "t", t, {"long_name": "elapsed time", "units": "s"})
-        return xr.Dataset(data, coordinates, self.of_dataset | shared)
+        return xr.Dataset(data, coordinates, self.dataset_attributes | shared)

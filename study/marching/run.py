@@ -243,7 +243,7 @@ def run(
     _check_on_failure(on_failure)
     if not controlled and (dt is None or steps is None):
         raise TypeError("study.run needs dt and steps, or a tolerance and a duration.")
-    if not controlled and any(given is not None for given in (duration, estimator, times)):
+    if not controlled and any(option is not None for option in (duration, estimator, times)):
         raise TypeError("duration, estimator and times belong to a run with a tolerance.")
     if controlled and save is not None:
         raise TypeError("save belongs to an ensemble with equal steps; write one with a tolerance by its to_netcdf.")
@@ -404,10 +404,10 @@ def _report_failures(
 ) -> None:
     """Warn of failed runs, raise an error, or do nothing."""
     if on_failure != "ignore" and np.any(result.status):
-        what = failure.sentence(result, problem, scheme, begin, dt, motion, first_lane)
+        message = failure.sentence(result, problem, scheme, begin, dt, motion, first_lane)
         if on_failure == "raise":
-            raise RuntimeError(what)
-        warnings.warn(what, failure.RunFailedWarning, stacklevel=4)
+            raise RuntimeError(message)
+        warnings.warn(message, failure.RunFailedWarning, stacklevel=4)
 
 
 def _report_excess(
@@ -419,8 +419,8 @@ def _report_excess(
         lane = int(np.argmax(excess))
         step_size = float(np.broadcast_to(dt, excess.shape).ravel()[lane])
         where = f" in lane {first_lane + lane}" if np.ndim(excess) else ""
-        what = stability.sentence(scheme, motion.of_lane(lane), step_size, where)
-        warnings.warn(f"{what}; the run has completed, but its results may be wrong.", RuntimeWarning, stacklevel=4)
+        message = stability.sentence(scheme, motion.of_lane(lane), step_size, where)
+        warnings.warn(f"{message}; the run has completed, but its results may be wrong.", RuntimeWarning, stacklevel=4)
 
 
 #: ``run`` for maps and searches, whose runs may fail, or exceed the stability limit, on purpose; neither is reported.

@@ -189,7 +189,7 @@ def _highest(problem: Problem, product, n: int):
         size = jnp.sqrt(x @ times(mass, x))
         return x / jnp.where(size > 0, size, 1.0), size
 
-    def one(carry, _):
+    def iteration(carry, _):
         before, q, b = carry
         w = product(q)
         a = q @ w
@@ -197,7 +197,9 @@ def _highest(problem: Problem, product, n: int):
         return (q, following, b_next), (q, a, b_next)
 
     start = jnp.asarray(np.random.default_rng(0).normal(size=n))
-    _, (basis, a, b) = lax.scan(one, (jnp.zeros_like(start), unit(start)[0], jnp.zeros(())), length=min(n, PRODUCTS))
+    _, (basis, a, b) = lax.scan(
+        iteration, (jnp.zeros_like(start), unit(start)[0], jnp.zeros(())), length=min(n, PRODUCTS)
+    )
     return unit(_highest_of_tridiagonal(a, b[:-1]) @ basis)[0]
 
 
@@ -271,7 +273,7 @@ def _oscillator(gyroscopic: bool) -> Problem:
 
 @partial(jit, compiler=eqx.filter_jit)
 def _compiled_growth(scheme: Scheme, gyroscopic: bool, k, c_real, c_imaginary):
-    def one(k, a, b):
+    def growth(k, a, b):
         problem = eqx.tree_at(
             lambda p: (p.force.args, p.potential.args, p.damping),
             _oscillator(gyroscopic),
@@ -286,7 +288,7 @@ def _compiled_growth(scheme: Scheme, gyroscopic: bool, k, c_real, c_imaginary):
 
         return lax.fori_loop(0, SQUARINGS, squared, (amplification_matrix(scheme, problem, jnp.ones(())), 0.0))[1]
 
-    return jax.vmap(one)(k, c_real, c_imaginary)
+    return jax.vmap(growth)(k, c_real, c_imaginary)
 
 
 @jax.enable_x64(True)
