@@ -207,11 +207,11 @@ class LinearTheory:
         if not (is_number(damping_ratio) and 0 <= damping_ratio < 1):
             raise ValueError(f"damping_ratio must be at least 0 and less than 1, not {damping_ratio}.")
         self._scheme, self._dt_over_period, self._damping_ratio = scheme, parts, damping_ratio
-        self.matrices = self._of_each(_matrix, parts)
+        self.matrices = self._at_step_sizes(_matrix, parts)
         self.roots = eigenvalues(self.matrices)
         self.spectral_radius = np.abs(self.roots).max(axis=-1)
 
-    def _of_each(self, function, step_size_over_period) -> np.ndarray:
+    def _at_step_sizes(self, function, step_size_over_period) -> np.ndarray:
         """Values of a function at every step size, computed in tiles of the same length.
 
         One compiled program then serves any number of step sizes. It serves all damping ratios too: zero damping adds
@@ -223,7 +223,7 @@ class LinearTheory:
         return np.concatenate([_at_each(function, unlabelled(self._scheme), tile, damping) for tile in tiles])[:points]
 
     def _radius(self, step_size_over_period: Points) -> Points:
-        return np.abs(eigenvalues(self._of_each(_matrix, step_size_over_period))).max(axis=-1)
+        return np.abs(eigenvalues(self._at_step_sizes(_matrix, step_size_over_period))).max(axis=-1)
 
     def _first_unstable(self, omega: Points) -> int | None:
         """Index of the first unstable Ω, searched tile by tile; None if all are stable."""
@@ -263,7 +263,7 @@ class LinearTheory:
         It is the largest :math:`|u| - 1` and :math:`|\dot u|/\omega - 1`, and at least zero, the value for the exact
         motion. It is NaN at unstable step sizes.
         """
-        state = self._of_each(_initial_states, self._dt_over_period)[:, 0]
+        state = self._at_step_sizes(_initial_states, self._dt_over_period)[:, 0]
         largest = np.ones((2, len(state)))
         stable = self.spectral_radius <= 1 + GROWTH
         for _ in range(OVERSHOOT_STEPS):
@@ -286,8 +286,8 @@ class LinearTheory:
         algorithms for structural dynamics, Int. J. Numer. Methods Eng. 59(5), 2004, 597-668.
         """
         ends = np.array(LONG) / (2 * np.pi)
-        states = self._of_each(_initial_states, ends)
-        first = np.abs(np.einsum("pij,psj->psi", self._of_each(_matrix, ends), states)[..., :2])
+        states = self._at_step_sizes(_initial_states, ends)
+        first = np.abs(np.einsum("pij,psj->psi", self._at_step_sizes(_matrix, ends), states)[..., :2])
         slopes = np.log(np.maximum(first[1], 1.0) / np.maximum(first[0], 1.0)) / np.log(LONG[1] / LONG[0])
         return np.maximum(slopes, 0.0)
 

@@ -104,13 +104,13 @@ def _marched(problem, scheme, u0, dt, steps_per_period, periods, skipped):
     def over_a_period(k, carried):
         state, basis, logarithms, squares = carried
 
-        def one(i, carried):
+        def next_step(i, carried):
             state, basis, squares = carried
             t = (k * steps_per_period + i).astype(float) * dt
             state, basis = jax.vmap(step, (0, 0, None))(state, basis, t)
             return state, basis, squares + state.u.reshape(u0.shape) ** 2
 
-        state, basis, more = lax.fori_loop(0, steps_per_period, one, (state, basis, jnp.zeros_like(squares)))
+        state, basis, more = lax.fori_loop(0, steps_per_period, next_step, (state, basis, jnp.zeros_like(squares)))
         basis, growth = jax.vmap(orthogonal)(basis)
         growth, more = (jnp.where(k >= skipped, part, 0.0) for part in (growth, more))
         return state, basis, logarithms + growth, squares + more

@@ -32,11 +32,13 @@ class Outcome(enum.IntEnum):
     UNBOUNDED = 8
 
 
-OUTCOME_ATTRIBUTES = flags("how the run ended", [one.name.lower() for one in Outcome], np.int8)
+OUTCOME_ATTRIBUTES = flags("how the run ended", [outcome.name.lower() for outcome in Outcome], np.int8)
 
 #: Attributes of the outcomes of runs that are judged only by their balance of energies, not by their displacement.
 BALANCE_ATTRIBUTES = flags(
-    "how the run ended", ["energy_kept", *(one.name.lower() for one in Outcome if one != Outcome.ACCURATE)], np.int8
+    "how the run ended",
+    ["energy_kept", *(outcome.name.lower() for outcome in Outcome if outcome != Outcome.ACCURATE)],
+    np.int8,
 )
 
 #: Explanations of the outcomes of :func:`outcomes`, for readers of the maps.

@@ -50,7 +50,7 @@ class Recommended(pd.DataFrame):
 
     def _repr_html_(self) -> str | None:
         table = self._formatted()._repr_html_()  # type: ignore[operator]
-        return table if table is None else "".join(f"<p>{text_of(one)}</p>" for one in self._words()) + table
+        return table if table is None else "".join(f"<p>{text_of(line)}</p>" for line in self._words()) + table
 
     def _words(self) -> list[str]:
         return [*self.attrs.get("answer", ()), *self.attrs.get("notes", ())]
@@ -74,7 +74,7 @@ def chosen(
     limits = dataset.allowed_error.values
     if not np.isclose(limits, error, rtol=1e-9, atol=0).any():
         raise ValueError(
-            f"allowed_error must be one that was assessed, {', '.join(f'{one:g}' for one in limits)}, not {error:g}; "
+            f"allowed_error must be one that was assessed, {', '.join(f'{x:g}' for x in limits)}, not {error:g}; "
             "assess with allowed_errors=[...] for others."
         )
     return quantity, dataset.sel(quantity=quantity).sel(allowed_error=error, method="nearest")
@@ -121,7 +121,7 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
     table.insert(table.columns.get_loc("error") + 1, "most_wrong", errors.idxmax(axis=1))
     table.insert(table.columns.get_loc("most_wrong") + 1, "most_wrong_error", errors.max(axis=1))
     recommendation = Recommended(table)
-    answer = [answer_line(assessed, table, quantity, error), *_asked(assessed, table)]
+    answer = [answer_line(assessed, table, quantity, error), *_requested_answers(assessed, table)]
     recommendation.attrs = {
         "quantity": quantity,
         "spacing": assessed.attrs.get("spacing"),
@@ -164,9 +164,11 @@ def over_duration(
     known, duration
         Durations in s.
     """
-    of = dataset.sel(scheme=table.index.values)
-    law = [step_exponent(p, bool(e), quantity) for p, e in zip(of.order.values, of.keeps_energy.values, strict=True)]
-    titles = of.scheme_title.to_series()
+    data = dataset.sel(scheme=table.index.values)
+    law = [
+        step_exponent(p, bool(e), quantity) for p, e in zip(data.order.values, data.keeps_energy.values, strict=True)
+    ]
+    titles = data.scheme_title.to_series()
     steps = [step_over(step, a, known, duration) for step, a in zip(table.step_size, law, strict=True)]
     rounded = table.step_size.copy()
     rounded[:] = [round_down(step) if step > 0 else np.nan for step in steps]
@@ -221,21 +223,21 @@ def asked_for(assessed: xr.Dataset) -> list[str]:
     return [name for name in assessed.attrs.get("asked_for", "").split("; ") if name in assessed.scheme.values]
 
 
-def of_own(assessed: xr.Dataset, table: pd.DataFrame, name: str) -> str:
+def own_scheme_answer(assessed: xr.Dataset, table: pd.DataFrame, name: str) -> str:
     """The step of your own scheme, and the ratio of its cost to the least cost of the others; or why it has none."""
     if not table.step_size[name] > 0:
         return f"no step was found ({table.verdict[name]})"
     counts, requested = costs_of(table), asked_for(assessed)
-    others = counts[[name for name in table.index if name not in requested and table.step_size[name] > 0]].dropna()
+    competitors = counts[[name for name in table.index if name not in requested and table.step_size[name] > 0]].dropna()
     step = step_with_unit(table.step_size[name], assessed.attrs.get("spacing"))
-    if others.empty:
+    if competitors.empty:
         return step
-    title = assessed.scheme_title.sel(scheme=others.idxmin()).item()
-    of = "forces" if counts.name == "force_evaluations" else "steps"
-    return f"{step}, {number(counts[name] / others.min(), 2)} times the {of} of {title}"
+    title = assessed.scheme_title.sel(scheme=competitors.idxmin()).item()
+    counted = "forces" if counts.name == "force_evaluations" else "steps"
+    return f"{step}, {number(counts[name] / competitors.min(), 2)} times the {counted} of {title}"
 
 
-def of_controller(assessed: xr.Dataset, table: pd.DataFrame) -> str:
+def controller_answer(assessed: xr.Dataset, table: pd.DataFrame) -> str:
     """The scheme and tolerance with the fewest forces, and their ratio to those of equal steps, in words."""
     controlled = table["controlled_force_evaluations"].dropna()
     if controlled.empty:
@@ -246,15 +248,15 @@ def of_controller(assessed: xr.Dataset, table: pd.DataFrame) -> str:
     return f"{title} with tolerance {typed(row.tolerance)}{ratio if row.control_over_equal > 0 else ''}"
 
 
-def _asked(assessed: xr.Dataset, table: pd.DataFrame) -> list[str]:
+def _requested_answers(assessed: xr.Dataset, table: pd.DataFrame) -> list[str]:
     """Sentences on your own schemes and on the controller that were asked for."""
     titles, sentences = assessed.scheme_title.to_series(), list[str]()
     remarks = assessed.attrs.get("remarks", "").split("; ")
     for name in asked_for(assessed):
         sentences += [remark for remark in remarks if remark.startswith(f"{titles[name]} is")]
-        sentences.append(f"{titles[name]}: {of_own(assessed, table, name)}")
+        sentences.append(f"{titles[name]}: {own_scheme_answer(assessed, table, name)}")
     if "tolerance" in table:
-        sentences.append(f"Controlled steps ({assessed.attrs['controller']}): {of_controller(assessed, table)}")
+        sentences.append(f"Controlled steps ({assessed.attrs['controller']}): {controller_answer(assessed, table)}")
     return sentences
 
 

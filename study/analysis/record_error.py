@@ -97,5 +97,5 @@ def record_error(
     frequency = 2 * np.pi * np.fft.rfftfreq(count, spacing)
     response = 1 / np.abs(omega[..., None] ** 2 - frequency**2 + 2j * damping * omega[..., None] * frequency)
     missed_part, whole = (np.linalg.norm(response * np.fft.rfft(signal, count), axis=-1) for signal in (missed, record))
-    delta = abs(modified.of_period) * (omega * dt) ** 2
+    delta = abs(modified.period_coefficient) * (omega * dt) ** 2
     return RecordError(delta / (math.sqrt(2) * damping), missed_part / whole)

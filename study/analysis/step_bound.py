@@ -45,14 +45,14 @@ class ModifiedEnergy(NamedTuple):
     :math:`S = \oint \ddot u^T M \ddot u\, dt` with respect to E.
     """
 
-    of_velocity: float
-    of_acceleration: float
-    of_period: float
+    velocity_coefficient: float
+    acceleration_coefficient: float
+    period_coefficient: float
 
     @property
     def convex(self) -> float:
         """Largest error of the energy, over its height above rest and (ωΔt)², of any motion with 0 ≤ p′ ≤ ω² M."""
-        ends = self.of_velocity * 2, self.of_acceleration * 2
+        ends = self.velocity_coefficient * 2, self.acceleration_coefficient * 2
         return max(*ends, 0.0) - min(*ends, 0.0)
 
 
@@ -115,10 +115,13 @@ class Orbit(NamedTuple):
 
     def coefficients(self, modified: ModifiedEnergy, periods: float) -> Float[np.ndarray, "3"]:
         """Errors of energy, period and displacement over (ωΔt)², see :func:`step_bound`."""
-        g = modified.of_velocity * self.tangent * self.v**2 + modified.of_acceleration * self.force**2 / self.mass
+        g = (
+            modified.velocity_coefficient * self.tangent * self.v**2
+            + modified.acceleration_coefficient * self.force**2 / self.mass
+        )
         fastest, farthest = np.max(self.v), np.max(np.abs(self.u))
         energy_error = np.max(np.abs(g - g[0])) / (self.mass / 2 * fastest**2)
-        delay = abs(g[0] * self.period_by_energy - modified.of_period * self.acceleration_by_energy)
+        delay = abs(g[0] * self.period_by_energy - modified.period_coefficient * self.acceleration_by_energy)
         return np.array([energy_error, delay / self.period, periods * delay * fastest / farthest]) / (
             self.highest_frequency**2
         )

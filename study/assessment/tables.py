@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from study.analysis.recommendation import asked_for, best_of, firsts, of_controller, of_own
+from study.analysis.recommendation import asked_for, best_of, controller_answer, firsts, own_scheme_answer
 from study.assessment.assurance import percent
 from study.scheme.codes import names_in_codes
 from study.scheme.named import schemes
@@ -100,8 +100,8 @@ def answers(assessed: xr.Dataset, tables: list[pd.DataFrame], quantity: str, tit
     head += [f"controlled steps, {assessed.attrs['controller']}"] if "controller" in assessed.attrs else []
     rows = []
     for limit, table in zip(assessed.allowed_error.values, tables, strict=True):
-        cells = [of_own(assessed, table, name) for name in requested]
-        cells += [printed(of_controller(assessed, table))] if "tolerance" in table else []
+        cells = [own_scheme_answer(assessed, table, name) for name in requested]
+        cells += [printed(controller_answer(assessed, table))] if "tolerance" in table else []
         best = [f"{best_of(assessed, row)} ({row.kind})" for _, row in firsts(table).iterrows()]
         none = [f"no scheme was found ({listed(sorted(set(table.verdict)))})"]
         rows.append((percent(limit), *cells, *(best or none)))
