@@ -75,11 +75,11 @@ class WithEnd(Estimator):
         return self.estimator.start(scheme, problem, state), _resistance(problem.at_time(0.0), state)
 
     def step(self, scheme, problem, carried, state, t, dt):
-        own, before = carried
-        new, effort, estimates, own = self.estimator.step(scheme, problem, own, state, t, dt)
+        estimator_state, before = carried
+        new, effort, estimates, estimator_state = self.estimator.step(scheme, problem, estimator_state, state, t, dt)
         after = _resistance(problem.at(new).at_time(t + dt), new)
         forces = load(problem, t + WITHIN * dt) - before, load(problem, t + (1 - WITHIN) * dt) - after
-        return new, effort, (*estimates, _unforeseen(problem, state, new, *forces, dt)), (own, after)
+        return new, effort, (*estimates, _unforeseen(problem, state, new, *forces, dt)), (estimator_state, after)
 
     def misses(self, quotients):
         return quotients[-1] > FAR

@@ -212,11 +212,11 @@ class ThreePoint(_OfAcceleration):
         start, end = offset * dt, (1 + offset) * dt
         slope = (after - before) / dt
         bend = jnp.where(slope_before == 0, 0.0, (slope - slope_before) / (dt + dt_before))
-        first, second = dt**2 / 2 - start * dt, dt**3 / 6 - start * dt**2 / 2
-        of_bend = dt**3 / 3 - (start + end) * dt**2 / 2 + start * end * dt
-        twice = dt**4 / 12 - (start + end) * dt**3 / 6 + start * end * dt**2 / 2
-        e_v = new.v - old.v - (dt * before + first * slope + of_bend * bend)
-        e_u = new.u - old.u - dt * old.v - (dt**2 / 2 * before + second * slope + twice * bend)
+        slope_once, slope_twice = dt**2 / 2 - start * dt, dt**3 / 6 - start * dt**2 / 2
+        bend_once = dt**3 / 3 - (start + end) * dt**2 / 2 + start * end * dt
+        bend_twice = dt**4 / 12 - (start + end) * dt**3 / 6 + start * end * dt**2 / 2
+        e_v = new.v - old.v - (dt * before + slope_once * slope + bend_once * bend)
+        e_u = new.u - old.u - dt * old.v - (dt**2 / 2 * before + slope_twice * slope + bend_twice * bend)
         return (size(e_u), size(e_v)), (after, slope, dt)
 
 

@@ -58,13 +58,13 @@ def linear_ratio(scheme: Scheme, estimator: str, part: np.ndarray, steps: float)
     c = (1 - alpha_f) / 2 - ((1 - alpha_m) * (1 + 2 * s) + s**2) / 2
     phase, angle = 2 * np.pi * part, 2 * np.pi / steps
     sine, cosine = abs(np.sin(phase)), abs(np.cos(phase))
-    of_u, of_v = abs(beta - 1 / 6 + s / 2) * sine, abs(1 / 12 - s**2 / 2 + c) * cosine
+    error_u, error_v = abs(beta - 1 / 6 + s / 2) * sine, abs(1 / 12 - s**2 / 2 + c) * cosine
     estimates = {
-        "zienkiewicz_xie": of_u,
-        "zienkiewicz_xie_balance": of_u,
+        "zienkiewicz_xie": error_u,
+        "zienkiewicz_xie_balance": error_u,
         # the parabola treats the carried acceleration as exact, so its estimate lacks c
-        "three_point": np.maximum(of_u, abs(1 / 12 - s**2 / 2) * cosine),
+        "three_point": np.maximum(error_u, abs(1 / 12 - s**2 / 2) * cosine),
         # without a force at the end of the step, the accelerations are those of the equation of motion
         "half_step_residual": (abs(1 / 8 - s**2 / 2 + c) if scheme.force_at_end else 1 / 8) * cosine / angle,
     }
-    return estimates.get(estimator, unknown) / np.maximum(of_u, of_v)
+    return estimates.get(estimator, unknown) / np.maximum(error_u, error_v)
