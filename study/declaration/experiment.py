@@ -150,16 +150,16 @@ def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Cal
         raise ValueError('an experiment must name the dataset that it makes: @experiment("name").')
 
     def declare(function: Callable) -> Callable:
-        one = Experiment(makes, function, section or makes[0].replace("/", "."), **declared)
-        for name in (*makes, *one.parts):
+        entry = Experiment(makes, function, section or makes[0].replace("/", "."), **declared)
+        for name in (*makes, *entry.parts):
             if not re.fullmatch(r"[a-z0-9_]+(/[a-z0-9_]+)*", name) or name.split("/")[0] in _RESERVED:
                 raise ValueError(
-                    f"{one.module} makes '{name}'; a dataset needs a name of small letters, digits and underscores, in "
-                    f"folders other than {', '.join(_RESERVED)}."
+                    f"{entry.module} makes '{name}'; a dataset needs a name of small letters, digits and underscores, "
+                    f"in folders other than {', '.join(_RESERVED)}."
                 )
-        if (one.module, makes[0]) in DECLARED:
-            raise ValueError(f"{one.module} declares the dataset '{makes[0]}' twice; rename one of them.")
-        DECLARED[one.module, makes[0]] = one
+        if (entry.module, makes[0]) in DECLARED:
+            raise ValueError(f"{entry.module} declares the dataset '{makes[0]}' twice; rename one of them.")
+        DECLARED[entry.module, makes[0]] = entry
         return function
 
     return declare
@@ -203,19 +203,20 @@ def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
         If an argument has no type, or its type has plain strings.
     """
     parameters = inspect.signature(function, eval_str=True).parameters
-    for name, one in parameters.items():
-        if one.annotation is one.empty or one.kind is one.VAR_KEYWORD:
+    for name, parameter in parameters.items():
+        if parameter.annotation is parameter.empty or parameter.kind is parameter.VAR_KEYWORD:
             raise ValueError(
                 f"{function.__module__}: the argument '{name}' of '{function.__name__}' needs a type, which bounds its "
                 "option in the configuration."
             )
-        if _has_plain_strings(one.annotation):
+        if _has_plain_strings(parameter.annotation):
             raise ValueError(
                 f"{function.__module__}: the argument '{name}' of '{function.__name__}' needs a type of "
                 "study.declaration.options, such as ProblemName, SchemeName or Name, which determines the job's files."
             )
     return {
-        name: (one.annotation, ... if one.default is one.empty else one.default) for name, one in parameters.items()
+        name: (parameter.annotation, ... if parameter.default is parameter.empty else parameter.default)
+        for name, parameter in parameters.items()
     }
 
 

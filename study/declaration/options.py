@@ -54,11 +54,11 @@ def _listed(kind: str) -> Checked:
 
     def check(name: str, registries: Mapping[str, Any]) -> str:
         try:
-            own = registries[kind].resolve(name)
+            registered = registries[kind].resolve(name)
         except KeyError as error:
             raise ValueError(str(error.args[0]).rstrip(".")) from None
-        if name != own:
-            raise ValueError(f"write '{own}', the name in the datasets, instead of '{name}'")
+        if name != registered:
+            raise ValueError(f"write '{registered}', the name in the datasets, instead of '{name}'")
         return name
 
     return Checked(check)
@@ -206,7 +206,7 @@ class StructureLength(TypedDict):
 
 
 def _each_once(lengths: list, registries: Mapping[str, Any]) -> list:
-    return _distinct([one["problem"] for one in lengths], registries) and lengths
+    return _distinct([length["problem"] for length in lengths], registries) and lengths
 
 
 StructureLengths = Annotated[list[StructureLength], Len(1, 1000), Checked(_each_once)]
@@ -218,12 +218,12 @@ def names_in(kind: Any, value: Any) -> Iterator[tuple[str, str]]:
         kind, *notes = get_args(kind)
         yield from ((note.kind, value) for note in notes if isinstance(note, Names) and isinstance(value, str))
     if get_origin(kind) in (Union, UnionType):
-        yield from dict.fromkeys(pair for one in get_args(kind) for pair in names_in(one, value))
+        yield from dict.fromkeys(pair for member in get_args(kind) for pair in names_in(member, value))
     elif isinstance(value, list):
-        for one in value:
-            yield from names_in((get_args(kind) or (None,))[0], one)
+        for item in value:
+            yield from names_in((get_args(kind) or (None,))[0], item)
     elif isinstance(value, dict):
         fields = get_type_hints(kind, include_extras=True) if is_typeddict(kind) else {}
-        of_all = get_args(kind)[1] if get_origin(kind) is dict else None
-        for key, one in value.items():
-            yield from names_in(fields.get(key, of_all), one)
+        value_type = get_args(kind)[1] if get_origin(kind) is dict else None
+        for key, item in value.items():
+            yield from names_in(fields.get(key, value_type), item)

@@ -54,9 +54,9 @@ def known(problem: str) -> Known:
 
 def check(options: Options, configuration: Mapping) -> str | None:
     """Refuse structures without samples."""
-    others = [one for one in options["problems"] if one not in KINKED]
-    lengths = [one["problem"] for one in configuration["structures"]["lengths"]]
-    return unlisted("problems", others, "structures.lengths", lengths)
+    smooth = [problem for problem in options["problems"] if problem not in KINKED]
+    lengths = [length["problem"] for length in configuration["structures"]["lengths"]]
+    return unlisted("problems", smooth, "structures.lengths", lengths)
 
 
 def jobs(options: Options) -> dict[str, Options]:
