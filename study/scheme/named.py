@@ -19,7 +19,7 @@ def _checked_families(schemes: dict[str, Scheme]) -> dict[str, Scheme]:
 
 
 #: The schemes of Xie (1996), in the order of its tables.
-OF_1996 = (
+SCHEMES_OF_1996 = (
     "average_acceleration",
     "central_difference",
     "newmark_dissipative",
@@ -52,7 +52,7 @@ ALIASES = {
 #: All schemes by name: first the schemes of 1996, then the others, module by module.
 schemes: Registry[Scheme] = Registry(
     "scheme",
-    _checked_families(variables_of_modules(scheme, Scheme, first=OF_1996)),  # type: ignore[type-abstract]
+    _checked_families(variables_of_modules(scheme, Scheme, first=SCHEMES_OF_1996)),  # type: ignore[type-abstract]
     aliases=ALIASES,
 )
 

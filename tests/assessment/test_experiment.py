@@ -7,7 +7,7 @@ import yaml
 
 import study
 from study.assessment.experiment import _check
-from study.scheme.named import OF_1996
+from study.scheme.named import SCHEMES_OF_1996
 from tests.pipeline.pipeline import SMALL, call_snakemake, copied, make
 
 
@@ -43,7 +43,7 @@ def test_the_pipeline_assesses_a_problem_and_a_scheme_in_files(tmp_path):
     overlay = {
         "own_schemes": ["examples/scheme.py:heun"],
         "assess": {"mine": options, "spring": {"problem": "hardening", "periods": 10, "schemes": ["rk4"]}},
-        "sensitivity": {"schemes": [*OF_1996, "heun"]},
+        "sensitivity": {"schemes": [*SCHEMES_OF_1996, "heun"]},
     }
     (folder / "mine.yaml").write_text(yaml.safe_dump(overlay))
     overlays = SMALL, folder / "mine.yaml"

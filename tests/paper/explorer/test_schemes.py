@@ -12,7 +12,7 @@ import paper.explorer
 import study
 from reference import closed_form
 from study.observer.crossings import Oscillations
-from study.scheme.named import OF_1996
+from study.scheme.named import SCHEMES_OF_1996
 
 NODE = shutil.which("node") or ""
 pytestmark = pytest.mark.skipif(not NODE, reason="needs node (Debian: nodejs)")
@@ -69,7 +69,7 @@ def test_a_run_ends_where_it_leaves_all_bounds():
 
 
 def test_the_schemes_of_the_short_study_are_there(runs):
-    assert set(runs["softening"]) >= {*OF_1996, "bathe", "energy_momentum"}
+    assert set(runs["softening"]) >= {*SCHEMES_OF_1996, "bathe", "energy_momentum"}
 
 
 def test_springs_and_their_periods_are_exact():
