@@ -300,14 +300,14 @@ class _Joined(BackendArray):
 
     def _read(self, key: tuple) -> np.ndarray:
         rows, *rest = key
-        wanted = np.arange(self.shape[0])[rows]
-        of = np.searchsorted(self._ends, np.atleast_1d(wanted), side="right")
-        places = np.atleast_1d(wanted) - np.concatenate([[0], self._ends])[of]
-        parts = np.unique(of) if of.size else of[:0]
-        found = [self._parts[k][(places[of == k], *rest)].values for k in parts]
-        whole = np.concatenate(found or [self._parts[0][(places, *rest)].values])
-        whole[np.argsort(of, kind="stable")] = whole.copy()  # rows may be wanted in any order
-        return whole if np.ndim(wanted) else whole[0]
+        indices = np.arange(self.shape[0])[rows]
+        part = np.searchsorted(self._ends, np.atleast_1d(indices), side="right")
+        places = np.atleast_1d(indices) - np.concatenate([[0], self._ends])[part]
+        parts = np.unique(part) if part.size else part[:0]
+        arrays = [self._parts[k][(places[part == k], *rest)].values for k in parts]
+        whole = np.concatenate(arrays or [self._parts[0][(places, *rest)].values])
+        whole[np.argsort(part, kind="stable")] = whole.copy()  # rows may be wanted in any order
+        return whole if np.ndim(indices) else whole[0]
 
 
 def opened_together(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:

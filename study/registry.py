@@ -26,11 +26,11 @@ def nearest(word: str, known: Iterable[str]) -> list[str]:
     and separators do not matter.
     """
     names = {str(name): _plain(name) for name in known}
-    wanted = _plain(word)
-    containing = [name for name, plain in names.items() if wanted and wanted in plain]
+    plain_word = _plain(word)
+    containing = [name for name, plain in names.items() if plain_word and plain_word in plain]
     if 0 < len(containing) <= _SUGGESTIONS:
         return containing
-    spelt = difflib.get_close_matches(wanted, names.values(), n=1, cutoff=0.5)
+    spelt = difflib.get_close_matches(plain_word, names.values(), n=1, cutoff=0.5)
     return [name for name, plain in names.items() if plain in spelt]
 
 
@@ -70,12 +70,12 @@ class Registry(Mapping[str, T], Generic[T]):
         kind: str,
         entries: Mapping[str, T],
         aliases: Mapping[str, str] | None = None,
-        made_by: Mapping[str, Callable[[], T]] | None = None,
+        makers: Mapping[str, Callable[[], T]] | None = None,
     ):
         self.kind = kind
         self._entries, self._aliases = dict(entries), dict(aliases or {})
-        self._made_by = dict(made_by or {})
-        self._names = [*self._entries, *self._made_by]
+        self._makers = dict(makers or {})
+        self._names = [*self._entries, *self._makers]
         for alias in self._aliases:
             if alias in self._names:
                 raise ValueError(
@@ -91,7 +91,7 @@ class Registry(Mapping[str, T], Generic[T]):
             If there is no such entry.
         """
         entry = self._aliases.get(name, name)
-        if entry in self._entries or entry in self._made_by:
+        if entry in self._entries or entry in self._makers:
             return entry
         for known in (*self._names, *self._aliases):  # the name in another case or with other separators
             if _plain(known) == _plain(str(name)):
@@ -117,7 +117,7 @@ class Registry(Mapping[str, T], Generic[T]):
     def __getitem__(self, name: str) -> T:
         entry = self.resolve(name)
         if entry not in self._entries:
-            self._entries[entry] = self._made_by[entry]()
+            self._entries[entry] = self._makers[entry]()
         return self._entries[entry]
 
     def __iter__(self) -> Iterator[str]:
@@ -138,12 +138,12 @@ def variables_of_modules(package: ModuleType, kind: type[T], first: Iterable[str
     ValueError
         If two modules give the same name to different objects.
     """
-    found: dict[str, T] = {}
+    values: dict[str, T] = {}
     for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
         if module.name.endswith(".named"):  # skip the module that makes the registry
             continue
         for name, value in vars(importlib.import_module(module.name)).items():
             # isinstance would also check abstract classes, which takes a twentieth of a second in all
-            if kind in type(value).__mro__ and not name.startswith("_") and found.setdefault(name, value) is not value:
+            if kind in type(value).__mro__ and not name.startswith("_") and values.setdefault(name, value) is not value:
                 raise ValueError(f"{module.name} gives the name '{name}' a second time; choose another name.")
-    return {name: found[name] for name in first} | found
+    return {name: values[name] for name in first} | values

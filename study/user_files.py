@@ -28,9 +28,9 @@ def load(place: str, kinds: tuple[type, ...]) -> Any:
         If there is no such file or name, if running the file or the function fails, or if the object has another class.
     """
     file, separator, name = place.rpartition(":")
-    wanted = " or ".join(kind.__name__ if kind.__module__ == "builtins" else f"study.{kind.__name__}" for kind in kinds)
+    types = " or ".join(kind.__name__ if kind.__module__ == "builtins" else f"study.{kind.__name__}" for kind in kinds)
     if not separator or not file.endswith(".py"):
-        raise Unloadable(f"'{place}' must name a file and a {wanted} in it, such as model.py:frame.")
+        raise Unloadable(f"'{place}' must name a file and a {types} in it, such as model.py:frame.")
     path = Path(file)
     if not path.is_file():
         raise Unloadable(f"there is no file '{file}'.")
@@ -46,16 +46,16 @@ def load(place: str, kinds: tuple[type, ...]) -> Any:
         sys.path.pop(0)
     if not hasattr(module, name):
         known = [key for key, value in vars(module).items() if isinstance(value, kinds)]
-        raise Unloadable(f"'{file}' has no '{name}'; {did_you_mean(name, known) if known else f'it has no {wanted}.'}")
-    found = getattr(module, name)
-    if callable(found) and not isinstance(found, kinds):
+        raise Unloadable(f"'{file}' has no '{name}'; {did_you_mean(name, known) if known else f'it has no {types}.'}")
+    value = getattr(module, name)
+    if callable(value) and not isinstance(value, kinds):
         try:
-            found = found()
+            value = value()
         except Exception as error:
             raise Unloadable(f"{_where(error, path)}: {type(error).__name__}: {error}") from error
-    if not isinstance(found, kinds):
-        raise Unloadable(f"{place} must be a {wanted}, not {type(found).__name__}.")
-    return found
+    if not isinstance(value, kinds):
+        raise Unloadable(f"{place} must be a {types}, not {type(value).__name__}.")
+    return value
 
 
 def _where(error: BaseException, path: Path) -> str:

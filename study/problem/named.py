@@ -14,7 +14,7 @@ _ENTRIES = variables_of_modules(
 )
 
 #: Problems by name. Each problem is made and checked on first use.
-problems: Registry[Problem] = Registry("problem", {}, made_by=_ENTRIES)
+problems: Registry[Problem] = Registry("problem", {}, makers=_ENTRIES)
 
 #: The functions that make the problems; their docstrings have equations, parameters and sources.
 makers = {name: getattr(entry.make, "func", entry.make) for name, entry in _ENTRIES.items()}
