@@ -23,14 +23,14 @@ SOLVERS = {
 TURNING = ["elastic_pendulum", "spinning_truss"]
 
 
-def of_the_paper(dataset: xr.Dataset) -> xr.Dataset:
+def schemes_of_1996(dataset: xr.Dataset) -> xr.Dataset:
     """The part of a dataset with the schemes of 1996, in the order of the paper's tables."""
     return dataset.sel(scheme=SCHEMES)
 
 
-def of_the_tables(energy_errors: xr.Dataset) -> xr.Dataset:
+def cells_of_tables(energy_errors: xr.Dataset) -> xr.Dataset:
     """The part of a dataset with the schemes, problems and step sizes of Tables 1 and 2, in the order of the tables."""
-    return of_the_paper(energy_errors).sel(problem=PROBLEMS, steps_per_period=STEPS)
+    return schemes_of_1996(energy_errors).sel(problem=PROBLEMS, steps_per_period=STEPS)
 
 
 def families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
@@ -39,7 +39,7 @@ def families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
     return {name: dataset.isel(scheme=np.flatnonzero(dataset.family.values == name)) for name in names}
 
 
-def of_kinds(dataset: xr.Dataset, schemes: Sequence[str]) -> xr.Dataset:
+def with_schemes(dataset: xr.Dataset, schemes: Sequence[str]) -> xr.Dataset:
     """The part of a dataset with the given schemes. Schemes that the dataset lacks are ignored.
 
     If the dataset lacks all of them, the part has the first schemes of the dataset, as many as are given.
@@ -69,12 +69,14 @@ def fewest(error: xr.DataArray, counts: xr.DataArray, allowed: float, along: str
     The count is NaN if the run with the largest count exceeds the error.
     """
 
-    def of_runs(error: np.ndarray, counts: np.ndarray) -> float:
+    def fewest_of_runs(error: np.ndarray, counts: np.ndarray) -> float:
         exceeding = counts[np.isfinite(counts) & ~(error <= allowed)].max(initial=0.0)
         return counts[counts > exceeding].min(initial=np.inf)
 
-    found = xr.apply_ufunc(of_runs, error, counts.astype(float), input_core_dims=[[along], [along]], vectorize=True)
-    return found.where(np.isfinite(found))
+    counts = xr.apply_ufunc(
+        fewest_of_runs, error, counts.astype(float), input_core_dims=[[along], [along]], vectorize=True
+    )
+    return counts.where(np.isfinite(counts))
 
 
 def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:

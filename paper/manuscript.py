@@ -28,12 +28,12 @@ _USES = {
 def uses(text: str) -> dict[str, dict[str, int]]:
     """Numbers, figures and tables that a text uses: kind, name, and the number of the first line with the name."""
     code = _COMMENT.sub("", text)
-    found: dict[str, dict[str, int]] = {kind: {} for kind in _USES}
+    lines: dict[str, dict[str, int]] = {kind: {} for kind in _USES}
     for kind, pattern in _USES.items():
         for match in pattern.finditer(code):
             name = next(filter(None, match.groups()))
-            found[kind].setdefault(name, code.count("\n", 0, match.start()) + 1)
-    return found
+            lines[kind].setdefault(name, code.count("\n", 0, match.start()) + 1)
+    return lines
 
 
 def numbered(text: Path) -> list[tuple[str, str]]:
@@ -45,15 +45,15 @@ def numbered(text: Path) -> list[tuple[str, str]]:
     prefix = "S" if text.stem == "supplement" else ""
     places = list(_NUMBERED.finditer(code))
     ends = [place.start() for place in places[1:]] + [len(code)]
-    found, counts = [], {"Figure": 0, "Table": 0}
+    files, counts = [], {"Figure": 0, "Table": 0}
     for place, end in zip(places, ends, strict=True):
         kind = "Figure" if place["figure"] else "Table"
         data = _USES["table"].search(code, place.start(), end)
         # the next table may be used in the text between the two
         held = data if data and "\n\n" not in code[place.start() : data.start()] else None
         counts[kind] += 1
-        found.append((f"{kind} {prefix}{counts[kind]}", place["figure"] or (held[1] if held else "")))
-    return found
+        files.append((f"{kind} {prefix}{counts[kind]}", place["figure"] or (held[1] if held else "")))
+    return files
 
 
 #: Name of each text, by the stem of its file.

@@ -65,20 +65,22 @@ def _parts(axes: Axes, legend: dict[tuple[str, ...], str]) -> Iterator[tuple[str
     for line in axes.lines:
         # a line across a panel has coordinates of the panel
         if line.get_transform() == axes.transData:
-            x, y = (np.ravel(np.asarray(one, float)) for one in line.get_data(orig=False))
+            x, y = (np.ravel(np.asarray(coordinates, float)) for coordinates in line.get_data(orig=False))
             yield name(line), x, y, np.full(x.shape, np.nan)
-    for one in axes.collections:
-        if isinstance(one, PathCollection):
-            x, y = np.ma.filled(np.ma.asarray(one.get_offsets(), float), np.nan).T
-            yield name(one), x, y, np.full(x.shape, np.nan)
-        elif isinstance(one, LineCollection) and one.get_transform() == axes.transData:
+    for collection in axes.collections:
+        if isinstance(collection, PathCollection):
+            x, y = np.ma.filled(np.ma.asarray(collection.get_offsets(), float), np.nan).T
+            yield name(collection), x, y, np.full(x.shape, np.nan)
+        elif isinstance(collection, LineCollection) and collection.get_transform() == axes.transData:
             # the ends of intervals, of which there may be none, or one without ends
-            x, y = np.concatenate([np.empty((0, 2)), *(np.reshape(ends, (-1, 2)) for ends in one.get_segments())]).T
-            yield name(one), x, y, np.full(x.shape, np.nan)
-        elif isinstance(one, QuadMesh):
-            corners = np.asarray(one.get_coordinates())
+            x, y = np.concatenate(
+                [np.empty((0, 2)), *(np.reshape(ends, (-1, 2)) for ends in collection.get_segments())]
+            ).T
+            yield name(collection), x, y, np.full(x.shape, np.nan)
+        elif isinstance(collection, QuadMesh):
+            corners = np.asarray(collection.get_coordinates())
             x, y = (corners[:-1, :-1] + corners[1:, 1:]).reshape(-1, 2).T / 2
-            yield "", x, y, np.ma.filled(np.ma.asarray(one.get_array(), float), np.nan).ravel()
+            yield "", x, y, np.ma.filled(np.ma.asarray(collection.get_array(), float), np.nan).ravel()
     for image in axes.images:
         cells: np.ndarray = np.ma.filled(np.ma.asarray(image.get_array(), float), np.nan)
         if cells.ndim == 2:

@@ -62,7 +62,7 @@ class Product:
     @property
     def datasets(self) -> list[str]:
         """Names of all datasets and files that the product reads."""
-        return [name for one in self.reads.values() for name in ([one] if isinstance(one, str) else one)]
+        return [name for names in self.reads.values() for name in ([names] if isinstance(names, str) else names)]
 
     @property
     def files(self) -> list[str]:
@@ -96,7 +96,7 @@ def enter(product: Product) -> None:
         raise ValueError(f"{product.label} is declared twice, in {known.module} and in {product.module}.")
 
 
-def reads_of(function: Callable, given: Reads) -> Reads:
+def reads_of(function: Callable, datasets: Reads) -> Reads:
     """Name of the dataset for each argument of a function: the given name, or else the name of the argument.
 
     Raises
@@ -105,19 +105,21 @@ def reads_of(function: Callable, given: Reads) -> Reads:
         If datasets are given for arguments that the function does not have.
     """
     signature = inspect.signature(function)
-    own = {name: name for name, argument in signature.parameters.items() if argument.kind is not argument.VAR_KEYWORD}
+    defaults = {
+        name: name for name, argument in signature.parameters.items() if argument.kind is not argument.VAR_KEYWORD
+    }
     try:
-        signature.bind(**own | dict(given))
+        signature.bind(**defaults | dict(datasets))
     except TypeError as error:
         raise ValueError(f"The datasets given do not fit {function.__module__}.{function.__name__}: {error}.") from None
-    return own | dict(given)
+    return defaults | dict(datasets)
 
 
-def _declared(kind: str, name: str, caption: str, requires: Requirements | None, given: Reads) -> Callable:
+def _declared(kind: str, name: str, caption: str, requires: Requirements | None, datasets: Reads) -> Callable:
     def declare(function: Callable) -> Callable:
         module = function.__module__
         named = name or (f"{module}.{function.__name__}" if kind == "numbers" else module.rpartition(".")[-1])
-        enter(Product(kind, named, module, function, reads_of(function, given), caption, requires or {}))
+        enter(Product(kind, named, module, function, reads_of(function, datasets), caption, requires or {}))
         return function
 
     return declare
@@ -157,8 +159,8 @@ def discover(places: Iterable[str] = PLACES) -> list[Product]:
             if not module.name.endswith("__main__"):
                 importlib.import_module(module.name)
     prefixes = tuple(f"paper.{place}" for place in places)
-    found = [product for product in PRODUCTS.values() if product.module.startswith(prefixes)]
-    return sorted(found, key=lambda product: (product.kind, product.name))
+    products = [product for product in PRODUCTS.values() if product.module.startswith(prefixes)]
+    return sorted(products, key=lambda product: (product.kind, product.name))
 
 
 def check(products: Iterable[Product], config: dict) -> None:
@@ -171,22 +173,22 @@ def check(products: Iterable[Product], config: dict) -> None:
         of an existing value, the function words the message. Every other message also names the product.
     """
     for product in products:
-        for key, wanted in product.requires.items():
+        for key, requirement in product.requires.items():
             try:
                 value = value_at(config, key)
             except (KeyError, TypeError):
                 raise ValueError(f"{key} is missing, and {product.label} needs it.") from None
-            if callable(wanted):
-                if wrong := wanted(value):
+            if callable(requirement):
+                if wrong := requirement(value):
                     raise ValueError(f"{key} {wrong}.".lstrip())
-            elif isinstance(wanted, list) and not isinstance(value, list):
+            elif isinstance(requirement, list) and not isinstance(value, list):
                 raise ValueError(f"{key} must be a list for {product.label}, not {value!r}.")
-            elif isinstance(wanted, list):
-                missing = [one for one in wanted if one not in value]
+            elif isinstance(requirement, list):
+                missing = [entry for entry in requirement if entry not in value]
                 if missing:
                     raise ValueError(f"{key} lacks {missing[0]!r}, which {product.label} needs.")
-            elif value != wanted:
-                raise ValueError(f"{key} must be {wanted!r} for {product.label}, not {value!r}.")
+            elif value != requirement:
+                raise ValueError(f"{key} must be {requirement!r} for {product.label}, not {value!r}.")
 
 
 def reader(results: Path) -> Callable[[str], Any]:
@@ -194,12 +196,12 @@ def reader(results: Path) -> Callable[[str], Any]:
     return functools.cache(lambda name: read(results / (name if Path(name).suffix else f"{name}.nc")))
 
 
-def made(product: Product, read: Callable[[str], Any]) -> Any:
+def content_of(product: Product, read: Callable[[str], Any]) -> Any:
     """Read the datasets of a product, and return the result of its function."""
     return product.function(
         **{
-            argument: read(name) if isinstance(name, str) else [read(one) for one in name]
-            for argument, name in product.reads.items()
+            argument: read(names) if isinstance(names, str) else [read(name) for name in names]
+            for argument, names in product.reads.items()
         }
     )
 
@@ -217,18 +219,18 @@ def main(module: str, name: str, results: str, output: str, width: float | None 
         return a figure. The message is one sentence.
     """
     importlib.import_module(module)
-    of_module = [product for product in PRODUCTS.values() if product.module == module and product.name == name]
-    if not of_module:
+    matches = [product for product in PRODUCTS.values() if product.module == module and product.name == name]
+    if not matches:
         raise SystemExit(f"{module} declares no product '{name}'.")
-    (product,) = of_module
+    (product,) = matches
     if product.kind != "figure":
         if width is not None:
             raise SystemExit(f"{product.label} has no width.")
-        write(made(product, reader(Path(results))), output)
+        write(content_of(product, reader(Path(results))), output)
         return
     # imported by name, so that only figures depend on the source of the style
     style = importlib.import_module("paper.figures.style")
-    picture = made(product, reader(Path(results)))
+    picture = content_of(product, reader(Path(results)))
     if not hasattr(picture, "savefig"):
         raise SystemExit(f"{product.label} must return a figure, not {picture!r}.")
     style.save(picture if width is None else style.at_width(picture, width), Path(output))

@@ -21,7 +21,7 @@ def value_at(config: Any, key: str) -> Any:
         If there is no such key.
     """
     for part in filter(None, key.split(".")):
-        config = [one[part] for one in config] if isinstance(config, list) else config[part]
+        config = [entry[part] for entry in config] if isinstance(config, list) else config[part]
     return config
 
 
@@ -30,7 +30,7 @@ def contained(*keys: str, within: str) -> Requirement:
 
     def check(config: dict) -> str:
         there = value_at(config, within)
-        missing = [(key, one) for key in keys for one in value_at(config, key) if one not in there]
+        missing = [(key, entry) for key in keys for entry in value_at(config, key) if entry not in there]
         return "{1} lacks {0[1]!r}, which {0[0]} has".format(missing[0], within) if missing else ""
 
     return check
@@ -86,14 +86,14 @@ def samples_of_history(least: int) -> Requirement:
 
 
 #: Requirements of Tables 1 and 2 of the paper.
-OF_THE_TABLES: dict[str, Any] = {
+REPRODUCED_TABLES: dict[str, Any] = {
     "energy_error.schemes": SCHEMES,
     "energy_error.problems": PROBLEMS,
     "energy_error.steps_per_period": STEPS,
     "energy_error.periods": 100,
 }
 #: Requirements of the resonance of the Runge-Kutta method on the softening spring.
-OF_THE_DRIFT: dict[str, Any] = {
+RESONANCE: dict[str, Any] = {
     "energy_drift.problem": "softening",
     "energy_drift.scheme": "rk4",
     "energy_drift.steps_per_period": spans(20, 25),

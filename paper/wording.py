@@ -20,7 +20,7 @@ def title(name: str, data: Mapping[str, xr.Dataset]) -> str:
     for dataset in data.values():
         for along in ("scheme", "problem"):
             if f"{along}_title" in dataset.coords:
-                names, titles = (np.atleast_1d(dataset[one].values) for one in (along, f"{along}_title"))
+                names, titles = (np.atleast_1d(dataset[coordinate].values) for coordinate in (along, f"{along}_title"))
                 if name in names:
                     return str(titles[names == name][0])
         if dataset.attrs.get("problem") == name:
@@ -31,7 +31,7 @@ def title(name: str, data: Mapping[str, xr.Dataset]) -> str:
 def joined(names: Iterable[str], data: Mapping[str, xr.Dataset]) -> str:
     """Titles as a list in words, separated by semicolons if a title has a comma; 'none' if there are no names."""
     titles = [title(name, data) for name in names] or ["none"]
-    return words.listed(titles, "; " if any("," in one for one in titles) else ", ")
+    return words.listed(titles, "; " if any("," in text for text in titles) else ", ")
 
 
 def listed(

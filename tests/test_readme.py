@@ -88,7 +88,7 @@ study.io.write(made.assign_attrs(source=study.io.SOURCE), Path("last_displacemen
 one = [p for p in PRODUCTS.values() if p.module in {m.__name__ for m in modules.values()}]
 assert sorted(p.kind for p in one) == ["claim", "figure", "numbers", "table"], one
 for product in one:
-    print(product.kind, products.made(product, reader(Path("."))))
+    print(product.kind, products.content_of(product, reader(Path("."))))
 """
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from paper.claims.ledger import CLAIMS, XIE
-from paper.products import discover, made, reader
+from paper.products import content_of, discover, reader
 from study.io import one_sentence, write
 
 
@@ -17,8 +17,8 @@ def main(results: Path, output: Path) -> None:
     read = reader(results)
     rows = []
     printed = sum(claim.whose == XIE for claim in CLAIMS)
-    for number, claim in enumerate(sorted(CLAIMS, key=lambda one: one.section), start=1):
-        finding = made(claim.product, read)
+    for number, claim in enumerate(sorted(CLAIMS, key=lambda claim: claim.section), start=1):
+        finding = content_of(claim.product, read)
         rows.append(
             {
                 "number": f"{number}" if number <= printed else f"A{number - printed}",

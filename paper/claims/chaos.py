@@ -64,16 +64,16 @@ def _power(steps: np.ndarray, difference: np.ndarray, variance: np.ndarray, shar
 
     def fit(scatter: float) -> tuple[np.ndarray, float, float]:
         root = np.linalg.cholesky(errors / np.outer(fitted, fitted) + scatter**2 * np.eye(len(steps)))
-        matrix, values = (np.linalg.solve(root, one) for one in (powers, np.log(abs(difference))))
-        found, (squares,), *_ = np.linalg.lstsq(matrix, values)
-        return found, squares, float(np.sqrt(np.linalg.inv(matrix.T @ matrix)[0, 0]))
+        matrix, values = (np.linalg.solve(root, columns) for columns in (powers, np.log(abs(difference))))
+        coefficients, (squares,), *_ = np.linalg.lstsq(matrix, values)
+        return coefficients, squares, float(np.sqrt(np.linalg.inv(matrix.T @ matrix)[0, 0]))
 
     for _ in range(FITS):
         more = fit(0.0)[1] > free
         scatter = optimize.brentq(lambda scatter: fit(scatter)[1] - free, 0.0, 100.0) if more else 0.0
-        found, _, error = fit(scatter)
-        fitted = np.sign(difference) * np.exp(powers @ found)
-    return float(-found[0]), float(stats.t.ppf(0.975, free) * error)
+        coefficients, _, error = fit(scatter)
+        fitted = np.sign(difference) * np.exp(powers @ coefficients)
+    return float(-coefficients[0]), float(stats.t.ppf(0.975, free) * error)
 
 
 def orders_of_means(chaos: xr.Dataset, problem: str = "ueda") -> dict[str, tuple[float, float]]:
@@ -83,17 +83,17 @@ def orders_of_means(chaos: xr.Dataset, problem: str = "ueda") -> dict[str, tuple
     which on all runs are chaotic, where the mean differs by more than two standard errors; NaN for fewer than three
     such steps.
     """
-    one = chaos.sel(problem=problem)
-    exact = one.sel(scheme="rk4").isel(steps_per_period=-1)
+    runs = chaos.sel(problem=problem)
+    exact = runs.sel(scheme="rk4").isel(steps_per_period=-1)
     shared = exact.mean_square_uncertainty.item() ** 2
-    difference, variance = one.mean_square - exact.mean_square, one.mean_square_uncertainty**2
-    known = _onwards(one.regular == 0) & (difference**2 > 4 * (variance + shared))
+    difference, variance = runs.mean_square - exact.mean_square, runs.mean_square_uncertainty**2
+    known = _onwards(runs.regular == 0) & (difference**2 > 4 * (variance + shared))
     orders = {}
-    for name in one.scheme.values:
+    for name in runs.scheme.values:
         at = known.sel(scheme=name).values
         if at.sum() > 2:
             differences, variances = (part.sel(scheme=name).values[at] for part in (difference, variance))
-            orders[name] = _power(one.steps_per_period.values[at], differences, variances, shared)
+            orders[name] = _power(runs.steps_per_period.values[at], differences, variances, shared)
         else:
             orders[name] = (np.nan, np.nan)
     return orders
@@ -113,7 +113,7 @@ def is_second(order: float, half: float) -> bool:
 )
 def statistics_converge(chaos):
     orders = {name: orders_of_means(chaos)[name] for name in FAITHFUL}
-    holds = all(is_second(*one) for one in orders.values())
+    holds = all(is_second(*estimate) for estimate in orders.values())
     reason = "too few steps keep the chaos, or the errors scatter about a power of the step"
     return Finding(_orders(orders, chaos), holds, when(not holds, reason))
 
@@ -139,7 +139,7 @@ def other_statistics_converge(chaos):
     for name in chaos.problem.values[chaos.problem.values != "ueda"]:
         orders = {scheme: orders_of_means(chaos, name)[scheme] for scheme in FAITHFUL}
         words.append(f"{chaos.problem_title.sel(problem=name).item()}, {_orders(orders, chaos)}")
-        second += [is_second(*one) for one in orders.values()]
+        second += [is_second(*estimate) for estimate in orders.values()]
     holds = bool(second) and all(second)
     reason = "their means are no smooth function of the step, or too uncertain to show an order"
     return Finding("; ".join(words) or "none", holds, when(not holds, reason))
@@ -160,7 +160,7 @@ def exponents_add_up(chaos):
     ratio = contraction_ratio(chaos).isel(steps_per_period=-1)
     far = ratio.isel(problem=abs(ratio - 1).max("scheme").argmax("problem").item())
     wrong = far.scheme_title.values[(abs(far - 1) > REASONABLE / 100).values]
-    ours = "; ".join(f"{one.scheme_title.item()}: {number(one.item(), '.2f')}" for one in far)
+    ours = "; ".join(f"{entry.scheme_title.item()}: {number(entry.item(), '.2f')}" for entry in far)
     holds = not len(wrong)
     return Finding(ours, holds, when(not holds, f"numerical damping adds to it with {', '.join(wrong)}"))
 
@@ -179,6 +179,6 @@ def lost_again(chaos: xr.Dataset) -> xr.DataArray:
 )
 def finer_steps_keep_chaos(chaos):
     lost = lost_again(chaos).stack(case=["problem", "scheme"])
-    cases = [f"{one.scheme_title.item()} on {one.problem_title.item()}" for one in lost[lost.values]]
+    cases = [f"{case.scheme_title.item()} on {case.problem_title.item()}" for case in lost[lost.values]]
     holds = not cases
     return Finding("; ".join(cases) or "none", holds, when(not holds, "windows of regular motion lie between"))

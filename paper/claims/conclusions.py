@@ -153,7 +153,7 @@ def explicit_schemes_at_large_steps(large_steps):
     early = [name for name in EXPLICIT if bool((first.sel(scheme=name) <= 0.2).any())]
     reasons = [f"runs of {joined(early, large_steps)} already fail below T/5"] * bool(early)
     reasons += [f"neither fails on {joined(never, large_steps)}"] * bool(never)
-    ours = ". ".join(f"{title(name, large_steps)}: {found}" for name, found in by_scheme.items())
+    ours = ". ".join(f"{title(name, large_steps)}: {steps}" for name, steps in by_scheme.items())
     return Finding(ours, bool(beyond.any("problem").all()), "; ".join(reasons))
 
 

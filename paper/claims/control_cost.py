@@ -12,7 +12,7 @@ AVERAGE = "average_acceleration"
 
 #: Smallest and largest ratio of the error to (tolerance × number of steps) on the linear oscillator, as a comment in
 #: the tests of OrdinaryDiffEqNewmark states them.
-OF_SCIML = 0.2, 3.0
+SCIML_RATIOS = 0.2, 3.0
 
 
 @claim(
@@ -89,7 +89,7 @@ def a_tenth_of_the_force_is_accurate(control_of_codes):
     tight = control_of_codes.sel({"code": "Abaqus", "class": "tight"})
     error = 100 * tight.max_energy_error
     accurate = bool((error < REASONABLE).all())
-    energy, steps = (listed(by_name(one), control_of_codes) for one in (error, tight.steps_per_period))
+    energy, steps = (listed(by_name(values), control_of_codes) for values in (error, tight.steps_per_period))
     return Finding(f"{energy}; steps {steps}", accurate, when(not accurate, "it allows very few steps in a period"))
 
 
@@ -130,6 +130,6 @@ def a_halved_step_disturbs(control_of_codes):
 )
 def errors_are_tolerances_times_steps(control_of_codes):
     ratio = control_of_codes.error_in_tolerances
-    inside = bool(((ratio >= OF_SCIML[0]) & (ratio <= OF_SCIML[1])).all())
+    inside = bool(((ratio >= SCIML_RATIOS[0]) & (ratio <= SCIML_RATIOS[1])).all())
     reason = when(not inside, "our controller chooses other steps")
     return Finding(span(ratio.values, ".2f"), inside, reason)

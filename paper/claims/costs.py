@@ -28,7 +28,7 @@ def _to(cpu_time: xr.Dataset, scheme: str, others: list[str], problem: str) -> t
     return _quartiles(time.sel(scheme=scheme) / time.sel(scheme=others).max("scheme"))
 
 
-def _found(ratios: Ratios, least: float = 0.0, most_of_all: float = float("inf")) -> Finding:
+def _finding(ratios: Ratios, least: float = 0.0, most_of_all: float = float("inf")) -> Finding:
     """The medians of the ratios, whether most ratios lie between two bounds, and a qualification on the exceptions.
 
     The claim is undecided if it does not hold, but would hold if all ratios left open by the repeats were within the
@@ -55,7 +55,7 @@ def _found(ratios: Ratios, least: float = 0.0, most_of_all: float = float("inf")
 )
 def central_difference_is_cheap(cpu_time):
     ratios = {title("hardening", cpu_time): _to(cpu_time, "central_difference", ["average_acceleration"], "hardening")}
-    return _found(ratios, most_of_all=MUCH_LESS)
+    return _finding(ratios, most_of_all=MUCH_LESS)
 
 
 @claim(
@@ -69,7 +69,7 @@ def softening_costs_twice(cpu_time):
     time = cpu_time.seconds_per_step
     ratio = time.sel(problem="softening") / time.sel(problem="hardening")
     ratios = {title(name, cpu_time): _quartiles(ratio.sel(scheme=name)) for name in time.scheme.values.tolist()}
-    return _found(ratios, least=2.0)
+    return _finding(ratios, least=2.0)
 
 
 @claim(
@@ -83,7 +83,7 @@ def central_difference_is_cheapest(cpu_time):
     time = cpu_time.seconds_per_step
     ratio = time.sel(scheme="central_difference") / time.drop_sel(scheme="central_difference").min("scheme")
     ratios = {title(name, cpu_time): _quartiles(ratio.sel(problem=name)) for name in PROBLEMS}
-    return _found(ratios, most_of_all=1.0)
+    return _finding(ratios, most_of_all=1.0)
 
 
 @claim(
@@ -95,7 +95,7 @@ def central_difference_is_cheapest(cpu_time):
 )
 def runge_kutta_costs_more(cpu_time):
     ratios = {title(name, cpu_time): _to(cpu_time, "rk4", IMPLICIT_NEWMARK, name) for name in PROBLEMS}
-    return _found(ratios, 1.0, SLIGHTLY_MORE)
+    return _finding(ratios, 1.0, SLIGHTLY_MORE)
 
 
 @claim(
@@ -111,4 +111,4 @@ def others_cost_more(cpu_time):
         for problem in PROBLEMS
         for scheme in ("houbolt", "wilson_theta", "hht_alpha_1996")
     }
-    return _found(ratios, least=1.0)
+    return _finding(ratios, least=1.0)

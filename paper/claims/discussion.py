@@ -5,7 +5,7 @@ import numpy as np
 from paper.claims.comparisons import claim_period, claim_printed_error
 from paper.claims.ledger import Finding, by_name, claim, errors, when
 from paper.published import printed_energy_errors
-from paper.requirements import OF_THE_DRIFT, rising, spans
+from paper.requirements import RESONANCE, rising, spans
 from paper.terms import (
     ALMOST,
     EXPLICIT,
@@ -22,7 +22,7 @@ from paper.wording import joined, listed, number
 from study.words import span
 
 #: Problems of the two springs: the hardening spring, and the softening spring with both initial displacements.
-_OF_TWO_SPRINGS = ["hardening", "softening", "softening_large"]
+_TWO_SPRINGS = ["hardening", "softening", "softening_large"]
 
 
 @claim(
@@ -30,7 +30,7 @@ _OF_TWO_SPRINGS = ["hardening", "softening", "softening_large"]
     "On the softening spring at T/20 Runge-Kutta is the most accurate of the seven.",
     "errors at T/20, softening",
     words="it appears that the Runge–Kutta method is the most accurate integration scheme of the seven schemes",
-    requires=OF_THE_DRIFT,
+    requires=RESONANCE,
 )
 def runge_kutta_is_best(energy_error, energy_drift):
     at = errors(energy_error, "softening").sel(steps_per_period=20)
@@ -116,8 +116,8 @@ def five_are_unconditionally_stable(spectral):
     radius = spectral.spectral_radius.sel(damping_ratio=0)
     excess = radius.sel(scheme=UNCONDITIONAL).max().item() - 1
     # a radius up to 1 + 1e-6 counts as one: a double root on the unit circle is accurate to half of the digits
-    others = bool((radius.sel(scheme=EXPLICIT).max("step_size_over_period") > 1 + 1e-6).all())
-    return Finding(number(excess, ".0e"), excess < ROUND_OFF and others)
+    limited = bool((radius.sel(scheme=EXPLICIT).max("step_size_over_period") > 1 + 1e-6).all())
+    return Finding(number(excess, ".0e"), excess < ROUND_OFF and limited)
 
 
 @claim(
@@ -125,14 +125,14 @@ def five_are_unconditionally_stable(spectral):
     "On non-linear systems unconditional stability is lost.",
     "schemes of the five that more than double their energy in the second half of a run on the two springs",
     words="such unconditional stability is no longer valid",
-    requires={"large_steps.problems": _OF_TWO_SPRINGS},
+    requires={"large_steps.problems": _TWO_SPRINGS},
 )
 def stability_is_lost(large_steps):
-    large = large_steps.sel(problem=_OF_TWO_SPRINGS, scheme=UNCONDITIONAL)
+    large = large_steps.sel(problem=_TWO_SPRINGS, scheme=UNCONDITIONAL)
     gains = (100 * large.late_energy_gain > GROWN).any(["problem", "step_size_over_period"])
     overshoots = (100 * large.max_energy_error > UNSTABLE).any(["problem", "step_size_over_period"]) & ~gains
     grow, lose, none = (
-        large.scheme.values[which.values].tolist() for which in (gains, overshoots, ~(gains | overshoots))
+        large.scheme.values[mask.values].tolist() for mask in (gains, overshoots, ~(gains | overshoots))
     )
     reasons = [f"{joined(lose, large_steps)} overshoot and then lose their energy"] * bool(lose)
     reasons += [f"{joined(none, large_steps)} never double their energy"] * bool(none)

@@ -12,7 +12,7 @@ from study.words import span
 _HEIGHT = (7 / 128 - 1 / 8) / (-7 / 128)
 
 #: Options that the configuration must have for the runs from neighbouring starts.
-_OF_STARTS = {"sensitivity.problem": "double_well", "sensitivity.perturbation": 1e-10}
+_NEIGHBOURS = {"sensitivity.problem": "double_well", "sensitivity.perturbation": 1e-10}
 
 claim_period("4", "double_well", 1, "The period of this oscillator is equal to 7·3")
 
@@ -36,7 +36,7 @@ def step_is_a_third(portrait, reference):
     "At this step average acceleration becomes chaotic.",
     f"steps until two runs that start 10⁻¹⁰ apart are {APART:g} apart, for a perturbed start above and below",
     words="the solution by the average acceleration method becomes chaotic",
-    requires=_OF_STARTS,
+    requires=_NEIGHBOURS,
 )
 def average_acceleration_is_chaotic(sensitivity):
     parted = sensitivity.parted_at_step.sel(scheme="average_acceleration", start=[-1, 1])
@@ -49,7 +49,7 @@ def average_acceleration_is_chaotic(sensitivity):
     "changes of the well in 1,000 steps from neighbouring starts; number of different stays between them in one run",
     words="the numerical results jump irregularly between the system’s two static equilibria",
     portrait="phase_portrait/double_well",
-    requires=_OF_STARTS,
+    requires=_NEIGHBOURS,
 )
 def jumps_between_wells(portrait, sensitivity):
     u = portrait.u.sel(scheme="average_acceleration").values
@@ -84,10 +84,10 @@ def explicit_schemes_fail(portrait):
     meanings = portrait.status.attrs["flag_meanings"].split()
     ended = {name: meanings[int(portrait.status.sel(scheme=name))] for name in EXPLICIT}
     at_step = by_name(portrait.failed_at_step)
-    how = [f"{title(n, portrait)}: {ended[n].replace('_', ' ')} at step {at_step[n]:g}" for n in EXPLICIT]
+    endings = [f"{title(n, portrait)}: {ended[n].replace('_', ' ')} at step {at_step[n]:g}" for n in EXPLICIT]
     overflow = "because the displacement overflows: an explicit step does not use the Newton-Raphson method"
     reason = when(set(ended.values()) == {"not_finite"}, f"the solution is lost {overflow}")
-    return Finding("; ".join(how), bool((portrait.status != 0).all()), reason)
+    return Finding("; ".join(endings), bool((portrait.status != 0).all()), reason)
 
 
 @claim(

@@ -29,7 +29,7 @@ def exponents(error_growth: xr.Dataset, measure: str) -> xr.DataArray:
     if measure == "max_trajectory_error":
         known &= error < SATURATED
     error = error.where(known & (error.periods >= FROM))
-    size, length = (xr.apply_ufunc(np.log, one).diff("periods") for one in (error, error.periods.astype(float)))
+    size, length = (xr.apply_ufunc(np.log, values).diff("periods") for values in (error, error.periods.astype(float)))
     slopes = size / length
     last = xr.where(slopes.notnull(), slopes.periods, 0).argmax("periods")
     return slopes.isel(periods=last).drop_vars("periods")
@@ -50,9 +50,9 @@ def phase_error_grows(error_growth):
     linear = bool((abs(conserving - 1) < NEARLY_ONE).where(conserving.notnull(), True).all())
     mean = float(dissipative.mean())
     holds = linear and mean > 1 + NEARLY_ONE
-    other = conserving.stack(case=["problem", "scheme"])
-    other = other[(abs(other - 1) >= NEARLY_ONE).values]
-    cases = "; ".join(f"{one.scheme_title.item()} on {one.problem_title.item()}" for one in other)
+    exceptions = conserving.stack(case=["problem", "scheme"])
+    exceptions = exceptions[(abs(exceptions - 1) >= NEARLY_ONE).values]
+    cases = "; ".join(f"{case.scheme_title.item()} on {case.problem_title.item()}" for case in exceptions)
     reason = (
         f"a step that divides the period may resonate with the motion: {cases}" if cases else "the losses are small"
     )

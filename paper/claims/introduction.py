@@ -20,7 +20,7 @@ REFERENCES = [f"reference/{name}" for name in PERIODS]
     references=REFERENCES,
 )
 def energy_is_kept(references):
-    worst = max(one.energy_drift.item() for one in references)
+    worst = max(reference.energy_drift.item() for reference in references)
     return Finding(number(worst, ".0e"), worst < ROUND_OFF)
 
 
@@ -32,7 +32,7 @@ def energy_is_kept(references):
     references=REFERENCES,
 )
 def solutions_are_periodic(references):
-    worst = max((abs(one.u[-1] - one.u[0]) / abs(one.u[0])).item() for one in references)
+    worst = max((abs(reference.u[-1] - reference.u[0]) / abs(reference.u[0])).item() for reference in references)
     return Finding(number(worst, ".0e"), worst < ROUND_OFF)
 
 

@@ -109,7 +109,7 @@ def same_power_of_overshoot(spectral):
 def _power(spectral: xr.Dataset, scheme: str) -> float:
     """Largest power of ωΔt with which an undamped displacement or velocity grows in a first step with large ωΔt."""
     free = spectral.sel(damping_ratio=0, scheme=scheme)
-    return max(float(free[f"growth_{one}_from_{start}"]) for one in "uv" for start in "uv")
+    return max(float(free[f"growth_{variable}_from_{start}"]) for variable in "uv" for start in "uv")
 
 
 @claim(
@@ -287,9 +287,9 @@ def better_for_waves(later_schemes):
 )
 def better_for_waves_than_central_difference(later_schemes):
     error = later_schemes.wave_error
-    ours, other = error.sel(wave_scheme="noh_bathe", courant=1.0), error.sel(wave_scheme="central_difference")
-    ratio = (ours / other.sel(courant=0.5)).item()
-    reason = when(other.min() < ours, "central difference has a smaller error at its largest step")
+    ours, central = error.sel(wave_scheme="noh_bathe", courant=1.0), error.sel(wave_scheme="central_difference")
+    ratio = (ours / central.sel(courant=0.5)).item()
+    reason = when(central.min() < ours, "central difference has a smaller error at its largest step")
     return Finding(number(ratio, ".2f"), ratio < 1, reason)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-from paper.data import of_the_paper
+from paper.data import schemes_of_1996
 from paper.products import Product, Requirements, enter, reads_of
 from paper.published import SCHEMES
 from paper.terms import MOST
@@ -132,7 +132,7 @@ def claim(
         if from_the_paper:
             over_schemes = [name.replace("/", ".") for name in product.datasets if name.startswith(_OVER_SCHEMES)]
             needed = {f"{name}.schemes": SCHEMES for name in over_schemes} | dict(requires or {})
-            product = replace(product, function=_of_1996(check), requires=needed)
+            product = replace(product, function=_on_schemes_of_1996(check), requires=needed)
         enter(product)
         CLAIMS.append(Claim(section, XIE if from_the_paper else whose, statement, words, quantity, printed, product))
         return check
@@ -140,12 +140,12 @@ def claim(
     return declare
 
 
-def _of_1996(check: Callable[..., Finding]) -> Callable[..., Finding]:
+def _on_schemes_of_1996(check: Callable[..., Finding]) -> Callable[..., Finding]:
     """The check, on datasets reduced to the schemes of the paper. A dataset that lacks one of these is not reduced."""
 
     def cut(data: Any) -> Any:
         over_schemes = isinstance(data, xr.Dataset) and "scheme" in data.dims
-        return of_the_paper(data) if over_schemes and set(SCHEMES) <= set(data.scheme.values) else data
+        return schemes_of_1996(data) if over_schemes and set(SCHEMES) <= set(data.scheme.values) else data
 
     return lambda **datasets: check(**{name: cut(data) for name, data in datasets.items()})
 

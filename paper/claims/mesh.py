@@ -18,11 +18,11 @@ def crossovers(mesh: xr.Dataset) -> xr.DataArray:
     distance = abs(np.log(mesh.crossover / mesh.mesh_ratio)).values
     sizes = np.stack([mesh.rows.values, mesh.columns.values], axis=1)
     nearest = [
-        min(np.flatnonzero((sizes == one).all(axis=1) & np.isfinite(distance)), key=distance.__getitem__, default=None)
-        for one in dict.fromkeys(map(tuple, sizes.tolist()))
+        min(np.flatnonzero((sizes == size).all(axis=1) & np.isfinite(distance)), key=distance.__getitem__, default=None)
+        for size in dict.fromkeys(map(tuple, sizes.tolist()))
     ]
-    found = mesh.crossover.isel(case=[one for one in nearest if one is not None])
-    return found.copy(data=[float(f"{one:.2g}") for one in found.values])
+    ratios = mesh.crossover.isel(case=[case for case in nearest if case is not None])
+    return ratios.copy(data=[float(f"{ratio:.2g}") for ratio in ratios.values])
 
 
 @claim(
@@ -36,9 +36,9 @@ def crossovers(mesh: xr.Dataset) -> xr.DataArray:
 def hundred_times_the_motion(mesh):
     ratio = crossovers(mesh)
     ours = "; ".join(
-        f"{title}: {span(one, ',.0f')}"
+        f"{title}: {span(ratios, ',.0f')}"
         for title, wide in (("frames", False), ("meshes", True))
-        if (one := ratio.isel(case=(ratio.columns > 1).values == wide)).size
+        if (ratios := ratio.isel(case=(ratio.columns > 1).values == wide)).size
     )
     holds = bool(ratio.size and ((ratio > HUNDRED[0]) & (ratio < HUNDRED[1])).all())
     implicit, explicit = (

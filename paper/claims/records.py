@@ -9,7 +9,7 @@ from study.words import listed, number
 FACTOR, MOST_RUNS = 2.0, 0.95
 #: Largest ratio of the error to that of the period where the mean of the load restores the error of steps that divide.
 RESTORED = 3.0
-_OF_AVERAGE = {"record_error.schemes": [SCHEME]}
+_WITH_AVERAGE = {"record_error.schemes": [SCHEME]}
 
 
 @claim(
@@ -17,7 +17,7 @@ _OF_AVERAGE = {"record_error.schemes": [SCHEME]}
     "The power of a record above 1/(4Δt) decides the error of a step.",
     "scatter of the error of the displacement about a line against that power, in decades, average acceleration",
     whose=PRACTICE,
-    requires=_OF_AVERAGE,
+    requires=_WITH_AVERAGE,
 )
 def power_above_decides(record_error):
     average = record_error.sel(scheme=SCHEME)
@@ -30,7 +30,7 @@ def power_above_decides(record_error):
     "structures",
     "The error of a step under a record follows from the error of the period and the part of the record passed over.",
     "share of runs within a factor of two of the prediction, linear oscillators, average acceleration",
-    requires=_OF_AVERAGE,
+    requires=_WITH_AVERAGE,
 )
 def period_and_load_decide(record_error):
     average = record_error.sel(scheme=SCHEME)
@@ -44,7 +44,7 @@ def period_and_load_decide(record_error):
     "structures",
     "The mean of the load over each step restores the error of steps that divide the spacing of a record.",
     "97.5th percentile of error over error of the period at other steps, with samples and with means",
-    requires=_OF_AVERAGE,
+    requires=_WITH_AVERAGE,
 )
 def mean_load_restores(record_error):
     plain, mean = (over_period(record_error, load) for load in ("samples", "averages"))

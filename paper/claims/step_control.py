@@ -6,7 +6,7 @@ from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
 from paper.data import fewest
 from paper.measures.step_control import CELL, DRIFTS, FOOLED, KEPT, PULSE, STIFF, growth, ratio_at_equal_steps
 from paper.published import PROBLEMS
-from paper.requirements import OF_THE_TABLES
+from paper.requirements import REPRODUCED_TABLES
 from paper.terms import ALMOST, REASONABLE
 from paper.wording import listed, number
 
@@ -19,7 +19,7 @@ TRUE, BLIND = 0.1, 0.1
 
 def _smooth(estimates):
     """The estimates on problems without a stiff mode and without a kink of the load."""
-    return estimates.sel(problem=[one for one in estimates.problem.values if one not in (PULSE, *STIFF)])
+    return estimates.sel(problem=[problem for problem in estimates.problem.values if problem not in (PULSE, *STIFF)])
 
 
 def _ratio(estimates, estimator, error="true_error"):
@@ -28,7 +28,7 @@ def _ratio(estimates, estimator, error="true_error"):
     return finest.estimate / finest[error]
 
 
-def _asked(estimator, problems=PROBLEMS):
+def _estimates_of(estimator, problems=PROBLEMS):
     return {"estimates.problems": problems, "estimates.schemes": [AVERAGE], "estimates.estimators": [estimator]}
 
 
@@ -37,7 +37,7 @@ def _asked(estimator, problems=PROBLEMS):
     "The estimate of Zienkiewicz and Xie equals the error of the step.",
     "estimate over the true error of the displacement, and of displacement and velocity, average acceleration",
     whose="Zienkiewicz and Xie (1991)",
-    requires=_asked("zienkiewicz_xie"),
+    requires=_estimates_of("zienkiewicz_xie"),
 )
 def zienkiewicz_xie_is_true(estimates):
     estimates = _smooth(estimates)
@@ -54,7 +54,7 @@ def zienkiewicz_xie_is_true(estimates):
     "The estimate of Zienkiewicz and Xie detects the error at every time.",
     "smallest ratio of the estimate to the true error along a period, average acceleration",
     whose=PRACTICE,
-    requires=_asked("zienkiewicz_xie"),
+    requires=_estimates_of("zienkiewicz_xie"),
 )
 def zienkiewicz_xie_is_never_blind(estimates):
     estimates = _smooth(estimates)
@@ -68,7 +68,7 @@ def zienkiewicz_xie_is_never_blind(estimates):
     "An acceleration interpolated through three times gives the error of displacement and velocity.",
     "estimate over the true error, average acceleration",
     whose="Zeng et al. (1992)",
-    requires=_asked("three_point"),
+    requires=_estimates_of("three_point"),
 )
 def three_points_are_true(estimates):
     estimates = _smooth(estimates)
@@ -81,7 +81,7 @@ def three_points_are_true(estimates):
     "Step doubling gives the error of the step.",
     "estimate over the true error, average acceleration",
     whose=PRACTICE,
-    requires=_asked("step_doubling"),
+    requires=_estimates_of("step_doubling"),
 )
 def step_doubling_is_true(estimates):
     estimates = _smooth(estimates)
@@ -94,7 +94,7 @@ def step_doubling_is_true(estimates):
     "The residual in the middle of the step measures the error of the step.",
     "power of the step with which the ratio of residual to true error falls, average acceleration",
     whose="Hibbitt and Karlsson (1979)",
-    requires=_asked("half_step_residual"),
+    requires=_estimates_of("half_step_residual"),
 )
 def residual_measures_the_error(estimates):
     estimates = _smooth(estimates)
@@ -112,7 +112,7 @@ def residual_measures_the_error(estimates):
     "The estimate of Zienkiewicz and Xie also equals the error of the step on a structure with a stiff mode.",
     "estimate over the true error of displacement and velocity, average acceleration on stiff and soft springs",
     whose=PRACTICE,
-    requires=_asked("zienkiewicz_xie", problems=STIFF),
+    requires=_estimates_of("zienkiewicz_xie", problems=STIFF),
 )
 def zienkiewicz_xie_is_true_of_a_stiff_mode(estimates):
     ratio = _ratio(estimates, "zienkiewicz_xie").sel(problem=STIFF[0], scheme=AVERAGE).item()
@@ -126,7 +126,7 @@ def zienkiewicz_xie_is_true_of_a_stiff_mode(estimates):
     "An acceleration interpolated through three times also gives the error after a kink of the load.",
     "estimate over the true error, average acceleration under a pulse, from the largest to the smallest step",
     whose=PRACTICE,
-    requires=_asked("three_point", problems=[PULSE]),
+    requires=_estimates_of("three_point", problems=[PULSE]),
 )
 def three_points_are_true_after_a_kink(estimates):
     parabola = estimates.sel(estimator="three_point", scheme=AVERAGE, problem=PULSE)
@@ -136,7 +136,7 @@ def three_points_are_true_after_a_kink(estimates):
     return Finding(ours, true, when(not true, "its parabola spans the kink"))
 
 
-def _of_control(*controllers, scheme=AVERAGE):
+def _control_by(*controllers, scheme=AVERAGE):
     return {
         "step_control.problems": PROBLEMS,
         "step_control.schemes": [scheme],
@@ -149,11 +149,11 @@ def _of_control(*controllers, scheme=AVERAGE):
     "Controlled steps of average acceleration keep the energy as well as equal steps.",
     "ratio of the energy error of the last period to that of the first: steps controlled by PI; equal steps",
     whose=PRACTICE,
-    requires=_of_control("pi"),
+    requires=_control_by("pi"),
 )
 def control_keeps_the_energy(step_control):
     grown = growth(step_control)
-    controlled, equal = (by_name(grown.sel(with_equal=one)) for one in ("pi", "equal"))
+    controlled, equal = (by_name(grown.sel(with_equal=controller)) for controller in ("pi", "equal"))
     keeps = max(controlled.values()) < KEPT
     reason = when(not keeps, "the energy drifts from period to period")
     return Finding(f"{listed(controlled, step_control)}; {listed(equal, step_control)}", keeps, reason)
@@ -164,7 +164,7 @@ def control_keeps_the_energy(step_control):
     "A dead band, which keeps the step constant for long, avoids the drift.",
     "ratio of the energy error of the last period to that of the first",
     whose=PRACTICE,
-    requires=_of_control("dead_band"),
+    requires=_control_by("dead_band"),
 )
 def a_dead_band_avoids_the_drift(step_control):
     grown = by_name(growth(step_control).sel(with_equal="dead_band"))
@@ -177,7 +177,7 @@ def a_dead_band_avoids_the_drift(step_control):
     "Reversible control of a symmetric scheme shows no drift.",
     "ratio of the energy error of the last period to that of the first",
     whose="Hairer and Söderlind (2005)",
-    requires=_of_control("pi"),
+    requires=_control_by("pi"),
 )
 def reversible_control_has_no_drift(step_control):
     grown = by_name(growth(step_control).sel(with_equal="reversible"))
@@ -189,7 +189,7 @@ def reversible_control_has_no_drift(step_control):
     "With numerical damping, controlled steps never gain energy.",
     "signed energy error of generalized-α at the end in percent, the largest over tolerances, controlled by PI",
     whose=PRACTICE,
-    requires=_of_control("pi", scheme=GENERALIZED),
+    requires=_control_by("pi", scheme=GENERALIZED),
 )
 def damping_prevents_gain(step_control):
     drift = 100 * step_control.energy_drift.sel(scheme=GENERALIZED, controller="pi").max("tolerance")
@@ -208,7 +208,7 @@ def damping_prevents_gain(step_control):
         "controlled_1996.problems": PROBLEMS,
         "controlled_1996.schemes": [AVERAGE],
         "controlled_1996.steps_per_period": [CELL],
-        **OF_THE_TABLES,
+        **REPRODUCED_TABLES,
     },
 )
 def control_improves_the_tables(controlled_1996, energy_error):
@@ -223,7 +223,7 @@ def control_improves_the_tables(controlled_1996, energy_error):
     "power of the tolerance with which the largest energy error falls between the two smallest tolerances, "
     "average acceleration, PI",
     whose=PRACTICE,
-    requires=_of_control("pi"),
+    requires=_control_by("pi"),
 )
 def proportional_to_the_tolerance(step_control):
     size = step_control.max_energy_error.sel(scheme=AVERAGE, controller="pi").sortby("tolerance").isel(tolerance=[0, 1])
@@ -252,6 +252,6 @@ def fourth_order_needs_fewer_steps(step_control):
     controlled = step_control.sel(controller="pi")
     steps = fewest(100 * controlled.max_energy_error, controlled.steps, REASONABLE, "tolerance")
     per_period = steps / step_control.attrs["periods"]
-    fourth, second = (per_period.sel(scheme=one) for one in ("rk4", AVERAGE))
+    fourth, second = (per_period.sel(scheme=scheme) for scheme in ("rk4", AVERAGE))
     ours = f"{listed(by_name(fourth), step_control, '.0f')}; {listed(by_name(second), step_control, '.0f')}"
     return Finding(ours, bool((fourth < second).all()))

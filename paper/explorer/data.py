@@ -47,7 +47,7 @@ def coarse(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.isel({name: slice(None, None, stride) for name, stride in strides.items()})
 
 
-def of_maps(atlas: xr.Dataset) -> dict[str, np.ndarray]:
+def map_arrays(atlas: xr.Dataset) -> dict[str, np.ndarray]:
     """Arrays of the page: outcomes and errors of the maps, and the largest safe steps.
 
     The arrays of the maps have the shape (problem, scheme, amplitude, step size). The largest safe Δt/T have the shape

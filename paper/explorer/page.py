@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-from paper.explorer.data import ERRORS, LOG_CODES, coarse, of_maps, packed
+from paper.explorer.data import ERRORS, LOG_CODES, coarse, map_arrays, packed
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import page
 from paper.tables.decision import rows_of, steps_of
@@ -38,14 +38,16 @@ def _schemes(atlas: xr.Dataset) -> list[dict[str, Any]]:
     """Name and title of each scheme, whether it is explicit, and its force evaluations per step and per iteration."""
     names = ("scheme", "scheme_title", "explicit", "forces_per_step", "forces_per_iteration")
     keys = ("name", "title", "explicit", "forces", "forcesPerIteration")
-    return [dict(zip(keys, one, strict=True)) for one in zip(*(atlas[n].values.tolist() for n in names), strict=True)]
+    return [
+        dict(zip(keys, values, strict=True)) for values in zip(*(atlas[n].values.tolist() for n in names), strict=True)
+    ]
 
 
 def _problems(atlas: xr.Dataset) -> list[dict[str, Any]]:
     """Name and title of each spring, and its displacement at the relative amplitude one."""
     units = (atlas.u0 / atlas.amplitude).isel(amplitude=0).values.tolist()
-    found = zip(atlas.problem.values.tolist(), atlas.problem_title.values.tolist(), units, strict=True)
-    return [{"name": name, "title": title, "unit": float(f"{unit:.12g}")} for name, title, unit in found]
+    problems = zip(atlas.problem.values.tolist(), atlas.problem_title.values.tolist(), units, strict=True)
+    return [{"name": name, "title": title, "unit": float(f"{unit:.12g}")} for name, title, unit in problems]
 
 
 def _outcomes(outcome: xr.DataArray) -> list[dict[str, str]]:
@@ -59,14 +61,17 @@ def _outcomes(outcome: xr.DataArray) -> list[dict[str, str]]:
 
 def _decisions(decisions: xr.Dataset) -> list[dict[str, Any]]:
     """Scheme and number of steps in a period of each decision on the springs; the title is empty if there is none."""
-    found = []
+    choices = []
     for problem, quantity, kind in rows_of(decisions):
         for error in decisions.allowed_error.values.tolist() if problem in PROBLEMS else ():
-            one = decisions.sel(problem=problem, quantity=quantity, kind=kind, allowed_error=error, filter="all")
+            decision = decisions.sel(problem=problem, quantity=quantity, kind=kind, allowed_error=error, filter="all")
             row = {"problem": problem, "quantity": quantity, "kind": kind, "error": 100 * error}
-            shown = {"title": one.scheme_title.item(), "steps": steps_of(one) if one.step_size > 0 else ""}
-            found.append(row | shown | {"periods": one.decided.item()})
-    return found
+            shown = {
+                "title": decision.scheme_title.item(),
+                "steps": steps_of(decision) if decision.step_size > 0 else "",
+            }
+            choices.append(row | shown | {"periods": decision.decided.item()})
+    return choices
 
 
 def _cases(cases: list[xr.Dataset]) -> list[dict[str, Any]]:
@@ -108,7 +113,7 @@ def explorer(atlas: xr.Dataset, cases: list[xr.Dataset], decisions: xr.Dataset) 
     """
     atlas = atlas.sel(problem=PROBLEMS)
     maps = coarse(atlas)
-    places, content = packed(of_maps(atlas))
+    places, content = packed(map_arrays(atlas))
     meta = {
         "first": FIRST,
         "periods": atlas.periods.item(),
@@ -127,7 +132,7 @@ def explorer(atlas: xr.Dataset, cases: list[xr.Dataset], decisions: xr.Dataset) 
         f"{maps.sizes['amplitude']} of {atlas.sizes['amplitude']} amplitudes and "
         f"{maps.sizes['step_size_over_period']} of {atlas.sizes['step_size_over_period']} step sizes"
     )
-    made = ", ".join(f"{key} {atlas.attrs[key]}" for key in ("version", "commit") if key in atlas.attrs)
+    versions = ", ".join(f"{key} {atlas.attrs[key]}" for key in ("version", "commit") if key in atlas.attrs)
     parts = {
         "STYLE": _read("page.css"),
         "META": _as_script(meta),
@@ -135,7 +140,7 @@ def explorer(atlas: xr.Dataset, cases: list[xr.Dataset], decisions: xr.Dataset) 
         "SCRIPT": "\n".join(_read(f"{name}.js") for name in SCRIPTS),
         "PERIODS": f"{atlas.periods.item():g}",
         "CELLS": shape,
-        "MADE": html.escape(made),
+        "MADE": html.escape(versions),
     }
     text = _read("page.html")
     for name, part in parts.items():

@@ -3,7 +3,7 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.data import loss_of_amplitude, of_the_paper
+from paper.data import loss_of_amplitude, schemes_of_1996
 from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.published import SCHEMES
@@ -31,7 +31,7 @@ PERIODS, SHORTER = 100, 3
 )
 def draw(accuracy: xr.Dataset) -> Figure:
     """One row per problem, one column per measure; errors that the reference does not resolve are omitted."""
-    accuracy = of_the_paper(accuracy)
+    accuracy = schemes_of_1996(accuracy)
     losses = loss_of_amplitude(accuracy, SHORTER, PERIODS)
     accuracy = accuracy.sel(periods=PERIODS)
     figure, axes = panels(len(PROBLEMS), len(MEASURES), PAGE, 10, sharex=True, sharey="col")

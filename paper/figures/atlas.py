@@ -3,7 +3,7 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.data import of_the_paper
+from paper.data import schemes_of_1996
 from paper.figures.outcome_map import PAPER_CASES, legend, outcome_map, step_ticks
 from paper.figures.style import PAGE, panels, wrapped
 from paper.products import figure
@@ -23,7 +23,7 @@ from paper.requirements import contained
 )
 def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     """One row per scheme, one column per problem."""
-    atlas = of_the_paper(atlas)
+    atlas = schemes_of_1996(atlas)
     schemes, problems = atlas.scheme.values, atlas.problem.values
     figure, axes = panels(len(schemes), len(problems), PAGE, 19, sharex=True, sharey=True)
     for row, scheme in zip(axes, schemes, strict=True):

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from paper.figures.style import COLUMN, letter, panels
 from paper.products import figure
 from paper.published import printed_energy_errors
-from paper.requirements import OF_THE_DRIFT
+from paper.requirements import RESONANCE
 
 #: Numbers of steps per period that the paper compares, each with the place of its label.
 _MARKED = {20: (22.0, -68), 25: (27.0, -38)}
@@ -18,7 +18,7 @@ _CURVE = {"color": "#0072B2", "linewidth": 0.6, "marker": ".", "markersize": 2.5
     "entries of Table 2 of Xie (1996), of which the coarser step has the smaller error. A resonance holds the orbit "
     "where the steps per oscillation stay at a whole number over a range of step sizes.",
     drift="energy_drift",
-    requires=OF_THE_DRIFT,
+    requires=RESONANCE,
 )
 def draw(drift: xr.Dataset) -> Figure:
     """Signed energy error (above) and steps per oscillation at the end (below), against the steps per period."""

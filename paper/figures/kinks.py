@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from paper.data import of_kinds
+from paper.data import with_schemes
 from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
 from paper.products import figure
 
@@ -21,7 +21,7 @@ COLUMNS = 5
 )
 def draw(kinks: xr.Dataset) -> Figure:
     """One panel per problem; grey lines are proportional to the first and to the second power of the step."""
-    kinks = of_kinds(kinks, SHOWN)
+    kinks = with_schemes(kinks, SHOWN)
     number = kinks.sizes["problem"]
     columns = min(number, COLUMNS)
     rows = -(-number // columns)

@@ -6,7 +6,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from paper.data import of_the_paper
+from paper.data import schemes_of_1996
 from paper.figures.outcome_map import LIMIT
 from paper.figures.style import PAGE, legend_below, letter, panels
 from paper.products import figure
@@ -48,7 +48,7 @@ def classify(run: xr.Dataset) -> np.ndarray:
 )
 def draw(large_steps: xr.Dataset) -> Figure:
     """One panel per problem, one row per scheme of 1996."""
-    large_steps = of_the_paper(large_steps)
+    large_steps = schemes_of_1996(large_steps)
     lines = -(-large_steps.sizes["problem"] // 2)
     figure, axes = panels(lines, 2, PAGE, 4 * lines + 1.5, sharex=True, sharey=True)
     for unused in axes.ravel()[large_steps.sizes["problem"] :]:

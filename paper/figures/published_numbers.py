@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from paper.data import of_kinds
+from paper.data import with_schemes
 from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
 from paper.products import figure
 
@@ -42,7 +42,7 @@ def _errors(ax: Axes, runs: xr.Dataset, styles: dict) -> None:
 )
 def draw(published_numbers: xr.Dataset) -> Figure:
     """One panel per problem."""
-    shown = of_kinds(published_numbers, SHOWN)
+    shown = with_schemes(published_numbers, SHOWN)
     number = shown.sizes["problem"]
     columns = min(number, COLUMNS)
     rows = -(-number // columns)

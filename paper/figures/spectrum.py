@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from paper.data import of_kinds
+from paper.data import with_schemes
 from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels, thinned
 from paper.measures.spectrum import LONG, share_beyond
 from paper.products import figure
@@ -26,7 +26,7 @@ def draw(spectrum: xr.Dataset) -> Figure:
 
     The sufficient steps are found among all steps, or among the commensurate steps only.
     """
-    spectrum = of_kinds(spectrum, SHOWN)
+    spectrum = with_schemes(spectrum, SHOWN)
     spacing, curves = 1e3 * spectrum.spacing.item(), curve_styles(spectrum.scheme)
     figure, axes = panels(1, 3, PAGE, 5.6)
     *left, right = axes[0]

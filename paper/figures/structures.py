@@ -3,7 +3,7 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.data import of_kinds
+from paper.data import with_schemes
 from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels
 from paper.products import figure
 
@@ -28,7 +28,7 @@ BEYOND = 100
 )
 def draw(structures: xr.Dataset) -> Figure:
     """One panel per structure; a failed run leaves a gap."""
-    shown = of_kinds(structures, SHOWN)
+    shown = with_schemes(structures, SHOWN)
     number = shown.sizes["problem"]
     columns = min(number, COLUMNS)
     rows = -(-number // columns)

@@ -20,14 +20,14 @@ def scatter(errors: xr.Dataset, predictor: xr.DataArray) -> float:
     """Standard deviation of log₁₀ of the measured error about a straight line in log₁₀ of a predictor."""
     error, by = xr.broadcast(errors.error.sel(load="samples"), predictor)
     known = (error > 0) & (by > 0)
-    x, y = (np.log10(one.values[known.values]) for one in (by, error))
+    x, y = (np.log10(values.values[known.values]) for values in (by, error))
     return float(np.std(y - np.polyval(np.polyfit(x, y, 1), x)))
 
 
 def order(errors: xr.Dataset, load: str, divides: bool) -> float:
     """Median order, over oscillators and records, of the error at steps up to the spacing that divide it or not."""
     some = errors.isel(ratio=((errors.divides == divides) & (errors.ratio <= 1)).values).sel(load=load)
-    x, y = (np.log(one) for one in xr.broadcast(some.step_size.where(some.error > 0), some.error))
+    x, y = (np.log(values) for values in xr.broadcast(some.step_size.where(some.error > 0), some.error))
     x, y = x - x.mean("ratio"), y - y.mean("ratio")
     return float(((x * y).sum("ratio") / (x**2).sum("ratio")).where(x.notnull().sum("ratio") > 2).median())
 

@@ -29,7 +29,7 @@ def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:
     """
     free = spectral.sel(damping_ratio=0, scheme=costs_at.scheme.values)
     limited = np.isfinite(free.stability_limit)
-    powers = [free[f"growth_{one}_from_{start}"] for one in "uv" for start in "uv"]
+    powers = [free[f"growth_{variable}_from_{start}"] for variable in "uv" for start in "uv"]
     rows = [
         free.infinite_frequency_radius.where(~limited, np.inf),
         abs(free.algorithmic_damping.sel(step_size_over_period=1 / RESOLVED, method="nearest")).round(9),

@@ -38,13 +38,13 @@ def median_changes(quantity: xr.DataArray) -> xr.Dataset:
     values = quantity.transpose("variant", "period", "record").values
     reference = list(quantity.variant.values).index("reference")
     # one variant at a time, because all draws of a thousand records would take gigabytes
-    medians = np.array([np.median(_resampled(one, values.shape[-1]), axis=-1) for one in values])
+    medians = np.array([np.median(_resampled(variant, values.shape[-1]), axis=-1) for variant in values])
     with np.errstate(invalid="ignore"):
         change = np.median(values, axis=-1) / np.median(values[reference], axis=-1) - 1
         low, high = np.percentile(medians / medians[reference] - 1, INTERVAL, axis=-1)
     dims = ("variant", "period")
-    found = xr.Dataset({"change": (dims, change), "low": (dims, low), "high": (dims, high)}, coords=quantity.coords)
-    return found.where(_known(quantity))
+    changes = xr.Dataset({"change": (dims, change), "low": (dims, low), "high": (dims, high)}, coords=quantity.coords)
+    return changes.where(_known(quantity))
 
 
 def coarsest_step(quantity: xr.DataArray) -> float:

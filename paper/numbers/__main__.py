@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from paper.products import Product, discover, made, reader
+from paper.products import Product, content_of, discover, reader
 from study.io import one_sentence, write
 from study.words import printed
 
@@ -24,7 +24,7 @@ def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[st
     owner: dict[str, str] = {}
     texts: dict[str, str | bool | None] = {}
     for product in products:
-        for name, value in made(product, read).items():
+        for name, value in content_of(product, read).items():
             if name in owner:
                 raise ValueError(f"The number '{name}' is given by {owner[name]} and by {product.name}.")
             owner[name] = product.name
@@ -38,11 +38,12 @@ def commits(products: Iterable[Product], read: Callable[[str], Any]) -> str | No
 
     A commit to which uncommitted changes were added is marked.
     """
-    reads = [one for product in products for one in product.reads.values()]
-    names = {name for one in reads for name in ([one] if isinstance(one, str) else one)}
+    reads = [names for product in products for names in product.reads.values()]
+    names = {name for names in reads for name in ([names] if isinstance(names, str) else names)}
     described = {read(name).attrs.get("commit", "unknown") for name in names if not Path(name).suffix} - {"unknown"}
     commits = sorted(
-        one.removesuffix("-dirty")[:12] + (" with changes" if one.endswith("-dirty") else "") for one in described
+        commit.removesuffix("-dirty")[:12] + (" with changes" if commit.endswith("-dirty") else "")
+        for commit in described
     )
     return " and ".join(commits) or None
 

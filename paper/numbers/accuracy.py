@@ -78,7 +78,7 @@ def of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
     measured = accuracy.sel(steps_per_period=64, periods=3, scheme="hht_alpha_1996", problem=["hardening", "softening"])
     loss = measured.amplitude_decay / linear.amplitude_decay
     return {"damping_is_larger": bool((loss > 1).all())} | {
-        f"kept_hht_alpha_1996_{name}": f"{one:.1f}" for name, one in by_name(loss).items()
+        f"kept_hht_alpha_1996_{name}": f"{ratio:.1f}" for name, ratio in by_name(loss).items()
     }
 
 
@@ -128,6 +128,6 @@ def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
 )
 def of_references(references: list[xr.Dataset]) -> dict:
     """Largest relative uncertainties of the exact periods and motions of the springs."""
-    period = max((one.period_certified / one.period).item() for one in references)
-    motion = max((one.u_certified / abs(one.u).max()).item() for one in references)
+    period = max((reference.period_certified / reference.period).item() for reference in references)
+    motion = max((reference.u_certified / abs(reference.u).max()).item() for reference in references)
     return {"period_doubt": f"{period:.0e}", "motion_doubt": f"{motion:.0e}"}

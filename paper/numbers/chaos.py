@@ -65,8 +65,8 @@ def of_chaos(chaos: xr.Dataset) -> dict:
         )
         or "none",
         "chaos_exponents": listed(
-            f"{one.exponent.item():.3f} ± {ERRORS * one.uncertainty.item():.3f} ({one.problem_title.item()})"
-            for one in (fine.sel(problem=name) for name in chaos.problem.values)
+            f"{motion.exponent.item():.3f} ± {ERRORS * motion.uncertainty.item():.3f} ({motion.problem_title.item()})"
+            for motion in (fine.sel(problem=name) for name in chaos.problem.values)
         ),
         "chaos_beam_spectrum": listed(
             f"{value:.3f} ± {ERRORS * error:.3f}".replace("-", "−")

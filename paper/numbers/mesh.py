@@ -21,8 +21,8 @@ def of_mesh(mesh: xr.Dataset) -> dict:
     implicit = mesh.sel(scheme="average_acceleration")
     # time with the stiffest row over that with the least stiff one, panel by panel
     stiffest, softest = (
-        mesh.seconds_per_period.isel(case=(mesh.stiffening == of).values).values
-        for of in (mesh.stiffening.max(), mesh.stiffening.min())
+        mesh.seconds_per_period.isel(case=(mesh.stiffening == stiffening).values).values
+        for stiffening in (mesh.stiffening.max(), mesh.stiffening.min())
     )
     saved = dict(zip(mesh.scheme.values, (stiffest / softest).T, strict=True))
     return {

@@ -20,14 +20,15 @@ def of_record_error(errors: xr.Dataset) -> dict:
     """Ratios of measured and predicted errors, scatter about three predictors, shares of runs, and orders."""
     from scipy.stats import t as student  # here, as few numbers of the text need it
 
-    one = errors.sel(scheme=SCHEME)
-    law = predicted(one)
-    ratio = one.error.sel(load="samples") / law
+    average = errors.sel(scheme=SCHEME)
+    law = predicted(average)
+    ratio = average.error.sel(load="samples") / law
     runs = ratio.notnull()
     stochastic = (errors.origin == _STOCHASTIC).values
     low, high = np.nanpercentile(ratio, RANGE)
     scatters = {
-        name: scatter(one, by) for name, by in {"law": law, "step": one.of_period, "power": one.power_above}.items()
+        name: scatter(average, by)
+        for name, by in {"law": law, "step": average.of_period, "power": average.power_above}.items()
     }
 
     def within(error):
@@ -42,26 +43,26 @@ def of_record_error(errors: xr.Dataset) -> dict:
         "record_error_records": errors.sizes["record"],
         # without El Centro, which is always a record
         "record_error_own": int((~stochastic).sum()) - 1 or None,
-        "record_error_spacings": listed(f"{1e3 * one:g}" for one in np.unique(errors.spacing[stochastic])),
+        "record_error_spacings": listed(f"{1e3 * spacing:g}" for spacing in np.unique(errors.spacing[stochastic])),
         "record_error_runs": int(runs.sum()),
         "record_error_damping": f"{100 * errors.damping_ratio.item():g}",
         "record_error_periods": span(errors.period, "g"),
         "record_error_duration": span(errors.duration[stochastic], ".0f"),
-        "record_error_dividing": number(float(ratio.isel(ratio=(one.divides == 1).values).median()), 2),
-        "record_error_passing": number(float(ratio.isel(ratio=(one.divides == 0).values).median()), 2),
+        "record_error_dividing": number(float(ratio.isel(ratio=(average.divides == 1).values).median()), 2),
+        "record_error_passing": number(float(ratio.isel(ratio=(average.divides == 0).values).median()), 2),
         "record_error_low": number(low, 2),
         "record_error_high": number(high, 2),
-        "record_error_kept": within(one.error.sel(load="samples")),
-        "record_error_peak_linear": within(one.peak_error.sel(spring="linear")),
-        "record_error_peak_yielding": within(one.peak_error.sel(spring="yielding")),
+        "record_error_kept": within(average.error.sel(load="samples")),
+        "record_error_peak_linear": within(average.peak_error.sel(spring="linear")),
+        "record_error_peak_yielding": within(average.peak_error.sel(spring="yielding")),
         "record_error_one_curve": scatters["law"] < ONE_CURVE < min(scatters["step"], scatters["power"]),
     }
     for load in ("samples", "averages"):
         entries[f"record_error_{load}_most"] = number(over_period(errors, load), 2)
     for name, value in scatters.items():
         entries[f"record_error_scatter_{name}"] = f"{value:.2f}"
-    of = errors.sel(scheme="rk4")
-    entries["record_error_rk4_dividing"] = f"{order(of, 'samples', True):.1f}"
-    entries["record_error_rk4_passing"] = f"{order(of, 'samples', False):.1f}"
-    entries["record_error_rk4_averaged"] = f"{order(of, 'averages', False):.1f}"
+    rk4 = errors.sel(scheme="rk4")
+    entries["record_error_rk4_dividing"] = f"{order(rk4, 'samples', True):.1f}"
+    entries["record_error_rk4_passing"] = f"{order(rk4, 'samples', False):.1f}"
+    entries["record_error_rk4_averaged"] = f"{order(rk4, 'averages', False):.1f}"
     return entries

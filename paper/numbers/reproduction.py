@@ -3,10 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from paper.data import of_the_tables
+from paper.data import cells_of_tables
 from paper.products import numbers
 from paper.published import SCHEMES, once, printed_energy_errors, same, twice
-from paper.requirements import OF_THE_DRIFT, OF_THE_TABLES, spans
+from paper.requirements import REPRODUCED_TABLES, RESONANCE, spans
 from paper.terms import DISSIPATIVE, FAITHFUL, UNSTABLE
 from study.words import number, span
 
@@ -19,11 +19,11 @@ def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
     return (period.sel(period_used="printed") / period.sel(period_used="exact")).item()
 
 
-@numbers(requires=OF_THE_TABLES)
+@numbers(requires=REPRODUCED_TABLES)
 def of_cells(energy_error: xr.Dataset) -> dict:
     """Computed and printed errors of Tables 1 and 2, compared cell by cell."""
     printed = printed_energy_errors()
-    cells = 100 * of_the_tables(energy_error).max_energy_error
+    cells = 100 * cells_of_tables(energy_error).max_energy_error
     ours, exact = cells.sel(period_used="printed"), cells.sel(period_used="exact")
     off = abs(ours - printed)
     unexplained = ~same(twice(ours), printed)
@@ -63,7 +63,7 @@ def _caught(drift: xr.Dataset) -> np.ndarray:
     return np.where((np.abs(count / whole - 1) < 1e-3) & (lost < trend / 2), whole, 0).astype(int)
 
 
-@numbers(drift="energy_drift", requires=OF_THE_DRIFT)
+@numbers(drift="energy_drift", requires=RESONANCE)
 def of_drift(drift: xr.Dataset) -> dict:
     """Energy drift of the Runge-Kutta method over step size, with its resonances."""
     parts, caught = drift.steps_per_period, _caught(drift)

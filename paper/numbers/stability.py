@@ -76,7 +76,7 @@ def of_stability(
     fewest = fewest_steps(atlas, 0.1)
     average_steps = fewest.sel(scheme="average_acceleration")
     tables = 100 * energy_error.max_energy_error.sel(period_used="printed", steps_per_period=20)
-    of_both = tables.sel(problem=PROBLEMS, scheme=FAITHFUL)
+    on_springs = tables.sel(problem=PROBLEMS, scheme=FAITHFUL)
     at_all_amplitudes = average_steps.fillna(np.inf)
     twenty = fewest.sel(problem="hardening") <= 20
     near = near_1996(atlas)
@@ -96,7 +96,7 @@ def of_stability(
         "damped_end_at_rest": bool(
             (at_rest & ~by_scheme["chaotic"] & ~by_scheme["growing"]).sel(scheme=DISSIPATIVE).all()
         ),
-        "twenty_not_everywhere": bool((of_both <= 10).all() and (at_all_amplitudes > 20).any()),
+        "twenty_not_everywhere": bool((on_springs <= 10).all() and (at_all_amplitudes > 20).any()),
         "chaos_before_roots": bool(onset < several),
         "chaos_from": f"{onset:.2f}",
         "chaos_of_order_windows": int((np.diff(chaotic, prepend=0) > 0).sum()),

@@ -19,7 +19,7 @@ from paper.measures.step_control import (
 )
 from paper.products import numbers
 from paper.published import PROBLEMS
-from paper.requirements import OF_THE_TABLES
+from paper.requirements import REPRODUCED_TABLES
 from study.words import span
 
 
@@ -34,7 +34,7 @@ from study.words import span
         "controlled_1996.problems": PROBLEMS,
         "controlled_1996.schemes": [SCHEME],
         "controlled_1996.steps_per_period": [CELL],
-        **OF_THE_TABLES,
+        **REPRODUCED_TABLES,
     },
 )
 def of_step_control(
@@ -56,7 +56,7 @@ def of_step_control(
     if STIFF[0] in estimates.problem:
         stiff = estimates.sel(problem=STIFF[0], scheme=SCHEME, estimator="zienkiewicz_xie").isel(steps_per_period=-1)
         on_stiff = (stiff.estimate / stiff.true_error).item()
-    others = [one for one in ("pi", "dead_band") if one in grown.with_equal]
+    controllers = [controller for controller in ("pi", "dead_band") if controller in grown.with_equal]
     return {
         "control_zx_displacement": f"{displacement.sel(estimator='zienkiewicz_xie').item():.2f}",
         "control_zx_state": f"{state.sel(estimator='zienkiewicz_xie').item():.2f}",
@@ -73,7 +73,7 @@ def of_step_control(
         "control_equal": f"{history.sel(with_equal='equal').item():.2g}",
         "control_reversible": f"{history.sel(with_equal='reversible').item():.2g}",
         "control_drifts": bool(
-            (grown.sel(with_equal=others) > DRIFTS).all() and grown.sel(with_equal="equal").item() < KEPT
+            (grown.sel(with_equal=controllers) > DRIFTS).all() and grown.sel(with_equal="equal").item() < KEPT
         ),
         "reversible_keeps": bool(grown.sel(with_equal="reversible").item() < KEPT),
         "control_gained": f"{gained.item():.0f}",

@@ -32,9 +32,9 @@ def _periods(number: xr.DataArray) -> str:
 
 def _kept(pendulum: xr.Dataset, periods: float) -> pd.DataFrame:
     """Schemes, steps in a period, and whether the runs of a constrained mass over a number of periods succeeded."""
-    of_duration = pendulum.sel(periods=periods)
-    kept = (of_duration.status == 0) & (100 * of_duration.error.sel(quantity="energy") <= REASONABLE)
-    runs = xr.Dataset({"kept": kept, "steps": of_duration.steps_per_period, "tried": pendulum.tried == 1})
+    selection = pendulum.sel(periods=periods)
+    kept = (selection.status == 0) & (100 * selection.error.sel(quantity="energy") <= REASONABLE)
+    runs = xr.Dataset({"kept": kept, "steps": selection.steps_per_period, "tried": pendulum.tried == 1})
     return runs.to_dataframe().reset_index().query("tried")[["scheme", "steps", "kept"]]
 
 
@@ -54,8 +54,8 @@ def _limits(structures: xr.Dataset, pendulum: xr.Dataset) -> dict[str, tuple[flo
         runs = pd.concat([runs, finer[finer.scheme.isin(kept.scheme.values)]])
     limits = runs.groupby(["scheme", "problem"])[["steps", "kept"]].apply(_limit)
     return {
-        scheme: max(of_problems, key=lambda limit: np.nan_to_num(limit[0]))
-        for scheme, of_problems in limits.groupby("scheme")
+        scheme: max(problem_limits, key=lambda limit: np.nan_to_num(limit[0]))
+        for scheme, problem_limits in limits.groupby("scheme")
     }
 
 
@@ -180,9 +180,9 @@ def of_structures(
         "stiff_soft_steps": stiff_soft.steps_per_period.item(),
         "stiff_bar_steps": stiff_bar.steps_per_period.item(),
         "stiff_truss_steps": stiff_truss.steps_per_period.item(),
-        "growth_ceiling": printed(f"{CEILING:.0e}") if any((sizes(one) > CEILING).any() for one in turning) else None,
-        "growth_floor": printed(f"{FLOOR:.0e}") if any((sizes(one) < FLOOR).any() for one in turning) else None,
-        "growth_fails": any((one.status != 0).any() for one in turning),
+        "growth_ceiling": printed(f"{CEILING:.0e}") if any((sizes(run) > CEILING).any() for run in turning) else None,
+        "growth_floor": printed(f"{FLOOR:.0e}") if any((sizes(run) < FLOOR).any() for run in turning) else None,
+        "growth_fails": any((run.status != 0).any() for run in turning),
         # whole percents, as round-off changes even their last digit over this time
         **{f"sum_{name}": f"{value:.0f}" for name, value in change.items()},
     }

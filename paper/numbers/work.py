@@ -62,7 +62,9 @@ def of_work(work: xr.Dataset) -> dict:
 
 def _starts(decisions: xr.Dataset) -> dict[str, str | None]:
     """Numbers of the further starts of problems whose force has kinks, and of the other ones without a record."""
-    further = {name: int(one) - 1 for name, one in zip(decisions.problem.values, decisions.starts.values, strict=True)}
+    further = {
+        name: int(count) - 1 for name, count in zip(decisions.problem.values, decisions.starts.values, strict=True)
+    }
     titles = dict(zip(decisions.problem.values, decisions.problem_title.values, strict=True))
     kinked = [name for name in WITH_KINKS if name in further]
     smooth = [name for name in further if name not in kinked and not decisions.spacing.sel(problem=name) > 0]
@@ -83,7 +85,7 @@ def _further_runs(runs: xr.Dataset) -> dict[str, str | None]:
     others = runs.periods.values[runs.periods.values != runs.decided.item()]
     return {
         "beside": f"{100 * np.median(beside):.2g}" if beside.size else None,
-        "other_durations": listed(f"{one:g}" for one in others),
+        "other_durations": listed(f"{periods:g}" for periods in others),
     }
 
 
@@ -94,19 +96,21 @@ def of_decisions(decisions: xr.Dataset, needs: xr.Dataset, softening: xr.Dataset
     forces = springs.force_evaluations.fillna(np.inf)
     explicit = forces.sel(kind="explicit") < forces.sel(kind="implicit")
     counted = {
-        f"fewer_explicit_{quantity}": f"{int(one.sum())} of {one.size}"
-        for quantity, one in explicit.groupby("quantity")
+        f"fewer_explicit_{quantity}": f"{int(fewer.sum())} of {fewer.size}"
+        for quantity, fewer in explicit.groupby("quantity")
     }
     least = springs.scheme_title.isel(kind=forces.argmin("kind")).sel(quantity="displacement").to_series()
     return {
         **counted,
-        "fewest_of_displacement": ", ".join(f"{one} ({count})" for one, count in least.value_counts().items()),
+        "fewest_of_displacement": ", ".join(f"{title} ({count})" for title, count in least.value_counts().items()),
         **_starts(decisions),
         "decided_errors": listed(f"{100 * error:g}" for error in decisions.allowed_error.values),
-        "decided_periods": listed(sorted({f"{one:,.0f}" for one in springs.decided.values})),
+        "decided_periods": listed(sorted({f"{periods:,.0f}" for periods in springs.decided.values})),
         **_further_runs(softening),
         "error_relative_to": relative_to(),
-        "whole_bounds": listed(f"{100 * WHOLE_MOTION[one]:g}" for one in ("velocity", "acceleration", "energy")),
+        "whole_bounds": listed(
+            f"{100 * WHOLE_MOTION[quantity]:g}" for quantity in ("velocity", "acceleration", "energy")
+        ),
         "whole_error": f"{100 * WHOLE:g}",
         "models_kinds": len(answers(decisions)),
         "models_error": f"{100 * ERROR:g}",

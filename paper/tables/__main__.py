@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from paper.products import discover, made, reader
+from paper.products import content_of, discover, reader
 from paper.tables.tex import tex
 from study.io import one_sentence, write
 from study.words import printed
@@ -14,7 +14,7 @@ def main(results: Path, folder: Path) -> None:
     """Write all tables from a folder of results."""
     read = reader(results)
     for product in (one for one in discover(["tables"]) if one.kind == "table"):
-        frame = made(product, read).map(lambda cell: printed(str(cell))).rename(columns=printed)
+        frame = content_of(product, read).map(lambda cell: printed(str(cell))).rename(columns=printed)
         write(frame.to_csv(index=False), folder / f"{product.name}.csv")
         write(tex(product, frame), folder / f"{product.name}.tex")
 

@@ -3,10 +3,10 @@
 import pandas as pd
 import xarray as xr
 
-from paper.data import of_the_tables
+from paper.data import cells_of_tables
 from paper.products import table
 from paper.published import printed_energy_errors
-from paper.requirements import OF_THE_TABLES
+from paper.requirements import REPRODUCED_TABLES
 
 
 def _percent(error: float) -> str:
@@ -14,11 +14,11 @@ def _percent(error: float) -> str:
     return f"{error:.2f}" if error >= 0.01 else f"{error:.1g}"
 
 
-@table("Energy errors of Tables 1 and 2 of 1996", requires=OF_THE_TABLES)
+@table("Energy errors of Tables 1 and 2 of 1996", requires=REPRODUCED_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """Three rows per problem and step size (printed, computed, exact period), one column per scheme of 1996."""
     printed = printed_energy_errors()
-    energy_error = of_the_tables(energy_error)
+    energy_error = cells_of_tables(energy_error)
     ours = 100 * energy_error.max_energy_error
     sources = {
         "printed": printed,

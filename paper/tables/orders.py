@@ -3,7 +3,7 @@
 import pandas as pd
 import xarray as xr
 
-from paper.data import of_the_paper
+from paper.data import schemes_of_1996
 from paper.measures.orders import PERIODS, order_at_finest
 from paper.products import table
 from paper.published import SCHEMES
@@ -32,7 +32,7 @@ def _observed(run: xr.Dataset) -> dict[str, str]:
 )
 def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
     """One row per problem and scheme."""
-    accuracy = of_the_paper(accuracy)
+    accuracy = schemes_of_1996(accuracy)
     return pd.DataFrame(
         {
             "Problem": accuracy.problem_title.sel(problem=problem).item(),

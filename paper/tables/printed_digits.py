@@ -3,20 +3,20 @@
 import pandas as pd
 import xarray as xr
 
-from paper.data import of_the_tables
+from paper.data import cells_of_tables
 from paper.products import table
 from paper.published import once, printed_energy_errors, same, twice
-from paper.requirements import OF_THE_TABLES
+from paper.requirements import REPRODUCED_TABLES
 
 _ROUNDED_TWICE = "rounded to two decimals, then to one"
 _UNEXPLAINED = "by no rounding rule; see the text"
 
 
-@table("Cells that differ from the printed digit", requires=OF_THE_TABLES)
+@table("Cells that differ from the printed digit", requires=REPRODUCED_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """One row per cell whose value, rounded once, is not the printed value."""
     printed = printed_energy_errors()
-    ours = 100 * of_the_tables(energy_error).max_energy_error.sel(period_used="printed")
+    ours = 100 * cells_of_tables(energy_error).max_energy_error.sel(period_used="printed")
     rows = []
     for problem in ours.problem.values:
         for steps in ours.steps_per_period.values:

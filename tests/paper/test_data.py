@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from paper.data import loss_of_amplitude, of_kinds
+from paper.data import loss_of_amplitude, with_schemes
 
 
 def test_a_ripple_of_the_amplitude_is_no_loss():
@@ -25,5 +25,5 @@ def test_a_ripple_of_the_amplitude_is_no_loss():
 
 def test_chosen_schemes_come_in_the_order_of_the_choice_or_the_first_ones_stand_in():
     dataset = xr.Dataset(coords={"scheme": ["a", "b", "c"]})
-    assert of_kinds(dataset, ["c", "x", "a"]).scheme.values.tolist() == ["c", "a"]
-    assert of_kinds(dataset, ["x", "y"]).scheme.values.tolist() == ["a", "b"]
+    assert with_schemes(dataset, ["c", "x", "a"]).scheme.values.tolist() == ["c", "a"]
+    assert with_schemes(dataset, ["x", "y"]).scheme.values.tolist() == ["a", "b"]

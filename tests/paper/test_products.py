@@ -12,7 +12,7 @@ from snakemake.utils import update_config
 
 import paper
 from paper import products
-from paper.products import Product, check, discover, figure, made, table
+from paper.products import Product, check, content_of, discover, figure, table
 from paper.requirements import rising
 from pipeline.configuration import complete
 from study.io import SOURCE
@@ -67,7 +67,7 @@ def test_a_key_that_must_be_a_list_is_named():
 def test_datasets_come_by_name():
     product = Product("table", "own", "here", lambda b, a: (a, b), {"a": "x", "b": ["y", "z.csv"]}, "", {})
     assert product.files == ["x.nc", "y.nc", "z.csv"]
-    assert made(product, str.upper) == ("X", ["Y", "Z.CSV"])
+    assert content_of(product, str.upper) == ("X", ["Y", "Z.CSV"])
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import xarray as xr
 from paper.claims import comparisons, conclusions, introduction
 from paper.claims.__main__ import main
 from paper.claims.ledger import CLAIMS, OURS, XIE, Finding, Verdict, claim, most
-from paper.products import discover, made
+from paper.products import content_of, discover
 from paper.published import SCHEMES
 from tests.paper.claims.made_up import energy_error
 
@@ -84,7 +84,7 @@ def test_claims_of_the_paper_see_its_schemes_alone(entered, section, seen):
     later = tables.isel(scheme=[0]).assign_coords(scheme=["bathe"])
     both = xr.concat([later, tables], "scheme")
     product = _entered(section, lambda energy_error: Finding(str(energy_error.sizes["scheme"]), True))
-    assert made(product, lambda name: both).ours == str(seen)
+    assert content_of(product, lambda name: both).ours == str(seen)
     assert product.requires == ({"energy_error.schemes": SCHEMES} if section == "4" else {})
 
 

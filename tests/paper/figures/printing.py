@@ -17,7 +17,7 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from paper.figures.style import COLUMN, PAGE
-from paper.products import discover, made, reader
+from paper.products import content_of, discover, reader
 
 #: Smallest font size in points, and largest overlap of two texts in points.
 SMALLEST, SHARED = 7.0, 1.0
@@ -110,7 +110,7 @@ def faults_of_all(results: Path, article: Collection[str] = ()) -> dict[str, lis
     read, found = reader(results), {}
     for product in discover(["figures"]):
         if product.kind == "figure":
-            picture = made(product, read)
+            picture = content_of(product, read)
             found[product.name] = faults(picture)
             if product.name in article:
                 found[product.name] += crowded(picture)
