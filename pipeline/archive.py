@@ -149,11 +149,11 @@ def described(project: Path) -> ROCrate:
         crate.add(
             SoftwareApplication(
                 crate,
-                f"#package-{one.metadata['Name']}",
-                {"name": one.metadata["Name"], "softwareVersion": one.version, "version": one.version},
+                f"#package-{package.metadata['Name']}",
+                {"name": package.metadata["Name"], "softwareVersion": package.version, "version": package.version},
             )
         )
-        for one in sorted(distributions(), key=lambda one: str(one.metadata["Name"]))
+        for package in sorted(distributions(), key=lambda package: str(package.metadata["Name"]))
     ]
     workflow["softwareRequirements"] = packages
     times = [file.stat().st_mtime for file in result_files]
@@ -177,9 +177,13 @@ def described(project: Path) -> ROCrate:
     return crate
 
 
-def _is_input(name: str, own: list[Path]) -> bool:
+def _is_input(name: str, user_files: list[Path]) -> bool:
     """Whether a file of the archive is an input of the run: a configuration, a ground motion, or a user's file."""
-    return name == "configuration.yaml" or name.startswith(("config/", "study/mechanics/records/")) or Path(name) in own
+    return (
+        name == "configuration.yaml"
+        or name.startswith(("config/", "study/mechanics/records/"))
+        or Path(name) in user_files
+    )
 
 
 def main(project: Path, output: Path) -> None:

@@ -74,8 +74,8 @@ def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
                     f"{experiment.module}: the type of an argument of '{experiment.function.__name__}' is not one that "
                     f"a configuration can hold: {str(error).splitlines()[0]}"
                 ) from None
-    own: Any = (OwnSchemes, [])
-    return create_model("configuration", __base__=_nested("sections", tree), own_schemes=own)
+    places: Any = (OwnSchemes, [])
+    return create_model("configuration", __base__=_nested("sections", tree), own_schemes=places)
 
 
 def _nested(name: str, tree: dict[str, Any]) -> type[BaseModel]:
@@ -83,7 +83,7 @@ def _nested(name: str, tree: dict[str, Any]) -> type[BaseModel]:
     for key, value in tree.items():
         section = _nested(key, value) if isinstance(value, dict) else value
         known = getattr(section, "model_fields", None)
-        whole_by_default = known is not None and not any(one.is_required() for one in known.values())
+        whole_by_default = known is not None and not any(option.is_required() for option in known.values())
         fields[key] = (section, {} if whole_by_default else ...)
     return create_model(name, __config__=_STRICT, **fields)
 

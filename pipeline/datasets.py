@@ -31,7 +31,7 @@ def _first_line(function: Callable) -> str:
     return (inspect.getdoc(function) or function.__name__).splitlines()[0].rstrip(".")
 
 
-def _made_by(experiment: Experiment, configuration: Mapping, sources: Sources) -> Step:
+def _experiment_step(experiment: Experiment, configuration: Mapping, sources: Sources) -> Step:
     """The step that runs an experiment, with a job for each set of options."""
     command = sources.root / "pipeline/command.py"
     folders = experiment.folders if experiment.along else experiment.makes
@@ -96,7 +96,7 @@ def steps_of(experiments: Iterable[Experiment | Merged], configuration: Mapping,
         if isinstance(experiment, Merged):
             steps.append(_gathered(experiment.makes, "none", experiment.of, sources))
             continue
-        steps.append(_made_by(experiment, configuration, sources))
+        steps.append(_experiment_step(experiment, configuration, sources))
         if experiment.page:
             steps.append(_drawn(experiment, configuration, sources))
         if experiment.along:

@@ -13,8 +13,8 @@ import socket
 import sys
 
 worker = socket.socket(socket.AF_UNIX)
-of_the_worker = os.path.dirname(sys.executable) == os.environ.get("STUDY_BIN")
-if not of_the_worker or worker.connect_ex(".snakemake/worker"):
+uses_worker = os.path.dirname(sys.executable) == os.environ.get("STUDY_BIN")
+if not uses_worker or worker.connect_ex(".snakemake/worker"):
     os.environ["PYTHONPATH"] = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     os.execv(sys.executable, [sys.executable, "-m", "pipeline.measured", *sys.argv[1:]])
 socket.send_fds(worker, [b"\0"], [sys.stdout.fileno(), sys.stderr.fileno()])

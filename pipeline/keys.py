@@ -22,7 +22,7 @@ stands for all schemes. `own_schemes` lists schemes in your own files as `FILE.p
 def _value(kind: Mapping[str, Any]) -> str:
     """Type and bounds of a key, in a phrase."""
     if "enum" in kind or "const" in kind:
-        return " or ".join(f"`{one}`" for one in kind.get("enum", [kind.get("const")]))
+        return " or ".join(f"`{value}`" for value in kind.get("enum", [kind.get("const")]))
     if "anyOf" in kind:
         return " or ".join(map(_value, kind["anyOf"]))
     if kind.get("type") == "array":
@@ -35,8 +35,8 @@ def _rows(key: str, kind: Mapping[str, Any], needed: bool, schema: Mapping[str, 
     """Rows of the table for a key and the keys below it: name, type, and whether the key may be left out."""
     kind = schema["$defs"][kind["$ref"].rpartition("/")[2]] if "$ref" in kind else kind
     if "properties" in kind:
-        for name, one in kind["properties"].items():
-            yield from _rows(f"{key}.{name}", one, needed and name in kind.get("required", []), schema)
+        for name, kind_below in kind["properties"].items():
+            yield from _rows(f"{key}.{name}", kind_below, needed and name in kind.get("required", []), schema)
     elif isinstance(below := kind.get("additionalProperties"), Mapping):
         yield from _rows(f"{key}.NAME", below, needed, schema)
     else:
@@ -51,8 +51,10 @@ def page() -> str:
     schema = model_of(declared).model_json_schema()
     parts = [_HEAD]
     for section, kind in sorted(schema["properties"].items()):
-        makers = [one for one in declared if isinstance(one, Experiment) and one.section.split(".")[0] == section]
-        said = dict.fromkeys(str(one.function.__doc__).splitlines()[0] for one in makers)
+        makers = [
+            maker for maker in declared if isinstance(maker, Experiment) and maker.section.split(".")[0] == section
+        ]
+        said = dict.fromkeys(str(maker.function.__doc__).splitlines()[0] for maker in makers)
         rows = [f"| `{key}` | {value} | {left} |" for key, value, left in _rows(section, kind, True, schema)]
         head = ["| key | value | optional |", "|---|---|---|"]
         parts.append("\n".join([f"## {section}", "", *said, *([""] if said else []), *head, *rows]))

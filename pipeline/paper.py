@@ -34,7 +34,7 @@ def _data(products: Iterable[Product]) -> list[str]:
     return [f"results/{file}" for product in products for file in product.files]
 
 
-def _of_each(kind: str, products: list[Product], sources: Sources) -> Step:
+def _step_with_many_jobs(kind: str, products: list[Product], sources: Sources) -> Step:
     """The step that makes all figures or pages, with one job for each."""
     folder, formats = _FILES[kind]
     jobs = {
@@ -49,7 +49,7 @@ def _of_each(kind: str, products: list[Product], sources: Sources) -> Step:
     return Step(kind, kind.capitalize(), outputs, jobs, report={outputs[-1]: listed}, group="paper")
 
 
-def _of_all(kind: str, products: list[Product], sources: Sources) -> Step:
+def _step_with_one_job(kind: str, products: list[Product], sources: Sources) -> Step:
     """The step that makes all tables, claims or numbers in one job: each takes less time than starting a process."""
     name, output, formats = _WHOLES[kind]
     outputs = tuple(f"{output}/{product.name}.{form}" for product in products for form in formats) or (output,)
@@ -62,8 +62,8 @@ def _of_all(kind: str, products: list[Product], sources: Sources) -> Step:
 def steps_of(products: list[Product], root: Path, sources: Sources) -> list[Step]:
     """The steps that make all products and the texts."""
     by_kind = {kind: [product for product in products if product.kind == kind] for kind in (*_FILES, *_WHOLES)}
-    steps = [_of_each(kind, by_kind[kind], sources) for kind in _FILES]
-    steps += [_of_all(kind, by_kind[kind], sources) for kind in _WHOLES]
+    steps = [_step_with_many_jobs(kind, by_kind[kind], sources) for kind in _FILES]
+    steps += [_step_with_one_job(kind, by_kind[kind], sources) for kind in _WHOLES]
     included = [file for step in steps for file in step.products if file.endswith(_INCLUDED)]
     included = [file for file in included if not (file.endswith(".csv") and file.startswith("results/figures/"))]
     names = ["paper/references.bib", "CITATION.cff", *(f"paper/text/{path.name}" for path in (*TEXTS, *SHARED))]

@@ -28,7 +28,7 @@ class Sources:
         named = [path for name in _NAMED for path in sorted(root.joinpath(name).rglob("*")) if path.suffix in _SUFFIXES]
         readers = [path for name in ("study", "paper") for path in root.joinpath(name).rglob("*.py")]
         texts = {path: path.read_text(encoding="utf-8") for path in readers}
-        self._named = {path: [one for one in named if one.name in text] for path, text in texts.items()}
+        self._named = {path: [file for file in named if file.name in text] for path, text in texts.items()}
 
     def of(self, modules: Iterable[str]) -> list[Path]:
         """Files of the given modules and of all modules that they import, and the data files that they read."""
@@ -43,4 +43,4 @@ class Sources:
         files = [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths]
         folders = dict.fromkeys(path.parent for path in files if path.relative_to(self.root).parts[0] == "paper")
         data = (path for folder in folders for path in sorted(folder.iterdir()) if path.suffix in _DATA)
-        return [*files, *data, *(one for path in files for one in self._named.get(path, ()))]
+        return [*files, *data, *(file for path in files for file in self._named.get(path, ()))]
