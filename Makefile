@@ -106,7 +106,7 @@ conformance: .venv/ready
 
 # the wheel of the package, also built from a copy
 wheel: .venv/ready
-	@rm -rf build/package && mkdir -p build/package && cp -r pyproject.toml README.md LICENSE study reference build/package
+	@rm -rf build/package && mkdir -p build/package && cp -r pyproject.toml setup.py README.md LICENSE study reference build/package
 	$(BIN)/pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/wheel ./build/package
 	$(BIN)/uv tool run twine check --strict build/wheel/*.whl
 	$(BIN)/uv run --quiet --no-project --with py-rattler-build python -c \

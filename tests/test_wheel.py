@@ -41,7 +41,7 @@ def _needed(*requirements: str) -> dict[str, Distribution]:
 def wheel(tmp_path_factory) -> Path:
     """The wheel, built from a copy, because building leaves files next to the sources."""
     source, target = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
+    for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
         shutil.copy(PROJECT / name, source)
     for name in ("study", "reference", "conformance", "paper"):
         shutil.copytree(PROJECT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
@@ -84,6 +84,16 @@ def test_the_wheel_holds_study_and_reference_and_neither_the_paper_nor_the_confo
     for package in packages:
         sources = {path.relative_to(PROJECT).as_posix() for path in (PROJECT / package).rglob("*.py")}
         assert sources == {name for name in names if name.startswith(f"{package}/") and name.endswith(".py")}
+
+
+def test_the_long_description_has_no_link_to_a_file(wheel):
+    """A package index has no files next to the text."""
+    archive = zipfile.ZipFile(wheel)
+    (name,) = (name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
+    text = archive.read(name).decode()
+    links = re.findall(r"\]\(([^)]*)\)", text)
+    assert links and all(link.startswith("https://") for link in links)
+    assert "\nDescription-Content-Type: text/markdown\n" in text and "\nimport study\n" in text
 
 
 def test_the_core_runs_a_scheme_away_from_the_checkout(python, tmp_path):

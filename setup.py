@@ -1,0 +1,11 @@
+"""The long description of the wheel: README without its picture and links to files, which an index does not have."""
+
+import re
+from pathlib import Path
+
+from setuptools import setup
+
+text = Path("README.md").read_text(encoding="utf-8")
+text = re.sub(r"!\[[^]]*\]\([^)]*\)\s+\*[^*]*\*\s+", "", text)  # with its caption
+text = re.sub(r"\[([^]]*)\]\((?!https:)[^)]*\)", r"\1", text)
+setup(long_description=text, long_description_content_type="text/markdown")
