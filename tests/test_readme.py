@@ -39,6 +39,13 @@ def test_the_readme_has_few_words_before_the_first_command():
     assert len(README.partition("```sh")[0].split()) <= 150
 
 
+def test_no_code_of_the_readme_scrolls_sideways():
+    """A line that is wider than a page of 800 pixels on a host of code."""
+    code = "\n".join(re.findall(r"^```\w+\n(.*?)^```", README, re.DOTALL | re.MULTILINE)).splitlines()
+    assert len(code) > 10
+    assert [line for line in code if len(line) > 88] == []
+
+
 def test_the_links_of_the_readme_lead_to_files_and_headings():
     links = re.findall(r"\]\(([^)\s]+)\)", README)
     headings = {
