@@ -10,7 +10,7 @@ import xarray as xr
 
 from study.analysis.duration import FREE, round_down, step_exponent, step_over
 from study.registry import UnknownName, did_you_mean
-from study.words import measured, number, percent, step_size, step_with_unit, text_of, typed
+from study.words import measured, number, percent, printed_unit, step_size, step_with_unit, text_of, typed
 
 #: Columns of step sizes, which are never printed larger than they are, and columns of whole numbers.
 STEP_SIZES = ("step_size", "largest_step_size", "step_size_of_runs")
@@ -121,7 +121,9 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
     table.insert(table.columns.get_loc("error") + 1, "most_wrong", errors.idxmax(axis=1))
     table.insert(table.columns.get_loc("most_wrong") + 1, "most_wrong_error", errors.max(axis=1))
     recommendation = Recommended(table)
-    answer = [answer_line(assessed, table, quantity, error), *_requested_answers(assessed, table)]
+    scope = f"{percent(error)} of {quantity}"
+    requested = _requested_answers(assessed, table, scope)
+    answer = [*requested, answer_line(assessed, table, f"{scope}, best" if requested else scope)]
     recommendation.attrs = {
         "quantity": quantity,
         "spacing": assessed.attrs.get("spacing"),
@@ -199,12 +201,12 @@ def over_duration(
     return longer
 
 
-def answer_line(assessed: xr.Dataset, table: pd.DataFrame, quantity: str, error: float) -> str:
+def answer_line(assessed: xr.Dataset, table: pd.DataFrame, scope: str) -> str:
     """The answer on one line: allowed error, scheme and step, such as ``1 % of displacement: Bathe, 5 ms``."""
     best = table.iloc[0]
     if not best.step_size > 0:
-        return f"{percent(error)} of {quantity}: no scheme was found ({', '.join(sorted(set(table.verdict)))})"
-    return f"{percent(error)} of {quantity}: {best_of(assessed, best)}"
+        return f"{scope}: no scheme was found ({', '.join(sorted(set(table.verdict)))})"
+    return f"{scope}: {best_of(assessed, best)}"
 
 
 def best_of(assessed: xr.Dataset, row: pd.Series) -> str:
@@ -248,15 +250,16 @@ def controller_answer(assessed: xr.Dataset, table: pd.DataFrame) -> str:
     return f"{title} with tolerance {typed(row.tolerance)}{ratio if row.control_over_equal > 0 else ''}"
 
 
-def _requested_answers(assessed: xr.Dataset, table: pd.DataFrame) -> list[str]:
+def _requested_answers(assessed: xr.Dataset, table: pd.DataFrame, scope: str) -> list[str]:
     """Sentences on your own schemes and on the controller that were asked for."""
     titles, sentences = assessed.scheme_title.to_series(), list[str]()
     remarks = assessed.attrs.get("remarks", "").split("; ")
     for name in asked_for(assessed):
         sentences += [remark for remark in remarks if remark.startswith(f"{titles[name]} is")]
-        sentences.append(f"{titles[name]}: {own_scheme_answer(assessed, table, name)}")
+        sentences.append(f"{scope}, {titles[name]}: {own_scheme_answer(assessed, table, name)}")
     if "tolerance" in table:
-        sentences.append(f"Controlled steps ({assessed.attrs['controller']}): {controller_answer(assessed, table)}")
+        controller = assessed.attrs["controller"]
+        sentences.append(f"{scope}, controlled steps ({controller}): {controller_answer(assessed, table)}")
     return sentences
 
 
@@ -277,7 +280,7 @@ def reference_value(values: xr.Dataset) -> str:
     if not known.sizes["component"]:
         return f"The reference of {values.quantity.item()} has no single value."
     largest = known.isel(component=int(abs(known.reference_value).argmax("component")))
-    unit = f" {values.quantity_units.item()}" if values.quantity_units.item() != "1" else ""
+    unit = f" {printed_unit(values.quantity_units.item())}" if values.quantity_units.item() != "1" else ""
     where = f" in component {largest.component.item()}" if known.sizes["component"] > 1 else ""
     when = f" at t = {largest.reference_time.item():.4g} s" if largest.reference_time.notnull() else ""
     value, uncertainty = measured(largest.reference_value.item(), largest.reference_value_uncertainty.item())

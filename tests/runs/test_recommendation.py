@@ -92,12 +92,14 @@ def test_a_fraction_of_a_spacing_is_printed_as_such(assessed):
 def test_a_scheme_that_was_asked_for_is_compared(assessed):
     remark = "Central difference is unstable without damping at every step"
     assessed.attrs |= {"asked_for": "central_difference", "remarks": remark}
-    compared = "Central difference: 5\u00a0ms, 2 times the forces of Average acceleration"
+    compared = "1\u00a0% of displacement, Central difference: 5\u00a0ms, 2 times the forces of Average acceleration"
     table = study.recommend(assessed, allowed_error=0.01)
-    assert table.attrs["answer"][1:] == [remark, compared] and str(table).count(remark) == 1
+    *requested, best = table.attrs["answer"]
+    assert requested == [remark, compared] and best == "1\u00a0% of displacement, best: Central difference, 5\u00a0ms"
+    assert str(table).count(remark) == 1
     assessed.attrs["asked_for"] = "average_acceleration"
-    none = "Average acceleration: no step was found (not even the finest step)"
-    assert study.recommend(assessed, allowed_error=0.01, quantity="energy").attrs["answer"][1] == none
+    none = "1\u00a0% of energy, Average acceleration: no step was found (not even the finest step)"
+    assert study.recommend(assessed, allowed_error=0.01, quantity="energy").attrs["answer"][0] == none
 
 
 def test_a_name_stands_for_the_dataset_of_that_name(assessed, tmp_path):
