@@ -99,7 +99,8 @@ def assess(
         of the period, and that of the amplitude is the loss per oscillation.
     maps
         Whether to make a map of the failures of each scheme over step size and excitation, the multiple of initial
-        values and load. A program, or a problem that is assessed like one, has no map.
+        values and load. Without maps, ``stable_step_size`` is that of the given start and load alone. A program, or a
+        problem that is assessed like one, has no map.
     controller
         Name in ``study.controllers``, or your own :class:`study.Controller`. Each scheme that does not need equal steps
         then also runs with controlled steps at random tolerances; the result has the tolerance that keeps each error,
@@ -245,12 +246,13 @@ def assess(
         budget.took("compiling", runs.compiling)
         verdicts = {limit: runs.verdict(*limit) for limit in limits}
         recommended = np.unique([verdict.recommended for verdict in verdicts.values() if verdict.recommended > 0])
-        map_of_failures = None
         if maps and not runs.late and budget.allows("map"):
             with budget.work("map"):
-                map_of_failures = failures.map_of(equation, scheme, length, coarsest, recommended)
+                map_or_limit = failures.map_of(equation, scheme, length, coarsest, recommended)
+        else:
+            map_or_limit = failures.limit_of(equation, scheme, length, coarsest)
         if control is None or scheme.needs_equal_steps:
-            return Assessed(runs.runs, verdicts, map_of_failures)
+            return Assessed(runs.runs, verdicts, map_or_limit)
         with_control = ToleranceSearch(scheme, control, cases, length, with_energy, budget.end)
         along = [limit for limit in limits if limit[0] in selected or limit[0] == ENERGY]
         with_control.late = not budget.allows("compiling control")
@@ -258,7 +260,7 @@ def assess(
             with_control.search(along, lambda top: progress.report(f"{scheme.title}: tolerances up to {top:.3g}"))
         budget.took("compiling control", with_control.compiling)
         tolerances = {limit: with_control.verdict(*limit) for limit in along}
-        return Assessed(runs.runs, verdicts, map_of_failures, tolerances)
+        return Assessed(runs.runs, verdicts, map_or_limit, tolerances)
 
     results = _assess_each(
         fit, assessment_of, progress, f"no scheme was run on '{equation.title}' in {seconds:g} s; allow more seconds."

@@ -67,7 +67,7 @@ class Assessed(NamedTuple):
 
     runs: pd.DataFrame
     verdicts: dict[Limit, Recommendation]
-    map: xr.Dataset | None
+    map_or_limit: xr.Dataset
     tolerances: dict[Limit, Tolerance] | None = None
 
 
@@ -175,7 +175,7 @@ def dataset_of(
     for name, attributes in (ATTRIBUTES | OF_SCHEMES).items():
         ds[name].attrs |= attributes
     ds.attrs = io.provenance(f"Which scheme and which step: {problem.title}", "study.assess", io.now())
-    parts = {name: result.map for name, result in results.items() if result.map is not None}
-    if len(parts) == len(results):
-        ds = ds.merge(xr.concat(list(parts.values()), "scheme").assign_coords(scheme=list(parts)))
-    return ds
+    parts = [result.map_or_limit for result in results.values()]
+    if not all("outcome" in part for part in parts):  # without time for all maps
+        parts = [part[["stable_step_size"]].sel(excitation=[1.0]) for part in parts]
+    return ds.merge(xr.concat(parts, "scheme").assign_coords(scheme=list(results)))

@@ -24,6 +24,9 @@ MOST_STEPS = 30_000
 #: Outcomes of reliable runs: the energy stays bounded and neighbouring runs stay together.
 SAFE = (Outcome.ACCURATE, Outcome.BOUNDED)
 
+_STABLE = {"long_name": "largest step within the stability limit at the start", "units": "s"}
+_EXCITATION = {"long_name": "multiple of start and load", "units": "1"}
+
 
 def _cause(problem: Problem, scheme: Scheme, outcome: int, dt: float, motion: SmallMotion | None) -> str:
     """Cause of an unsafe outcome at the step ``dt``, and remedies, in one or two sentences."""
@@ -35,6 +38,28 @@ def _cause(problem: Problem, scheme: Scheme, outcome: int, dt: float, motion: Sm
     status = NO_SOLUTION if outcome == Outcome.NO_SOLUTION_FOUND else UNBOUNDED
     cause = likely_cause(problem, scheme, status, dt, motion)
     return cause[0].upper() + cause[1:]
+
+
+def _stability(
+    problem: Problem, scheme: Scheme, duration: float, dt: np.ndarray
+) -> tuple[SmallMotion | None, np.ndarray, float]:
+    """Small motions about the start, whether steps in descending order are beyond their limit, and the limit.
+
+    The motions are None for a scheme without a limit. The limit is infinite if all steps are within it.
+    """
+    if not has_limit(scheme, problem):
+        return None, np.zeros(len(dt), bool), np.inf
+    motion = at_start(problem)
+    beyond = excess(scheme, motion, dt, np.ceil(duration / dt).astype(int)) > 0
+    return motion, beyond, dt[0] * stable_part(scheme, motion, dt[0])[0] if beyond[0] else np.inf
+
+
+def limit_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float) -> xr.Dataset:
+    """``stable_step_size`` of :func:`map_of` for the given start and load, which needs no run."""
+    *_, stable = _stability(problem, scheme, duration, coarsest * STEPS[:1])
+    return xr.Dataset(
+        {"stable_step_size": ("excitation", [stable], _STABLE)}, {"excitation": ("excitation", [1.0], _EXCITATION)}
+    )
 
 
 def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, recommended: np.ndarray) -> xr.Dataset:
@@ -66,15 +91,12 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
     energy = ("energy_balance",) if problem.potential is not None else ()
     shape = (len(EXCITATIONS), len(dt))
     outcome, exponent, iterations = np.zeros(shape, np.int8), np.zeros(shape), np.zeros(shape)
-    stable, steps = np.full(len(EXCITATIONS), np.inf), np.ceil(duration / dt).astype(int)
+    stable, steps = np.zeros(len(EXCITATIONS)), np.ceil(duration / dt).astype(int)
     motions: list[SmallMotion | None] = []
     for e, factor in enumerate(EXCITATIONS):
-        scaled, beyond = excited(problem, factor, displaced=True), np.zeros(len(dt), bool)
-        motion = at_start(scaled) if has_limit(scheme, scaled) else None
+        scaled = excited(problem, factor, displaced=True)
+        motion, beyond, stable[e] = _stability(scaled, scheme, duration, dt)
         motions.append(motion)
-        if motion is not None:
-            beyond = excess(scheme, motion, dt, steps) > 0
-            stable[e] = dt[0] * stable_part(scheme, motion, dt[0])[0] if beyond[0] else np.inf
         observe = [*energy, "lyapunov_exponent", "newton_iterations"]
         runs = sweep(scaled, scheme, dt=dt, steps=steps, observe=observe)
         outcome[e] = outcomes_of_balance(runs, runs.lyapunov_exponent.values * duration, beyond)
@@ -98,11 +120,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
                 iterations[:, shown],
                 {"long_name": "most Newton iterations in a step", "units": "1"},
             ),
-            "stable_step_size": (
-                "excitation",
-                stable,
-                {"long_name": "largest step within the stability limit at the start", "units": "s"},
-            ),
+            "stable_step_size": ("excitation", stable, _STABLE),
             "largest_safe_step_size": (
                 (),
                 largest,
@@ -111,7 +129,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
             "failure": ((), cause, {"long_name": "cause of the limit of the step, and remedies"}),
         },
         {
-            "excitation": ("excitation", list(EXCITATIONS), {"long_name": "multiple of start and load", "units": "1"}),
+            "excitation": ("excitation", list(EXCITATIONS), _EXCITATION),
             "map_step_size": ("map_step_size", dt[shown], {"long_name": "step size of the map", "units": "s"}),
         },
     )

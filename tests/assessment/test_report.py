@@ -100,6 +100,13 @@ def test_your_own_scheme_stands_before_the_best_and_its_curve_is_emphasised(asse
     assert emphasised(ds.assign_attrs(asked_for=""), tables)[0] == "rk4"
 
 
+def test_the_limit_of_stability_is_drawn_without_maps(model):
+    swing = load(f"{model}:swing", (Problem,))
+    ds = study.assess(swing, "central_difference", duration=12, allowed_errors=[0.05], maps=False)
+    assert ds.stable_step_size.item() == pytest.approx(2, rel=1e-4)
+    assert "limit of stability" in page(ds) and "How it fails" not in page(ds)
+
+
 def test_the_answer_has_no_column_for_a_kind_without_a_scheme(assessed):
     ds = xr.load_dataset(assessed[0].with_suffix(".nc"))
     assert 'best</th><th class="text">best of the other kind</th></tr>' in page(ds)
