@@ -20,7 +20,7 @@ from docs import accessible, answers, confirmed, decisions, gallery
 from docs.conformance_page import REPORTS, codes_page, conformance_page
 from docs.docstrings import parsed
 from docs.figures_page import figures_page
-from docs.plan import OF_SCHEMES, PAGES, PRODUCTS
+from docs.plan import PAGES, PRODUCTS, SCHEME_DATASETS
 from docs.scheme_page import Library, scheme_page
 from docs.scheme_table import index_page
 from docs.tables_page import claims_page, tables_page
@@ -43,7 +43,7 @@ def library_of(results: Path, places: Iterable[str]) -> Library:
     for alias, name in ALIASES.items():
         aliases[name].append(alias)
     schemes = dict(study.schemes) | {place.rpartition(":")[2]: load(place, (study.Scheme,)) for place in places}
-    return Library({name: read(name) for name in OF_SCHEMES}, schemes, aliases)
+    return Library({name: read(name) for name in SCHEME_DATASETS}, schemes, aliases)
 
 
 def registry_page(title: str, documented: Mapping[str, Any]) -> str:

@@ -46,9 +46,9 @@ def _decided(decisions: xr.Dataset, limits: Mapping[str, float], costs: bool = F
     rows = {}
     for problem, quantity, kind in rows_of(decisions.expand_dims("filter")):
         decision = decisions.sel(problem=problem, quantity=quantity, kind=kind)
-        each = [decision.sel(allowed_error=error) for error in decision.allowed_error.values]
+        cells = [decision.sel(allowed_error=error) for error in decision.allowed_error.values]
         title = sentence(decision.problem_title.item())
-        rows[title, quantity, kind] = [short_cell(one, limits, costs) for one in each]
+        rows[title, quantity, kind] = [short_cell(cell, limits, costs) for cell in cells]
     return rows
 
 

@@ -15,7 +15,7 @@ from docs import scheme_results, scheme_verdict
 from docs.confirmed import names_in_codes, printed_limit
 from docs.docstrings import parsed
 from docs.scheme_curves import linear_theory
-from docs.text import definitions, described, found_by
+from docs.text import definitions, described, index_entries
 from docs.theory import PARTS, STEPS, Theory, theory_of
 from study.analysis.forces import forces_of
 from study.words import number
@@ -198,7 +198,7 @@ def scheme_page(subject: Subject, library: Library) -> str:
     }
     parts = [
         f"# {title}: numerical damping, stability, order and cost",
-        found_by([subject.name, *library.aliases.get(subject.name, [])]),
+        index_entries([subject.name, *library.aliases.get(subject.name, [])]),
         summary,
         scheme_verdict.verdict(subject, library),
         # sections without runs of the scheme are empty

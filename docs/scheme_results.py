@@ -157,7 +157,7 @@ def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
     fewest = [fewest_steps(runs, level) for level in LEVELS]
     finer = most_steps(atlas)
     rows = [
-        [title, *(f"{steps:.0f}" if (steps := one.sel(problem=name).item()) > 0 else finer for one in fewest)]
+        [title, *(f"{steps:.0f}" if (steps := counts.sel(problem=name).item()) > 0 else finer for counts in fewest)]
         for name, title in _titles(runs).items()
     ]
     parts.append(f"Steps per period that keep the energy within some percent over {periods} periods at all amplitudes:")

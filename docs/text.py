@@ -11,7 +11,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]], numbers_from: int 
 
 
 def narrowed(
-    head: str, rows: str, what: tuple[str, str], placeholder: str, choices: str = "", kind: str = "plain"
+    head: str, rows: str, labels: tuple[str, str], placeholder: str, choices: str = "", kind: str = "plain"
 ) -> str:
     """A table with its own scroll bar, below a form that filters its rows by words; see ``static/table.js``.
 
@@ -28,7 +28,7 @@ def narrowed(
     kind
         Class of the table in CSS.
     """
-    shown, label = what
+    shown, label = labels
     return (
         f'<form class="narrow" hidden><label>Show {shown} with <input type="search" name="words" '
         f'placeholder="{placeholder}"></label> {choices}</form>\n'
@@ -50,7 +50,7 @@ def described(description: str, body: str, hide_toc: bool = False) -> str:
     return f'---\n{hidden}myst:\n  html_meta:\n    description: "{sentence}"\n---\n\n{body}'
 
 
-def found_by(names: Iterable[str]) -> str:
+def index_entries(names: Iterable[str]) -> str:
     """Entries of the index with the names of a page; a search for a name then lists the page first."""
     entries = ", ".join(f"! {name.replace('_', ' ')}" for name in names)
     return f"```{{index}} {entries}\n```"

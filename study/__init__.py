@@ -107,11 +107,11 @@ def __getattr__(name: str):
     collects = gc.isenabled()
     gc.disable()  # imported objects stay, and searching them for garbage takes a sixth of the time of the imports
     try:
-        globals()[name] = found = getattr(import_module(_MODULES[name]), name)
+        globals()[name] = value = getattr(import_module(_MODULES[name]), name)
     finally:
         if collects:
             gc.enable()
-    return found
+    return value
 
 
 def __dir__() -> list[str]:

@@ -93,7 +93,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _given(place: str, kind: type) -> Any:
+def _object_or_name(place: str, kind: type) -> Any:
     """The object in a user's file if ``place`` is ``FILE.py:NAME``, otherwise the given name."""
     return load(place, (kind,)) if ".py" in place else place
 
@@ -102,8 +102,8 @@ def _run(arguments: argparse.Namespace) -> None:
     if arguments.output:
         io.check_writable(arguments.output)
     dataset = run(
-        _given(arguments.problem, Problem),
-        _given(arguments.scheme, Scheme),
+        _object_or_name(arguments.problem, Problem),
+        _object_or_name(arguments.scheme, Scheme),
         dt=arguments.dt,
         steps=arguments.steps,
         observe=arguments.observe,
@@ -130,9 +130,9 @@ def _assess(arguments: argparse.Namespace) -> None:
         _refuse(arguments, {"spacing": None, "time_limit": None, "workers": None}, "a program, not of a problem")
         schemes = None
         if arguments.schemes:
-            schemes = {place.rpartition(":")[2]: _given(place, Scheme) for place in arguments.schemes}
+            schemes = {place.rpartition(":")[2]: _object_or_name(place, Scheme) for place in arguments.schemes}
         dataset = assess(
-            _given(arguments.problem, Problem),
+            _object_or_name(arguments.problem, Problem),
             schemes,
             duration=arguments.duration,
             quantities=load(arguments.quantities, (dict,)) if arguments.quantities else None,
@@ -178,7 +178,7 @@ def _program(arguments: argparse.Namespace) -> Program:
 
 def _assess_scheme(arguments: argparse.Namespace) -> None:
     output = io.check_writable(arguments.output)
-    scheme = _given(arguments.scheme, Scheme)
+    scheme = _object_or_name(arguments.scheme, Scheme)
     assessed = assess_scheme(scheme, compare_with=arguments.compare_with, problems=arguments.problems or ON)
     assessed.linear.attrs["command"] = shlex.join(["study", *arguments.words])
     io.write(scheme_page(assessed), output)

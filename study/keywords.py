@@ -17,8 +17,8 @@ _LABELS = ("title", "source", "doi")
 def _refuse(name: str, of: Callable) -> None:
     """Refuse arguments without a name, with the names of all parameters."""
     parameters = inspect.signature(of).parameters.items()
-    names = [known for known, one in parameters if known != "cls" and one.kind is not one.VAR_KEYWORD]
-    shown = ", ".join(f"{known}=…" for known in [one for one in names if one not in _LABELS] or names)
+    names = [known for known, parameter in parameters if known != "cls" and parameter.kind is not parameter.VAR_KEYWORD]
+    shown = ", ".join(f"{known}=…" for known in [key for key in names if key not in _LABELS] or names)
     raise TypeError(f"{name} takes keywords only: {name}({shown}).")
 
 

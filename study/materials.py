@@ -279,7 +279,7 @@ class _WithHistory(_Elements):
     @property
     def history(self) -> Any:
         """The history of the material for every element."""
-        return jax.tree.map(lambda one: np.broadcast_to(one, (self.count,)).copy(), self.material.history)
+        return jax.tree.map(lambda leaf: np.broadcast_to(leaf, (self.count,)).copy(), self.material.history)
 
     def __call__(self, u, v, history):
         """The nodal forces and the new history."""
@@ -316,9 +316,9 @@ def elements(material: Callable, elongations: Callable[[Vector], Vector], count:
     """
     if not is_whole(count, 1):
         raise ValueError(f"count must be a whole number of at least 1, not {count!r}.")
-    for what, given in (("material", material), ("elongations", elongations)):
-        if not callable(given):
-            raise TypeError(f"{what} of elements must be a function, not {given!r}.")
+    for name, function in (("material", material), ("elongations", elongations)):
+        if not callable(function):
+            raise TypeError(f"{name} of elements must be a function, not {function!r}.")
     for start in jax.tree.leaves(getattr(material, "history", None)):
         if np.shape(start) not in ((), (count,)):
             raise ValueError(f"{count} elements need a material with numbers or arrays ({count},), not {material}.")

@@ -60,7 +60,7 @@ class Registry(Mapping[str, T], Generic[T]):
         The entries by name.
     aliases
         Further names, each with the name of its entry. They can be looked up, and are not listed.
-    made_by
+    makers
         Functions that make entries, by name, for entries that take a while to make. Each function is called at the
         first access of its entry.
     """

@@ -51,7 +51,7 @@ def _set(option: str, value: bool | float | str) -> None:
         os.environ[option.upper()] = str(value)
 
 
-def _wanted(variable: str | None) -> tuple[str, ...]:
+def _named_settings(variable: str | None) -> tuple[str, ...]:
     """The settings that the value of ``STUDY_SETTINGS`` names; all settings if the value is None or empty."""
     if not variable:
         return tuple(_SETTINGS)
@@ -155,5 +155,5 @@ _SETTINGS = {
     "cache": _set_cache,
 }
 
-for _name in _wanted(os.environ.get("STUDY_SETTINGS")):
+for _name in _named_settings(os.environ.get("STUDY_SETTINGS")):
     _SETTINGS[_name]()

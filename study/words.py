@@ -76,7 +76,7 @@ def step_size(step: float, spacing: float | None = None, digits: int = 3) -> str
 def step_with_unit(seconds: float, spacing: float | None = None) -> str:
     """A step size in s, ms or µs, never rounded up; see :func:`step_size`."""
     units = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}
-    unit, size = next((one for one in units.items() if seconds >= one[1] / 10), ("µs", 1e-6))
+    unit, size = next((entry for entry in units.items() if seconds >= entry[1] / 10), ("µs", 1e-6))
     return f"{step_size(seconds / size, None if spacing is None else spacing / size)}\u00a0{unit}"
 
 

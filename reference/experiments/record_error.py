@@ -36,11 +36,11 @@ def _check(options: Options, configuration: Mapping) -> str | None:
         grounds = [GroundMotion.read(path) for path in _files(options)]
     except (OSError, ValueError) as error:
         return f"folder: {error}"
-    for one in grounds:
-        if one.dt > LONGEST_SPACING * min(options["periods"]):
+    for ground in grounds:
+        if ground.dt > LONGEST_SPACING * min(options["periods"]):
             return (
-                f"folder: the samples of '{one.title}' are {one.dt:g} s apart, and must be at most {LONGEST_SPACING:g} "
-                f"of the shortest of record_error.periods apart, {min(options['periods']):g} s."
+                f"folder: the samples of '{ground.title}' are {ground.dt:g} s apart, and must be at most "
+                f"{LONGEST_SPACING:g} of the shortest of record_error.periods apart, {min(options['periods']):g} s."
             )
     return None
 

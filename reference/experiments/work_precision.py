@@ -118,10 +118,10 @@ def work_precision(
                     times = t[: len(shorter) * SAMPLES]
                     runs = _repeated(partial(trajectory, definition, times, tolerance), repeats, longest)
                     for w, window in enumerate(shorter if runs else []):
-                        index, its = (p, s, k, w), slice(w * SAMPLES, (w + 1) * SAMPLES)
+                        index, part = (p, s, k, w), slice(w * SAMPLES, (w + 1) * SAMPLES)
                         seconds[index][: len(runs)] = [run.seconds * window / length for run in runs]
                         evaluations[index] = runs[0].evaluations * window / length
-                        error[index] = np.abs(runs[0].u[its] - known[its]).max() / np.abs(known[its]).max()
+                        error[index] = np.abs(runs[0].u[part] - known[part]).max() / np.abs(known[part]).max()
                         status[index] = LOST if error[index] > LOST_ABOVE else FINISHED
                     if not runs or runs[0].seconds * max(RUNS) / length > longest:
                         break

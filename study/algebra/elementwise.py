@@ -24,12 +24,12 @@ def compensated_sum(total: Vector, increment: Vector, lost: Vector) -> tuple[Vec
     return new, (new - total) - corrected
 
 
-def quintic(start: tuple, end: tuple, dt: Any, of_v: bool = False) -> tuple:
+def quintic(start: tuple, end: tuple, dt: Any, derivative: bool = False) -> tuple:
     """Coefficients of the quintic polynomial with given u, u̇ and ü at both ends of a step; the constant term is first.
 
-    The variable of the polynomial is s = (t − t₀)/Δt, which rises from 0 to 1. With ``of_v``, the function returns the
-    coefficients of the derivative with respect to s. ``start`` and ``end`` hold u, u̇ and ü at the two ends of the step:
-    numbers, or arrays of NumPy or JAX that broadcast.
+    The variable of the polynomial is s = (t − t₀)/Δt, which rises from 0 to 1. With ``derivative``, the function
+    returns the coefficients of the derivative with respect to s. ``start`` and ``end`` hold u, u̇ and ü at the two ends
+    of the step: numbers, or arrays of NumPy or JAX that broadcast.
     """
     (u0, v0, a0), (u1, v1, a1) = start, end
     v0, v1, a0, a1 = dt * v0, dt * v1, dt**2 * a0, dt**2 * a1
@@ -43,7 +43,7 @@ def quintic(start: tuple, end: tuple, dt: Any, of_v: bool = False) -> tuple:
         -15 * rise + 7 * slope - curvature,
         6 * rise - 3 * slope + curvature / 2,
     )
-    return tuple(k * c for k, c in enumerate(coefficients))[1:] if of_v else coefficients
+    return tuple(k * c for k, c in enumerate(coefficients))[1:] if derivative else coefficients
 
 
 def value(coefficients: tuple, s: Any) -> Any:

@@ -19,7 +19,7 @@ PAPER, SOLVERS = "xie1996", {"heyoka": "biscani2021", "CVODE": "hindmarsh2005", 
 _ENTRY = re.compile(r"^@\w+\{(\w+),\n.*?^\}$", re.MULTILINE | re.DOTALL)
 
 #: Pattern of the fields of the bibliography that are left out of citations.
-_OWN = re.compile(r"^  (?:shortjournal|shortbooktitle|unconfirmed) = .*\n", re.MULTILINE)
+_PRIVATE_FIELDS = re.compile(r"^  (?:shortjournal|shortbooktitle|unconfirmed) = .*\n", re.MULTILINE)
 
 
 def _label(entry: str) -> str:
@@ -88,5 +88,5 @@ def cite(dataset: xr.Dataset) -> str:
         *(key for w, key in SOLVERS.items() if w in solvers),
     }
     record_works = {key for (label, _), key in by_source.items() if label in dataset.attrs.get("record_source", "")}
-    entries = [_study(dataset.attrs), *(_OWN.sub("", works[key]) for key in sorted(keys | record_works))]
+    entries = [_study(dataset.attrs), *(_PRIVATE_FIELDS.sub("", works[key]) for key in sorted(keys | record_works))]
     return "\n\n".join(entries if record_works or "record" not in dataset.attrs else [*entries, _record(dataset.attrs)])

@@ -29,7 +29,7 @@ NOT_TRIED = ENDS.index("not_tried")
 
 
 #: Attributes of the coordinates that only schemes of the package have, not those of a program.
-OF_SCHEMES = {
+SCHEME_ATTRIBUTES = {
     "order": {"long_name": "order of accuracy", "units": "1"},
     "keeps_energy": {"long_name": "1 if the energy error of free vibration does not grow", "units": "1"},
 }
@@ -172,7 +172,7 @@ def dataset_of(
         keeps_energy=("scheme", [int(schemes[name].keeps_energy) for name in results]),
         steps=tried.steps.max("scheme").astype(int),
     )
-    for name, attributes in (ATTRIBUTES | OF_SCHEMES).items():
+    for name, attributes in (ATTRIBUTES | SCHEME_ATTRIBUTES).items():
         ds[name].attrs |= attributes
     ds.attrs = io.provenance(f"Which scheme and which step: {problem.title}", "study.assess", io.now())
     parts = [result.map_or_limit for result in results.values()]

@@ -25,7 +25,7 @@ from study.words import relative_to
 
 #: Attributes of variables in the dataset of a program. The dataset of a problem lacks these variables or describes them
 #: otherwise.
-OWN = {
+PROGRAM_ATTRIBUTES = {
     "status": flags("how the run ended", STATUSES, np.int8),
     "reason": {"long_name": "reason why the run failed"},
     "seconds_per_run": {"long_name": "wall time of the run", "units": "s"},
@@ -88,7 +88,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
     ds["repeated"] = "scheme", [search.refinement.noise[name] for name in program.schemes]
     ds["highest_frequency"] = (), np.nan
     ds = with_reference(ds, {name: _measured(curve) for name, curve in search.truth.best.motion.items()})
-    for name, attributes in (ATTRIBUTES | OWN).items():
+    for name, attributes in (ATTRIBUTES | PROGRAM_ATTRIBUTES).items():
         ds[name].attrs |= attributes
     best, witness = search.truth.best, search.truth.witness
     ds.attrs = io.provenance(f"Which scheme and which step: {program.title}", "study.assess", io.now()) | {

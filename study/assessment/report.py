@@ -176,7 +176,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     return [*parts, *input_lines(titles[name] for name in best)]
 
 
-def made_by(attributes: dict) -> list[str]:
+def provenance(attributes: dict) -> list[str]:
     """Versions, processor and command, as parts of a page."""
     parts = ["<h2>Provenance</h2><dl>"]
     for key in ("version", "commit", "packages", "python", "processor", "not_fit"):
@@ -192,7 +192,7 @@ def page(assessed: xr.Dataset) -> str:
     """The page of an assessment as HTML."""
     if not isinstance(assessed, xr.Dataset) or "recommended_step_size" not in assessed:
         raise ValueError("report takes a dataset of study.assess.")
-    return document(assessed.attrs["title"], [*judgement(assessed), *made_by(assessed.attrs)], STYLE)
+    return document(assessed.attrs["title"], [*judgement(assessed), *provenance(assessed.attrs)], STYLE)
 
 
 def report(assessed: xr.Dataset, path: str | Path) -> Path:

@@ -10,7 +10,7 @@ from study import io
 from study.analysis.linear_theory import LinearTheory
 from study.assessment.assess import assess
 from study.assessment.drawing import COLOURS, MARKERS, figure_of, svg_of
-from study.assessment.report import judgement, made_by
+from study.assessment.report import judgement, provenance
 from study.assessment.style import STYLE
 from study.assessment.tables import table_of
 from study.io import processor
@@ -141,4 +141,4 @@ def scheme_page(assessed: SchemeAssessment) -> str:
     parts.append(figure_of(curve, "Elongation of the period."))
     for dataset in assessed.problems.values():
         parts += [f"<h2>{dataset.attrs['problem']}</h2>", *judgement(dataset)]
-    return document(linear.attrs["title"], [*parts, *made_by(linear.attrs)], STYLE)
+    return document(linear.attrs["title"], [*parts, *provenance(linear.attrs)], STYLE)

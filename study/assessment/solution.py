@@ -48,7 +48,7 @@ class DenseSolution(NamedTuple):
         s = np.clip((times - self.t[i]) / h, 0.0, 1.0)
         h, s = (x.reshape(-1, *(1,) * (self.u.ndim - 1)) for x in (h, s))
         ends = (self.u[i], self.v[i], self.a[i]), (self.u[i + 1], self.v[i + 1], self.a[i + 1])
-        return value(quintic(*ends, h), s), value(quintic(*ends, h, of_v=True), s) / h
+        return value(quintic(*ends, h), s), value(quintic(*ends, h, derivative=True), s) / h
 
     def until(self, end: float) -> "DenseSolution":
         """The solution up to a time of its grid."""

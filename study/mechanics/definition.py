@@ -133,7 +133,7 @@ class Problem(eqx.Module):
     #: Rayleigh damping as given, from which C follows.
     _rayleigh: Rayleigh | None = eqx.field(default=None, kw_only=True, repr=False)
     #: What the functions read when all that follows from them was found.
-    _found_for: Reads = eqx.field(init=False, repr=False, static=True)
+    _examined_reads: Reads = eqx.field(init=False, repr=False, static=True)
     #: The time at which a force that takes it is evaluated; without it such a force cannot be evaluated.
     _time: Any = eqx.field(default=None, init=False, repr=False)
     #: Whether M is singular.
@@ -177,9 +177,9 @@ class Problem(eqx.Module):
             self._rayleigh = self.damping
 
         # a problem is complete before JAX traces it to find what it reads
-        self._found_for, self.kinked, self.takes_velocity = Reads.unique(), False, False
-        self._found_for = self.reads
-        with reading(self._found_for):
+        self._examined_reads, self.kinked, self.takes_velocity = Reads.unique(), False, False
+        self._examined_reads = self.reads
+        with reading(self._examined_reads):
             self._examine_functions()
             force = None if self.linear else self._coupling()
             sparse_ones = [
@@ -243,14 +243,14 @@ class Problem(eqx.Module):
 
     def examined(self) -> "Problem":
         """The same problem, marked as one whose functions do as those from which it was made."""
-        return self._changed("_found_for", self.reads)
+        return self._changed("_examined_reads", self.reads)
 
     def current(self) -> "Problem":
         """The problem with what follows from its functions as they are now: they may read values that have changed."""
         reads = self.reads
-        if reads == self._found_for:
+        if reads == self._examined_reads:
             return self
-        copy = self._changed("_found_for", reads)
+        copy = self._changed("_examined_reads", reads)
         with reading(reads):
             copy._examine_functions()
             copy._find_damping()

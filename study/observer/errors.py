@@ -44,13 +44,13 @@ def _chosen(condition, value, other):
     return jax.tree.map(partial(jnp.where, condition), value, other)
 
 
-def _quintic(problem: Problem, before, after, dt, of_v: bool = False):
+def _quintic(problem: Problem, before, after, dt, derivative: bool = False):
     """Coefficients of the quintic through u, u̇ and the acceleration of the free motion at both ends of a step.
 
-    With ``of_v``, the coefficients of its derivative.
+    With ``derivative``, the coefficients of its derivative.
     """
     start, end = ((u, v, acceleration(problem, 0.0, u, v)) for u, v in (before, after))
-    return quintic(start, end, dt, of_v)
+    return quintic(start, end, dt, derivative)
 
 
 class TrajectoryError(Reduction):
@@ -209,5 +209,5 @@ class AmplitudeDecay(Reduction):
         return {"amplitude_decay": jnp.where(maxima > 1, 1 - (last / first) ** (1 / periods), jnp.nan)}
 
     def _amplitude(self, problem, before, after):
-        root = _root(_quintic(problem, before, after, self.dt, of_v=True))
+        root = _root(_quintic(problem, before, after, self.dt, derivative=True))
         return value(_quintic(problem, before, after, self.dt), root) - self.rest

@@ -63,10 +63,10 @@ def files_in(folder: str | Path) -> list[Path]:
     """
     if not Path(folder).is_dir():
         raise ValueError(f"there is no folder '{folder}'.")
-    found = sorted(path for path in Path(folder).iterdir() if path.is_file() and not path.name.startswith("."))
-    if not found:
+    files = sorted(path for path in Path(folder).iterdir() if path.is_file() and not path.name.startswith("."))
+    if not files:
         raise ValueError(f"the folder '{folder}' holds no file, and must hold records of acceleration.")
-    return found
+    return files
 
 
 def family(

@@ -55,12 +55,12 @@ class Refinement:
         self.remarks: list[str] = []
         self.noise = dict.fromkeys(program.all_schemes, 0.0)
         self.truth = self._find_truth()
-        self.seconds = sum(run.elapsed for run in runs.made.values())
+        self.seconds = sum(run.elapsed for run in runs.by_job.values())
         self._repeat()
 
     def runs_of(self, scheme: str) -> list[Run]:
         """Runs of a scheme, the largest step first."""
-        runs = [run for run in self._runs.made.values() if run.scheme == scheme]
+        runs = [run for run in self._runs.by_job.values() if run.scheme == scheme]
         return sorted(runs, key=lambda run: -run.dt)
 
     def run(self, jobs: Iterable[Job]) -> list[Run]:
@@ -74,7 +74,7 @@ class Refinement:
             self._shapes = self._shapes or shapes
             if run.completed and shapes != self._shapes:
                 reason = f"it returned {_listed(shapes)}, and the first run {_listed(self._shapes)}"
-                self._runs.made[run.scheme, run.dt] = run._replace(status="unusable", reason=reason)
+                self._runs.by_job[run.scheme, run.dt] = run._replace(status="unusable", reason=reason)
         return runs
 
     def _find_truth(self) -> Truth:
@@ -87,7 +87,7 @@ class Refinement:
         steps = [self._program.largest]
         while True:
             refined = [s for s in self._program.all_schemes if s not in done and not self._ends(s)]
-            self.run((s, step) for s in refined for step in steps if (s, step) not in self._runs.made)
+            self.run((s, step) for s in refined for step in steps if (s, step) not in self._runs.by_job)
             estimated = [*(s for s in refined if not self._ignores(s)), *done]
             estimates = {s: estimate(self.last_completed(s), self._program.quantities) for s in estimated}
             known = {s: value for s, value in estimates.items() if value}

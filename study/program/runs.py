@@ -76,7 +76,7 @@ class Runs:
 
     Attributes
     ----------
-    made
+    by_job
         All requested runs for which there was time, by scheme and step.
     late
         Whether a requested run was left out, because the time did not suffice or Ctrl-C ended the runs.
@@ -85,7 +85,7 @@ class Runs:
     """
 
     def __init__(self, program: Program, seconds: float = math.inf, report: Callable[..., None] = lambda *words: None):
-        self.program, self.made, self._report = program, dict[Job, Run](), report
+        self.program, self.by_job, self._report = program, dict[Job, Run](), report
         self._workers = program.workers or cores()
         key = json.dumps([FORM, program.identity(), float(program.duration).hex()])
         self._folder, self._checked, self._unsure = program.place / _digest(key), False, set[str]()
@@ -245,7 +245,7 @@ class Runs:
         self.late |= bool(late) or self.interrupted
         runs = [_read(path) for job, path in jobs.items() if job not in late]
         if not repeat:
-            self.made |= {(run.scheme, run.dt): run for run in runs}
+            self.by_job |= {(run.scheme, run.dt): run for run in runs}
         return runs
 
     def _expected(self, jobs: list[Job]) -> dict[Job, float]:
@@ -254,7 +254,7 @@ class Runs:
         Without such a run it is the longest time that any scheme took for its first run.
         """
         work = dict[str, float]()  # time in s of a run with a step of one second, by scheme
-        for run in self.made.values():
+        for run in self.by_job.values():
             if run.completed:
                 work[run.scheme] = min(work.get(run.scheme, math.inf), run.elapsed * run.dt)
         return {(s, dt): work[s] / dt if s in work else self._first for s, dt in jobs}
@@ -309,7 +309,7 @@ class Runs:
 
     def _measured(self, run: Run) -> Run:
         """The run, after its time has been noted if it is the first of its scheme, which may include compilation."""
-        if run.scheme not in {scheme for scheme, _ in self.made}:
+        if run.scheme not in {scheme for scheme, _ in self.by_job}:
             self._first = max(self._first, run.elapsed)
         return run
 
