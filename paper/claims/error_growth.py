@@ -74,4 +74,5 @@ def extrapolated_steps_keep(error_growth):
     ours = f"{int((ratio <= 1).sum())} of {ratio.size}; {number(ratio.max().item(), '.2f') if ratio.size else 'none'}"
     cases = "; ".join(f"{case.scheme_title.item()} on {case.problem_title.item()}" for case in beyond)
     holds = bool(ratio.size) and not cases
-    return Finding(ours, holds, when(not holds, f"parts of the phase error cancel in the known run: {cases}"))
+    reason = f"in the known run parts of the phase error cancel, or the step resonates with the motion: {cases}"
+    return Finding(ours, holds, when(not holds, reason))
