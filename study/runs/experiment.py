@@ -33,6 +33,8 @@ OF_SPACING = (*reversed(DIVIDING), *(1 / number for number in DIVIDING[1:]))
 SAMPLES = 10
 #: Number of steps in an octave that confirm a step, with one unknown and with several, whose runs take longer.
 CONFIRMING, CONFIRMING_SEVERAL = 30, 4
+#: Largest number of starts from which all steps are run if they march side by side.
+FEW_STARTS = 4
 #: Relative distance of further steps from whole numbers of steps in a time scale, and the number up to which they are
 #: run. A resonance holds some schemes at an even number of steps in a period: the error is small there only.
 BESIDE, COARSE = 1e-4, 200
@@ -129,10 +131,12 @@ class _Ladder:
         )
 
     def run(self, counts: Iterable[float]) -> None:
-        """Make runs from the problem's own start."""
+        """Make runs from the problem's own start, and from few starts that march side by side also from the others."""
         if counts := sorted(counts):
             rows = self._rows(self.starts[0], [0], counts, self.periods)
             self.rows = pd.concat([self.rows, rows], ignore_index=True)
+            if len(self.starts) == 1 < len(self.starts[0].problems) <= FEW_STARTS:
+                self.vary(counts)
 
     def vary(self, counts: Iterable[float]) -> None:
         """Make runs from other starts over the number of periods that decides."""
@@ -181,19 +185,20 @@ class _Ladder:
 
         All numbers of steps of two digits in between are tried. Under a record, numbers whose steps divide its spacing
         are tried too. Then finer steps confirm each need, up to twice as many. The steps that are needed and the next
-        finer ones are run from all starts, and with kinks of the force all finer ones that confirm a need.
+        finer ones are run from all starts, with kinks of the force all finer ones that confirm a need, and all steps if
+        the starts are few and march side by side.
         """
         of_record = self.scale / (self.motion.spacing * np.array(OF_SPACING))  # NaN without a record
         top = COARSEST
-        while top <= finest:
-            octave = {two_digits(top, self.multiple), two_digits(top * math.sqrt(2), self.multiple)}
-            octave |= {*of_record[(of_record >= top) & (of_record < 2 * top)]}
-            self.run(octave - {*self.rows.get("steps_per_period", ())})
-            top *= 2
-            if max(self.rows.steps_per_period) > max(need for need, _ in self.needed(limits)):
-                break
         while True:
-            needed, known = self.needed(limits), set(self.rows.steps_per_period)
+            known = set(self.rows.get("steps_per_period", ()))
+            needed = self.needed(limits) if known else [(math.inf, 0.0)]
+            if top <= finest and max(known, default=0) <= max(need for need, _ in needed):
+                octave = {two_digits(top, self.multiple), two_digits(top * math.sqrt(2), self.multiple)}
+                octave |= {*of_record[(of_record >= top) & (of_record < 2 * top)]}
+                self.run(octave - known)
+                top *= 2
+                continue
             finer = [between(coarser, need, self.multiple) for need, coarser in needed[: len(limits)]]
             # a run of several unknowns costs as much as its steps, so their intervals are halved
             new = {
@@ -278,7 +283,7 @@ def runs(
     scale = time_scale(problem)
     sampled = scale / SAMPLES if np.size(problems[problem].u0) > 1 else None
     motion = Motion.of(problems[problem], max(periods) * scale, scale / COARSEST, sampled)
-    all_starts = motion.starts(starts)
+    all_starts = motion.starts(starts, scale)
     uncertainty = {name: motion.uncertainty[name] for name in DECIDED if name in motion.names}
     limits = [(name, error) for name, own in uncertainty.items() for error in allowed_errors if error >= CERTAIN * own]
     parts: dict[str, xr.Dataset] = {}

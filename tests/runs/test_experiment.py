@@ -11,6 +11,7 @@ import study
 from study.problem.inelastic import BOUNCE
 from study.runs import experiment
 from study.runs.experiment import BESIDE, OF_SPACING, SAMPLES, between, runs, time_scale, two_digits
+from study.runs.measured import Motion, measured
 from study.runs.needs import needs
 
 PERIODS, ERRORS = [2.0, 3.0, 4.0], [0.1, 0.01]
@@ -120,6 +121,17 @@ def test_errors_of_several_unknowns_are_those_at_samples():
     assert error == pytest.approx(abs(coarse.u.values - exact[:7]).max() / abs(exact).max(), rel=1e-4)
 
 
+def test_a_free_vibration_also_begins_in_motion():
+    """Fox-Goodwin's method is of fourth order from rest, and of second order from any other start."""
+    oscillator = study.Problem(lambda u: 4 * np.pi**2 * u, 1.0, potential=lambda u: 2 * np.pi**2 * u**2)
+    (starts,) = Motion.of(oscillator, 2.0, 0.1).starts(2, 1.0)
+    energies = [float(one.energy(one.u0, one.v0)) for one in starts.problems]
+    assert energies == pytest.approx([energies[0]] * 3, rel=0.02) and len({*energies}) == 3
+    for start, order in ((0, 4), (1, 2), (2, 2)):
+        rows = measured(study.schemes["fox_goodwin"], starts, [start], [1 / 40, 1 / 80], [2.0])
+        assert np.log2(rows.displacement[0] / rows.displacement[1]) == pytest.approx(order, abs=0.1)
+
+
 def test_a_record_decides_among_steps_that_divide_its_spacing_and_its_starts_are_its_later_samples():
     """Two starts of a record: the own one, and one whose first sample is dropped.
 
@@ -144,22 +156,23 @@ def test_a_record_decides_among_steps_that_divide_its_spacing_and_its_starts_are
 
 
 @pytest.mark.parametrize(
-    ("kinked", "low", "high", "need"), [(False, 60, 70.5, 50), (True, 60, 70.5, 71), (True, 79.999, 80.001, 81)]
+    ("kinked", "others", "low", "high", "need"),
+    [(False, 5, 60, 70.5, 50), (False, 2, 60, 70.5, 71), (True, 5, 60, 70.5, 71), (True, 5, 79.999, 80.001, 81)],
 )
-def test_with_kinks_all_steps_that_confirm_a_need_are_run_from_all_starts(monkeypatch, kinked, low, high, need):
-    """The own start errs by 1/2n, and another one also by 2 % between ``low`` and ``high`` steps; 1 % is allowed.
+def test_steps_that_confirm_a_need_are_run_from_all_starts(monkeypatch, kinked, others, low, high, need):
+    """The own start errs by 1/2n, and the others also by 2 % between ``low`` and ``high`` steps; 1 % is allowed.
 
-    With kinks the finest number of steps in an octave that fails counts, and else only the needed one.
+    With kinks or few starts the finest number of steps in an octave that fails counts, and else only the needed one.
     """
 
     def measured(scheme, starts, chosen, step_sizes, durations):
         counts = 1 / np.array(step_sizes)
-        error = np.where(([*chosen] == [1]) & (counts > low) & (counts < high), 0.02, 0.5 / counts)
+        error = np.where((0 not in chosen) & (counts > low) & (counts < high), 0.02, 0.5 / counts)
         return pd.DataFrame({"step_size": step_sizes, "duration": durations[0], "displacement": error})
 
     monkeypatch.setattr(experiment, "measured", measured)
     motion = SimpleNamespace(sampled=False, spacing=np.nan, names=["displacement"], kinked=kinked)
-    starts = [SimpleNamespace(problems=["own", "other"])]
+    starts = [SimpleNamespace(problems=range(1 + others))]
     ladder: Any = experiment._Ladder(None, motion, starts, 1.0, [1.0], 1.0)
     ladder.search([("displacement", 0.01)], 1000)
     ((found, coarser),) = ladder.needed([("displacement", 0.01)])
