@@ -11,7 +11,6 @@ from annotated_types import Ge, Le, Len
 from typing_extensions import TypedDict
 
 from study import io
-from study.assessment.periods import highest_frequency_along
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Checked, Count, ProblemName, Schemes, Tolerances, rising, section
 from study.marching.result import STATUSES_OR_NOT_RUN
@@ -316,7 +315,7 @@ def runs(
         ),
         f"largest error over all unknowns and {instants}, relative to the largest value",
         time_scale=scale,
-        highest_frequency=highest_frequency_along(motion.problem, motion.solution),
+        highest_frequency=motion.highest_frequency,
         spacing=motion.spacing,
         unknowns=np.size(motion.problem.u0),
         decided=decided,

@@ -11,12 +11,14 @@ import pandas as pd
 from study.assessment import errors
 from study.assessment.arguments import wanted_quantities
 from study.assessment.errors import Target
+from study.assessment.periods import highest_frequency_along
 from study.assessment.reference import NoReference, Reference
 from study.assessment.search import ENERGY, spacing
 from study.assessment.solution import DenseSolution
 from study.marching.ensemble import FEW
 from study.marching.run import sweep
 from study.mechanics.definition import Problem
+from study.mechanics.frequencies import highest_frequency
 from study.mechanics.loads import excited, later, restarted
 from study.observer.base import Observer
 from study.observer.motion import Quantity
@@ -24,6 +26,8 @@ from study.scheme.base import Scheme
 
 #: Relative tolerance of the solvers of a reference, and target error of its interpolant.
 RTOL, GOAL = 1e-11, 1e-6
+#: Number of states in an interval of samples at which the highest frequency is sought, and their relative tolerance.
+BETWEEN_SAMPLES, ROUGH = 20, 1e-6
 #: Largest variation of initial values and load, for smooth forces and for forces with kinks.
 VARIATION, VARIATION_WITH_KINKS = 0.01, 0.05
 #: Golden ratio less one; its multiples less whole numbers spread evenly, however many they are.
@@ -117,6 +121,16 @@ class Motion:
     def spacing(self) -> float:
         """Time between the samples of a record in the load, in s; NaN if there is no record."""
         return spacing(self.problem, self.duration) or np.nan
+
+    @cached_property
+    def highest_frequency(self) -> float:
+        """Highest circular frequency of small motions about points of the motion, in 1/s."""
+        if not self.sampled:
+            return highest_frequency_along(self.problem, self.solution)
+        # between two samples a wave may pass where the structure is stiffest
+        reference = Reference(self.problem, self.duration)
+        times = np.linspace(0.0, self.duration, BETWEEN_SAMPLES * (len(self.grid) - 1) + 1)
+        return highest_frequency(self.problem, reference.routes[0].trajectory(times[1:], ROUGH)[0])
 
     @property
     def kinked(self) -> bool:

@@ -65,7 +65,7 @@ class Newmark(OneStep):
     - β = ¼, γ = ½, average acceleration, the trapezoidal rule;
     - β = 1/6, γ = ½, linear acceleration, stable for :math:`\omega\Delta t \le 2\sqrt 3`;
     - β = 1/12, γ = ½, Fox and Goodwin, stable for :math:`\omega\Delta t \le \sqrt 6`; its displacement is of fourth
-      order for undamped motion from rest (Numerov's formula);
+      order for undamped free motion from rest alone (Numerov's formula), because the first step from a velocity errs;
     - β = 0, γ = ½, central difference, stable for ωΔt ≤ 2; it takes one force per step, and no iteration unless the
       force depends on the velocity. With steps that alternate between h and H ≥ h it is stable for
       :math:`\omega^2 H (h + H) \le 4`, and again where :math:`\omega^2 h (h + H) \ge 4` and
@@ -109,12 +109,6 @@ class Newmark(OneStep):
 
     @property
     def order(self) -> int:
-        if isinstance(self.beta, float) and self.beta == 1 / 12 and self.gamma == 0.5:
-            return 4
-        return self.order_with_damping
-
-    @property
-    def order_with_damping(self) -> int:
         return 2 if self.gamma == 0.5 else 1
 
     @property
