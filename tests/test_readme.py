@@ -158,8 +158,10 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     assert by_model(results) in README
     n, words = json.loads((results / "numbers.json").read_text()), " ".join(README.split())
     assert f"The springs run over {n['decided_periods']} periods" in words
-    law = "From {known} to {extrapolated} periods of two springs it keeps an error of {allowed} % in {cases_kept} of "
-    law += "{cases} cases, and the largest error is {most} %."
+    law = (
+        "From {known} to {extrapolated} periods of two springs from rest, the next finer step tried keeps an error of "
+    )
+    law += "{allowed} % in {cases_kept} of {cases} cases, and the largest error is {most} %."
     names = "known", "extrapolated", "allowed", "cases_kept", "cases", "most"
     assert law.format(**{name: n[f"growth_{name}"] for name in names}) in words
 
