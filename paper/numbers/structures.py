@@ -173,7 +173,7 @@ def of_structures(
         "sum_exact": f"{exact_change:.1f}",
         "sum_exact_samples": long_times.sizes["t_reference"],
         "sum_exact_until": f"{long_times.t_reference.max().item():.0f}",
-        "long_step": f"{long_times.step_size.item():.2f}",
+        "long_step": number(long_times.step_size.item()),
         **_plateaus(structures),
         **_fails_in_longer_runs(pendulum),
         **_accurate_unbalanced(decisions, limits),

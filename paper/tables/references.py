@@ -1,5 +1,7 @@
 """The periods with their uncertainties, and the smallest errors of the solvers."""
 
+from decimal import Decimal
+
 import pandas as pd
 import xarray as xr
 
@@ -32,7 +34,7 @@ def tabulate(agreement: xr.Dataset, references: list[xr.Dataset]) -> pd.DataFram
     for reference in references:
         row = {
             "Problem": reference.problem_title,
-            "Period": reference.period_30_digits[: DIGITS + 2],
+            "Period": f"{Decimal(reference.period_30_digits):.{DIGITS}f}",
             "Uncertainty": f"{reference.period_certified.item():.0e}",
             "of the motion": f"{(reference.u_certified / abs(reference.u).max()).item():.0e}",
         }
