@@ -67,8 +67,7 @@ def main(listener: socket.socket) -> None:
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     while True:
         ready, _, _ = select.select([listener, sys.stdin], [], [])
-        if sys.stdin in ready:
-            os.unlink(listener.getsockname())
+        if sys.stdin in ready:  # the next run has perhaps bound the path of the socket, so it stays
             return
         connection, _ = listener.accept()
         if os.fork() == 0:
