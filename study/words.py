@@ -52,8 +52,8 @@ def measured(value: float, uncertainty: float) -> tuple[str, str]:
     """A value up to the first digit of its uncertainty, with at most seven digits, and the uncertainty to one digit."""
     digits = 7
     if value and 0 < uncertainty < math.inf:
-        places = (math.floor(math.log10(x)) for x in (abs(value), float(f"{uncertainty:.1g}")))
-        digits = min(max(next(places) - next(places) + 1, 1), 7)
+        first, last = (math.floor(math.log10(x)) for x in (abs(value), float(f"{uncertainty:.1g}")))
+        digits = min(max(first - last + 1, 1), 7)
     return f"{float(f'{value:.{digits}g}'):.15g}", typed(uncertainty, 1)
 
 

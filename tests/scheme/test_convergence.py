@@ -106,7 +106,8 @@ def test_order_of_two_coupled_unknowns(driven_pair, sampled_kind):
 def test_a_free_spring_without_damping_shows_the_order_that_damping_costs(name, order):
     """In free undamped motion from rest, Fox and Goodwin's displacements are those of Numerov's formula, of order 4."""
     period = 0.151532834447260357127078726219
-    assert order >= study.schemes[name].order >= study.schemes[name].order_with_damping
+    # from rest alone, Fox and Goodwin's method exceeds its order
+    assert study.schemes[name].order == (2 if name == "fox_goodwin" else order)
     assert order > study.schemes[name].order_with_damping
     counts = {2: [1600, 3200, 6400], 4: [50, 100, 200]}[order]
     # after a quarter of the period the exact displacement is zero
