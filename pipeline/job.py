@@ -13,8 +13,8 @@ import socket
 import sys
 
 worker = socket.socket(socket.AF_UNIX)
-uses_worker = os.path.dirname(sys.executable) == os.environ.get("STUDY_BIN")
-if not uses_worker or worker.connect_ex(".snakemake/worker"):
+uses_worker = "STUDY_WORKER" in os.environ and os.path.dirname(sys.executable) == os.environ["STUDY_BIN"]
+if not uses_worker or worker.connect_ex(os.environ["STUDY_WORKER"]):
     os.environ["PYTHONPATH"] = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     os.execv(sys.executable, [sys.executable, "-m", "pipeline.measured", *sys.argv[1:]])
 socket.send_fds(worker, [b"\0"], [sys.stdout.fileno(), sys.stderr.fileno()])

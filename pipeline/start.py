@@ -14,8 +14,8 @@ from typing import Any
 
 #: Folders whose Python files and pages the plan depends on.
 ROOMS = ("study", "reference", "pipeline", "paper", "docs")
-#: Files with the plan of the last call, the lock of a run, and the socket of its worker.
-PLAN, LOCK, SOCKET = (Path(".snakemake", name) for name in ("plan.json", "lock", "worker"))
+#: Files with the plan of the last call and the lock of a run.
+PLAN, LOCK = Path(".snakemake/plan.json"), Path(".snakemake/lock")
 #: Minimum number of free bytes before a run begins.
 ROOM = 2**24
 
@@ -101,9 +101,12 @@ def begun(configuration: Any, local: bool) -> tuple:
 
 
 def _worker() -> subprocess.Popen:
-    SOCKET.unlink(missing_ok=True)
+    for socket_of_killed in Path(".snakemake").glob("worker.*"):
+        socket_of_killed.unlink(missing_ok=True)
+    # each run has its own path, because the worker of the last run may end, and remove its path, after this run began
+    os.environ["STUDY_WORKER"] = f".snakemake/worker.{os.getpid()}"
     with socket.socket(socket.AF_UNIX) as listener:
-        listener.bind(str(SOCKET))
+        listener.bind(os.environ["STUDY_WORKER"])
         listener.listen(1000)
         number = listener.fileno()
         command = [sys.executable, "-m", "pipeline.worker", str(number)]

@@ -15,6 +15,7 @@ import socket
 import sys
 import threading
 import traceback
+from pathlib import Path
 from typing import Any
 
 import matplotlib.backends.backend_pdf
@@ -67,7 +68,8 @@ def main(listener: socket.socket) -> None:
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     while True:
         ready, _, _ = select.select([listener, sys.stdin], [], [])
-        if sys.stdin in ready:  # the next run has perhaps bound the path of the socket, so it stays
+        if sys.stdin in ready:
+            Path(listener.getsockname()).unlink(missing_ok=True)
             return
         connection, _ = listener.accept()
         if os.fork() == 0:
