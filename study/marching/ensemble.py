@@ -34,6 +34,9 @@ Begin = tuple[DisplacementsOfLanes, DisplacementsOfLanes, PerRun, dict[str, np.n
 #: Possible numbers of tiles in one call of the compiled program.
 GROUPS = (1, 8, 64)
 
+#: Largest number of bytes of a lane's state, samples and arguments up to which all groups have the largest size.
+LIGHT = 1024
+
 
 def _in_tiles(values: np.ndarray, shape: tuple[int, int, int], size: int, filler: Any) -> np.ndarray:
     """Values of the lanes, reshaped to (groups, ``size``, lanes of a tile, ...).
@@ -116,8 +119,9 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     tile = TILE if on_cpu else -(-lanes // BLOCK) * BLOCK
     tiles = -(-lanes // tile)
     share = min(GROUPS[-1], -(-tiles // cores())) if on_cpu else 1
-    # few possible sizes keep the number of compiled programs small; empty tiles cost nothing
-    size = next(size for size in GROUPS if size >= share)
+    # few possible sizes keep the number of compiled programs small; empty tiles take no time, but memory
+    heavy = sum(value[0].nbytes for value in [u0, *arguments.values()]) * (1 + samples) > LIGHT
+    size = next(size for size in GROUPS if size >= share) if heavy or not on_cpu else GROUPS[-1]
     shape = (-(-tiles // share), share, tile)
     order = np.argsort(steps, kind="stable") if steps.ndim else np.arange(lanes)
     last = int(steps.max())

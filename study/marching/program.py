@@ -241,9 +241,10 @@ class Program:
         # a march without an inner loop is faster if steps are short, as with one unknown
         each_step = every == 1 and self._is_scalar
         if pause is None:
-            lanes = math.prod(u0.shape[:2]) if self._lanes else 1
+            unknowns = math.prod(u0.shape[2:] if self._lanes else u0.shape)
+            lanes = np.isfinite(u0).sum() / unknowns  # without those that pad a tile
             most = PAUSE_OF_KERNELS if self._march.in_kernels else PAUSE_OF_LANES if self._lanes else PAUSE
-            pause = max(1, int(most / (lanes * (u0.size / lanes) ** 1.5)))
+            pause = max(1, int(most / (lanes * unknowns**1.5)))
         if samples < room and steps <= pause:
             counts = np.array([steps, every, 0])
             stored, result = _whole(self.form, self.numbers, counts, begin, room, each_step, lane_steps)
