@@ -59,12 +59,20 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
         with np.errstate(divide="ignore"):
             return np.sort(1 / np.sqrt(periods_squared))
     if np.abs(damping - damping.T).max() <= SYMMETRY * np.abs(damping).max():
-        return np.sqrt(np.clip(np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real), 0, None))
+        return np.sqrt(np.clip(_squares(mass, stiffness), 0, None))
     lower = -np.linalg.solve(mass, np.concatenate([stiffness, damping], axis=1))
     roots = np.linalg.eigvals(np.concatenate([np.eye(n, 2 * n, n), lower]))
     # of a conjugate pair only one root counts; a root whose imaginary part is round-off does not oscillate
     oscillating = np.abs(roots[roots.imag > ROUND_OFF * np.abs(roots).max()])
     return np.sort(np.concatenate([np.zeros(n), oscillating]))[-n:]
+
+
+def _squares(mass: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+    """ω² in ascending order from det(K − ω² M) = 0; symmetric matrices take a tenth of the time of others."""
+    if np.abs(stiffness - stiffness.T).max() <= SYMMETRY * np.abs(stiffness).max():
+        half = np.linalg.inv(np.linalg.cholesky(mass))
+        return np.linalg.eigvalsh(half @ stiffness @ half.T)
+    return np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real)
 
 
 def _velocity_tangent(problem: Problem, u: np.ndarray) -> np.ndarray:
