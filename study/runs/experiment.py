@@ -214,8 +214,8 @@ class _Ladder:
             varied = set(self.varied.steps_per_period) if len(self.varied) else set()
             wanted = {need for need, _ in needed if need < math.inf}
             wanted |= {min((count for count in known if count > need), default=need) for need in wanted}
-            if self.motion.kinked:
-                wanted |= confirming
+            if self.motion.kinked and wanted <= varied:  # last, because other starts may refuse a need
+                wanted = confirming
             if not self.several or not wanted - varied:
                 return
             self.vary(wanted - varied)

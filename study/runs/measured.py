@@ -16,6 +16,7 @@ from study.assessment.reference import NoReference, Reference
 from study.assessment.search import ENERGY, spacing
 from study.assessment.solution import DenseSolution
 from study.marching.ensemble import FEW
+from study.marching.program import PAUSE_OF_LANES
 from study.marching.run import sweep
 from study.mechanics.definition import Problem
 from study.mechanics.frequencies import highest_frequency
@@ -195,7 +196,12 @@ def measured(
     start, dt, ends = (values.ravel() for values in grid)
     steps = np.maximum(np.floor(ends / dt * (1 + 1e-9)), 1).astype(int)
     order = np.argsort(steps, kind="stable")  # lanes of about one length end together
-    parts = [order[i : i + FEW] for i in range(0, len(order), FEW)]
+    parts, several = [], np.ndim(starts.problems[0].u0) > 0
+    while len(order):
+        # few lanes of several unknowns use the program of a single run; longer runs of many need another program
+        size = FEW if several else max(PAUSE_OF_LANES // steps[order[-1]], 1)
+        order, part = order[:-size], order[-size:]
+        parts.append(part)
     rows = [_rows(scheme, starts, start[part], dt[part], steps[part]) for part in parts]
     return pd.concat(rows, ignore_index=True).assign(duration=np.concatenate([ends[part] for part in parts]))
 
