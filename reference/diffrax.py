@@ -66,6 +66,7 @@ def _solve(problem: Problem, begin, t, rtol, method: str, max_steps: int):
         dt0=None,
         y0=y0,
         args=problem,
+        adjoint=diffrax.ForwardMode(),  # nothing here is differentiated in reverse, whose loop takes longer to trace
         stepsize_controller=_controller(rtol, stops=t),
         saveat=diffrax.SaveAt(ts=t),
         max_steps=max_steps,
@@ -89,6 +90,7 @@ def _solve_with_history(problem: Problem, begin, t, rtol, method: str, max_steps
             dt0=None,
             y0=y,
             args=committed,
+            adjoint=diffrax.ForwardMode(),  # nothing here is differentiated in reverse, whose loop takes longer to trace
             stepsize_controller=_controller(rtol),
             max_steps=max_steps,
             throw=False,
@@ -193,6 +195,7 @@ def _until(problem: Problem, t1, turning, rtol, method: str):
         dt0=None,
         y0=jnp.stack([jnp.asarray(problem.u0), jnp.asarray(problem.v0)]),
         args=problem,
+        adjoint=diffrax.ForwardMode(),  # nothing here is differentiated in reverse, whose loop takes longer to trace
         stepsize_controller=_controller(rtol),
         event=event,
         max_steps=MAX_STEPS,
