@@ -30,8 +30,9 @@ SMALLEST_RTOL = 1e-15
 #: Relative tolerance of a first run, which only compiles the program.
 LOOSE_RTOL = 1e-3
 MAX_STEPS = 1_000_000
-#: Number of parts into which the times are divided if the wall time is limited.
-PIECES = 256
+#: Largest number of values at all times of one call. Each step copies them, so a step among 100,000 values would take
+#: ten times as long.
+AT_ONCE = 2**13
 #: Number of stages that are counted for a step, without the last stage of ``Dopri8`` and ``Tsit5``, which the next step
 #: uses again. A stage of these explicit methods evaluates the right side once, an implicit stage several times.
 STAGES = {"Dopri8": 13, "Tsit5": 6, "Kvaerno5": 7}
@@ -66,7 +67,7 @@ def _solve(problem: Problem, begin, t, rtol, method: str, max_steps: int):
         dt0=None,
         y0=y0,
         args=problem,
-        adjoint=diffrax.ForwardMode(),  # nothing here is differentiated in reverse, whose loop takes longer to trace
+        adjoint=diffrax.ForwardMode(),  # a loop without reverse derivatives is traced sooner
         stepsize_controller=_controller(rtol, stops=t),
         saveat=diffrax.SaveAt(ts=t),
         max_steps=max_steps,
@@ -90,7 +91,7 @@ def _solve_with_history(problem: Problem, begin, t, rtol, method: str, max_steps
             dt0=None,
             y0=y,
             args=committed,
-            adjoint=diffrax.ForwardMode(),  # nothing here is differentiated in reverse, whose loop takes longer to trace
+            adjoint=diffrax.ForwardMode(),  # a loop without reverse derivatives is traced sooner
             stepsize_controller=_controller(rtol),
             max_steps=max_steps,
             throw=False,
@@ -131,8 +132,8 @@ def trajectory(
     method
         ``Dopri8``, ``Tsit5`` or ``Kvaerno5``.
     max_steps
-        Limit of the number of steps, accepted and rejected. If the wall time is limited, the limit applies to each of
-        ``PIECES`` pieces. For a force with a history, it applies to the steps from one time to the next.
+        Limit of the number of steps, accepted and rejected. For a force with a history, it applies to the steps from
+        one time to the next.
 
     Raises
     ------
@@ -151,7 +152,7 @@ def trajectory(
     if problem.history is not None:
         begin = *begin, problem.at_time(0.0).committed(*start).history
     solve = partial(_solve if problem.history is None else _solve_with_history, problem.untitled())
-    pieces = [_padded(times)] if end == np.inf else _pieces(times)
+    pieces = _pieces(times, max(AT_ONCE // start.size, 1))
     if end == np.inf:
         jax.block_until_ready(
             solve(begin, jnp.asarray(pieces[0]), jnp.asarray(LOOSE_RTOL), method, max_steps)
@@ -160,23 +161,19 @@ def trajectory(
     for piece in pieces:
         check_time()
         states, steps, result, begin = solve(begin, jnp.asarray(piece), jnp.asarray(rtol), method, max_steps)
+        total += int(steps)
+        if total > max_steps and problem.history is None:
+            result = diffrax.RESULTS.max_steps_reached
         _check(problem, method, result)
         parts.append(np.asarray(states))
-        total += int(steps)
     u, v = np.moveaxis(np.concatenate(parts)[: len(t)], 1, 0)
     return Solution(u, v, total * STAGES[method], time.perf_counter() - clock)
 
 
-def _padded(t: Times) -> Times:
-    """The times with the last one repeated up to a power of two, so that few programs are compiled."""
-    return np.pad(t, (0, (1 << (len(t) - 1).bit_length()) - len(t)), mode="edge")
-
-
-def _pieces(t: Times) -> list[Times]:
-    """The times in ``PIECES`` parts of one length, so that one program is compiled; the last time is repeated."""
-    length = -(-len(t) // PIECES)
-    parts = -(-len(t) // length)
-    return np.split(np.pad(t, (0, parts * length - len(t)), mode="edge"), parts)
+def _pieces(t: Times, longest: int) -> list[Times]:
+    """The times in parts of one length, a power of two, so that few programs are compiled; the last one is repeated."""
+    length = 1 << min((len(t) - 1).bit_length(), longest.bit_length() - 1)
+    return np.split(np.pad(t, (0, -len(t) % length), mode="edge"), -(-len(t) // length))
 
 
 @partial(jit, compiler=eqx.filter_jit)
@@ -195,7 +192,7 @@ def _until(problem: Problem, t1, turning, rtol, method: str):
         dt0=None,
         y0=jnp.stack([jnp.asarray(problem.u0), jnp.asarray(problem.v0)]),
         args=problem,
-        adjoint=diffrax.ForwardMode(),  # nothing here is differentiated in reverse, whose loop takes longer to trace
+        adjoint=diffrax.ForwardMode(),  # a loop without reverse derivatives is traced sooner
         stepsize_controller=_controller(rtol),
         event=event,
         max_steps=MAX_STEPS,
