@@ -25,9 +25,9 @@ PERIODS = 10
 #: in such periods.
 ESTIMATE = 100, 40
 
-#: Product of the number of unknowns and the number of points of the motion at which the highest frequency is computed.
-#: There are at least two points.
-STIFFEST = 100
+#: Largest number of points of the motion at which the highest frequency is sought, and largest product of this number
+#: and the square of the number of unknowns.
+MOST_STIFFNESSES, MOST_ENTRIES = 4096, 2e8
 
 #: Round-off of the real or imaginary part of a root, as a part of its size.
 ROUND_OFF = 1e-9
@@ -148,6 +148,6 @@ def remark_on_record(problem: Problem, spacing: float | None) -> list[str]:
 def highest_frequency_along(problem: Problem, motion: DenseSolution) -> float:
     """Highest circular frequency of small motions about points of the motion, including its largest displacement."""
     last, unknowns = len(motion.t) - 1, np.size(problem.u0)
-    places = np.linspace(0, last, max(2, STIFFEST // unknowns)).astype(int)
+    places = np.linspace(0, last, int(np.clip(MOST_ENTRIES // unknowns**2, 2, MOST_STIFFNESSES))).astype(int)
     farthest = np.abs(motion.u).reshape(last + 1, -1).max(axis=1).argmax()
-    return highest_frequency(problem, [motion.u[place] for place in {*places.tolist(), int(farthest)}])
+    return highest_frequency(problem, motion.u[np.unique([*places, farthest])])

@@ -1,6 +1,6 @@
 """Circular frequencies of small motions about a state of a problem."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from functools import partial
 
 import equinox as eqx
@@ -15,6 +15,8 @@ from study.algebra.sparse import SYMMETRY
 from study.mechanics.definition import Problem
 from study.mechanics.tangent import FINDABLE
 
+#: Number of displacements along a motion at which frequencies are computed to find the highest one.
+STIFFEST = 16
 #: Imaginary part of a root, relative to the largest root, up to which it is round-off.
 ROUND_OFF = 1e-9
 
@@ -88,10 +90,29 @@ def _velocity_tangent(problem: Problem, u: np.ndarray) -> np.ndarray:
     return viscosity + np.asarray(dense(problem.damping, n))
 
 
-def highest_frequency(problem: Problem, displacements: Iterable[VectorLike]) -> float:
+@partial(jit, compiler=eqx.filter_jit)
+def _row_sums(force, mass, displacements):
+    """The largest row sum of ``|K|``, over the diagonal of the mass, at each displacement."""
+
+    def largest(u):
+        stiffness = jax.jacfwd(lambda u: force(u, jnp.zeros_like(u)))(u)
+        return jnp.max(jnp.abs(stiffness.reshape(u.size, u.size)).sum(axis=1) / mass)
+
+    return jax.lax.map(largest, displacements)
+
+
+def highest_frequency(problem: Problem, displacements: Sequence[VectorLike]) -> float:
     """The highest circular frequency of small motions about the given displacements.
 
-    It is NaN if the tangent is finite at none of them, or if the problem has more than ``FINDABLE`` unknowns.
+    It is computed at the ``STIFFEST`` displacements with the largest row sums of the tangent over the mass. It is NaN
+    if the tangent is finite at none of them, or if the problem has more than ``FINDABLE`` unknowns.
     """
-    spectra = (frequencies(problem, u) for u in displacements)
+    n = np.size(problem.u0)
+    if n > FINDABLE:
+        return np.nan
+    states, still = np.asarray(displacements, float), problem.at_time(0.0).untitled()
+    mass = np.ones(n) if problem.mass is None else np.diag(np.asarray(dense(problem.mass, n)))
+    row_sums = np.asarray(_row_sums(still.internal_force, np.where(mass == 0, np.inf, mass), states))
+    stiffest = np.argsort(np.nan_to_num(row_sums))[-STIFFEST:]
+    spectra = (frequencies(problem, states[place]) for place in stiffest)
     return max((float(spectrum[-1]) for spectrum in spectra if spectrum is not None), default=np.nan)
