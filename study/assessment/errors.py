@@ -273,52 +273,6 @@ def _table(solution: DenseSolution) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     )
 
 
-class ErrorsAtSamples(Reduction):
-    """Largest difference of each quantity from its reference over the steps that end at a sample of the reference.
-
-    Attributes
-    ----------
-    quantities, scales
-        Quantities along time, and the scales of the errors of their components.
-    interval
-        Time between two samples in s.
-    samples
-        Values of each quantity at the samples, of shape (samples, components).
-    """
-
-    quantities: tuple[Quantity, ...]
-    scales: tuple[jax.Array, ...]
-    interval: jax.Array
-    samples: tuple[jax.Array, ...]
-
-    @classmethod
-    def of(cls, targets: Sequence[Target]) -> "ErrorsAtSamples":
-        """The observer for targets whose reference is known at equal intervals."""
-        interval = jnp.asarray(targets[0].times[1])
-        parts = ([target.quantity, jnp.asarray(target.scale), jnp.asarray(target.values)] for target in targets)
-        quantities, scales, samples = (tuple(part) for part in zip(*parts, strict=True))
-        return cls(quantities, scales, interval, samples)
-
-    @property
-    def variables(self) -> dict[str, dict[str, str]]:  # type: ignore[override]
-        return {name: values for quantity in self.quantities for name, values in quantity.variables.items()}
-
-    def start(self, problem, state):
-        return (jnp.zeros(()),) * len(self.quantities)
-
-    def update(self, carried, problem, state, t, effort):
-        place = jnp.round(t / self.interval)
-        is_sample = jnp.abs(t - place * self.interval) < 1e-6 * self.interval
-        errors = [
-            jnp.max(jnp.abs(quantity.value(problem, t, state.u, state.v).ravel() - samples[place.astype(int)]) / scale)
-            for quantity, scale, samples in zip(self.quantities, self.scales, self.samples, strict=True)
-        ]
-        return tuple(jnp.where(is_sample, jnp.maximum(*pair), pair[0]) for pair in zip(carried, errors, strict=True))
-
-    def result(self, carried, problem, state):
-        return dict(zip(self.variables, carried, strict=True))
-
-
 def _relative(deviation: np.ndarray, scale: np.ndarray | float) -> np.ndarray:
     """Absolute value of a deviation over its scale; over a scale of zero it is infinite, or zero without deviation."""
     with np.errstate(divide="ignore"):

@@ -198,6 +198,16 @@ class Reference:
         v = np.concatenate([np.asarray(self.problem.v0, float)[None], v])
         return DenseSolution(t, u, v, np.asarray(_accelerations(self.problem, *map(jnp.asarray, (t, u, v)))))
 
+    def refined(self, grid: Times, rtol: float, goal: float) -> Times:
+        """The grid, refined until the interpolant of the first route reaches the goal, without the second route."""
+        for _ in range(GRIDS):
+            first, closer = (self.solution(self.routes[0], t, rtol) for t in (grid, with_points_between(grid)))
+            finer = first.refined(closer, goal)
+            if len(finer) == len(grid):
+                break
+            grid = finer
+        return grid
+
     def solutions(self, grid: Times, rtol: float, goal: float) -> tuple[DenseSolution, DenseSolution, Times]:
         """Solutions of both routes, and their grid, refined until the interpolant of the first reaches the goal.
 

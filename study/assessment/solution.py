@@ -64,7 +64,7 @@ class DenseSolution(NamedTuple):
         Parameters
         ----------
         other
-            The solution of another route, at the points of this grid and at points in between.
+            A solution at the points of this grid and at points in between.
         """
         errors = np.zeros(len(self.t) - 1)
         for values, other_values in zip(self.at(other.t), (other.u, other.v), strict=True):

@@ -28,8 +28,6 @@ from study.scheme.named import schemes as schemes_by_name
 COARSEST = 4
 #: Integer fractions and multiples of a record's spacing that are tried.
 OF_SPACING = (*reversed(DIVIDING), *(1 / number for number in DIVIDING[1:]))
-#: Number of samples in a time scale at which errors of several unknowns are measured. Numbers of steps are multiples.
-SAMPLES = 10
 #: Number of steps in an octave that confirm a step, with one unknown and with several, whose runs take longer.
 CONFIRMING, CONFIRMING_SEVERAL = 30, 4
 #: Largest number of starts from which all steps are run if they march side by side.
@@ -78,9 +76,9 @@ def _reads(options: Options) -> Iterable[str]:
     return [f"reference/{options['problem']}"] if options["problem"] in approximate_periods else []
 
 
-def two_digits(number: float, multiple: int = 1) -> int:
-    """The least multiple of 1 or 10 not below ``number`` that has at most two digits other than zeros at the end."""
-    unit = max(10 ** (math.floor(math.log10(number)) - 1), multiple)
+def two_digits(number: float) -> int:
+    """The least whole number not below ``number`` that has at most two digits other than zeros at the end."""
+    unit = max(10 ** (math.floor(math.log10(number)) - 1), 1)
     return math.ceil(number / unit * (1 - 1e-12)) * int(unit)
 
 
@@ -115,7 +113,6 @@ class _Ladder:
     ):
         self.scheme, self.motion, self.starts, self.scale = scheme, motion, starts, scale
         self.periods, self.decided = np.array(periods), periods.index(decided)
-        self.multiple, self.halved = SAMPLES if motion.sampled else 1, motion.sampled
         self.several = sum(len(group.problems) for group in starts) > 1
         self.rows, self.varied = pd.DataFrame(), pd.DataFrame()
         self.confirming: set[float] = set()
@@ -193,22 +190,21 @@ class _Ladder:
             known = set(self.rows.get("steps_per_period", ()))
             needed = self.needed(limits) if known else [(math.inf, 0.0)]
             if top <= finest and max(known, default=0) <= max(need for need, _ in needed):
-                octave = {two_digits(top, self.multiple), two_digits(top * math.sqrt(2), self.multiple)}
+                octave = {two_digits(top), two_digits(top * math.sqrt(2))}
                 octave |= {*of_record[(of_record >= top) & (of_record < 2 * top)]}
                 self.run(octave - known)
                 top *= 2
                 continue
-            finer = [between(coarser, need, self.multiple) for need, coarser in needed[: len(limits)]]
-            # a run of several unknowns costs as much as its steps, so their intervals are halved
-            new = {
-                count for numbers in finer for count in (numbers[len(numbers) // 2 :][:1] if self.halved else numbers)
-            }
+            finer = [between(coarser, need) for need, coarser in needed[: len(limits)]]
+            if self.motion.several:  # a run costs as much as its steps, so their intervals are halved
+                finer = [numbers[len(numbers) // 2 :][:1] for numbers in finer]
+            new = {count for numbers in finer for count in numbers}
             if new := new - known:
                 self.run(new)
                 continue
             confirming = {count for need, _ in needed[: len(limits)] for count in self._finer(need, finest)}
             if finer_steps := confirming - known:
-                self.confirming |= {count for count in finer_steps if count != two_digits(count, self.multiple)}
+                self.confirming |= {count for count in finer_steps if count != two_digits(count)}
                 self.run(finer_steps)
                 continue
             varied = set(self.varied.steps_per_period) if len(self.varied) else set()
@@ -227,24 +223,24 @@ class _Ladder:
         """
         if need == math.inf:
             return []
-        of_octave = CONFIRMING_SEVERAL if self.halved else CONFIRMING
+        of_octave = CONFIRMING_SEVERAL if self.motion.several else CONFIRMING
         first = math.ceil(math.log2(need / COARSEST) * of_octave - 0.5)
         numbers = [COARSEST * 2 ** ((first + k + 0.5) / of_octave) for k in range(of_octave)]
-        if self.halved:  # several unknowns are compared with the reference at samples only
-            return [max(round(number / self.multiple), 1) * self.multiple for number in numbers]
+        if self.motion.several:
+            return numbers
         numbers += [k * (1 + BESIDE) for k in range(math.ceil(need), int(min(2 * need, COARSE)) + 1)]
         return numbers + (between(need, min(2 * need, finest)) if self.motion.kinked else [])
 
 
-def between(coarser: float, need: float, multiple: int = 1) -> list[int]:
-    """All multiples of 1 or 10 with two digits between two numbers.
+def between(coarser: float, need: float) -> list[int]:
+    """All whole numbers with two digits between two numbers.
 
     ``need`` may be infinite; ``coarser`` is zero if no smaller number was tried.
     """
-    numbers, count = [], two_digits(max(coarser, COARSEST) * (1 + 1e-9), multiple)
+    numbers, count = [], two_digits(max(coarser, COARSEST) * (1 + 1e-9))
     while coarser < count < need < math.inf:
         numbers.append(count)
-        count = two_digits(count + 1, multiple)
+        count = two_digits(count + 1)
     return numbers
 
 
@@ -261,8 +257,7 @@ def runs(
     """Measure errors and costs of schemes at step sizes down to those that keep the allowed errors.
 
     The error of a quantity is its largest difference from the reference, over all unknowns and all steps, divided by
-    its largest value; with several unknowns, over all unknowns and the steps that end at one of ``SAMPLES`` samples in
-    a time scale. The error of the energy is that of the balance of energies. A step size is the time scale of the
+    its largest value. The error of the energy is that of the balance of energies. A step size is the time scale of the
     problem divided by a number of steps with two digits, or an integer fraction or multiple of the spacing of a record.
 
     Returns
@@ -280,8 +275,7 @@ def runs(
         If no reference is found.
     """
     scale = time_scale(problem)
-    sampled = scale / SAMPLES if np.size(problems[problem].u0) > 1 else None
-    motion = Motion.of(problems[problem], max(periods) * scale, scale / COARSEST, sampled)
+    motion = Motion.of(problems[problem], max(periods) * scale, scale / COARSEST)
     all_starts = motion.starts(starts, scale)
     uncertainty = {name: motion.uncertainty[name] for name in DECIDED if name in motion.names}
     limits = [(name, error) for name, own in uncertainty.items() for error in allowed_errors if error >= CERTAIN * own]
@@ -305,7 +299,6 @@ def runs(
         tried=ds.status.notnull().any("periods").astype(np.int8),
         uncertainty=("quantity", [motion.uncertainty[name] for name in ds.quantity.values]),
     )
-    instants = f"{SAMPLES} samples in a time scale" if motion.sampled else "steps"
     counts = ds["size"].values
     return described(
         ds.drop_vars("size").assign_coords(
@@ -313,7 +306,7 @@ def runs(
             steps_per_period=("size", counts),
             proposed=("size", (~np.isin(counts, [*confirming])).astype(np.int8)),
         ),
-        f"largest error over all unknowns and {instants}, relative to the largest value",
+        "largest error over all unknowns and steps, relative to the largest value",
         time_scale=scale,
         highest_frequency=motion.highest_frequency,
         spacing=motion.spacing,

@@ -19,7 +19,6 @@ from study.marching.ensemble import FEW
 from study.marching.program import PAUSE_OF_LANES
 from study.marching.run import sweep
 from study.mechanics.definition import Problem
-from study.mechanics.frequencies import highest_frequency
 from study.mechanics.loads import excited, later, restarted
 from study.observer.base import Observer
 from study.observer.motion import Quantity
@@ -27,8 +26,6 @@ from study.scheme.base import Scheme
 
 #: Relative tolerance of the solvers of a reference, and target error of its interpolant.
 RTOL, GOAL = 1e-11, 1e-6
-#: Number of states in an interval of samples at which the highest frequency is sought, and their relative tolerance.
-BETWEEN_SAMPLES, ROUGH = 20, 1e-6
 #: Largest variation of initial values and load, for smooth forces and for forces with kinks.
 VARIATION, VARIATION_WITH_KINKS = 0.01, 0.05
 #: Golden ratio less one; its multiples less whole numbers spread evenly, however many they are.
@@ -41,7 +38,6 @@ class Starts:
 
     problems: list[Problem]
     targets: list[dict[str, Target]]
-    sampled: bool
 
     @cached_property
     def observe(self) -> list[str | Observer]:
@@ -50,7 +46,7 @@ class Starts:
         balance = ["energy_balance"] if problem.potential is not None or problem.dissipative else []
         along = [list(targets.values()) for targets in self.targets]
         return [
-            errors.ErrorsAtSamples.of(along[0]) if self.sampled else errors.ErrorsAlong.of(*along),
+            errors.ErrorsAlong.of(*along),
             "effort",
             *balance,
         ]
@@ -75,9 +71,7 @@ class Motion:
     solvers
         Names of the two solvers.
     grid
-        Times between which the reference is interpolated, or times of its samples.
-    sampled
-        Whether errors are measured at the samples only. The dense reference of several unknowns takes long.
+        Times between which the reference is interpolated.
     """
 
     problem: Problem
@@ -87,11 +81,10 @@ class Motion:
     uncertainty: dict[str, float]
     solvers: str
     grid: np.ndarray
-    sampled: bool
 
     @classmethod
-    def of(cls, problem: Problem, duration: float, coarsest: float, sampled: float | None = None) -> "Motion":
-        """Solve for the reference with two solvers, at samples in intervals of ``sampled`` seconds if it is given.
+    def of(cls, problem: Problem, duration: float, coarsest: float) -> "Motion":
+        """Solve for the reference with two solvers.
 
         Raises
         ------
@@ -101,16 +94,14 @@ class Motion:
         problem = excited(problem, 1.0, displaced=True)
         quantities, reference = wanted_quantities(None, problem), Reference(problem, duration)
         try:
-            if sampled is None:
-                first, second, grid = reference.solutions(reference.grid(coarsest), RTOL, GOAL)
-            else:
-                grid = np.linspace(0.0, duration, round(duration / sampled) + 1)
-                first, second = (reference.solution(route, grid, RTOL) for route in reference.routes)
+            # with the first route alone, since CVODE takes most of the time
+            grid = reference.refined(reference.grid(coarsest), RTOL, GOAL / 2)
+            first, second, grid = reference.solutions(grid, RTOL, GOAL)
         except RuntimeError as error:
             raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
         apart = {name: errors.difference(q, problem, first, second)[0] for name, q in quantities.items()}
         solvers = " and ".join(route.name for route in reference.routes)
-        return cls(problem, duration, quantities, first, apart | {ENERGY: 0.0}, solvers, grid, sampled is not None)
+        return cls(problem, duration, quantities, first, apart | {ENERGY: 0.0}, solvers, grid)
 
     @property
     def names(self) -> list[str]:
@@ -126,12 +117,12 @@ class Motion:
     @cached_property
     def highest_frequency(self) -> float:
         """Highest circular frequency of small motions about points of the motion, in 1/s."""
-        if not self.sampled:
-            return highest_frequency_along(self.problem, self.solution)
-        # between two samples a wave may pass where the structure is stiffest
-        reference = Reference(self.problem, self.duration)
-        times = np.linspace(0.0, self.duration, BETWEEN_SAMPLES * (len(self.grid) - 1) + 1)
-        return highest_frequency(self.problem, reference.routes[0].trajectory(times[1:], ROUGH)[0])
+        return highest_frequency_along(self.problem, self.solution)
+
+    @property
+    def several(self) -> bool:
+        """Whether there are several unknowns."""
+        return np.ndim(self.problem.u0) > 0
 
     @property
     def kinked(self) -> bool:
@@ -156,7 +147,7 @@ class Motion:
             problems = [restarted(self._from(t), factor) for t, factor in zip(times, factors, strict=True)]
         solved = [(self.problem, self.solution), *((problem, self._solved(problem)) for problem in problems)]
         begins = {(*np.ravel(problem.u0), *np.ravel(problem.v0)) for problem, _ in solved}
-        together = not self.sampled and len(begins) == len(solved)
+        together = not self.several and len(begins) == len(solved)
         return [self._starts(group) for group in ([solved] if together else [[start] for start in solved])]
 
     def _from(self, time: float) -> Problem:
@@ -165,17 +156,16 @@ class Motion:
         return eqx.tree_at(lambda p: (p.u0, p.v0), self.problem, tuple(state))
 
     def _starts(self, solved: Sequence[tuple[Problem, DenseSolution]]) -> Starts:
-        finer = 1 if self.sampled else errors.FINER
+        finer = 1 if self.several else errors.FINER
         targets = [
             {name: errors.target(quantity, problem, solution, finer) for name, quantity in self.quantities.items()}
             for problem, solution in solved
         ]
-        return Starts([problem for problem, _ in solved], targets, self.sampled)
+        return Starts([problem for problem, _ in solved], targets)
 
     def _solved(self, problem: Problem) -> DenseSolution:
         reference = Reference(problem, self.duration)
-        grid = self.grid if self.sampled else reference.with_kinks(self.grid)
-        return reference.solution(reference.routes[0], grid, RTOL)
+        return reference.solution(reference.routes[0], reference.with_kinks(self.grid), RTOL)
 
 
 def measured(
@@ -189,8 +179,7 @@ def measured(
     -------
     pandas.DataFrame
         A row for each run: ``step_size``, ``duration``, ``status``, the counts, and the error of each quantity, NaN if
-        the run failed. Quantities along time are compared with the reference over all unknowns, at every step or at
-        the samples of the reference.
+        the run failed. Quantities along time are compared with the reference over all unknowns at every step.
     """
     grid = np.meshgrid(chosen, step_sizes, durations, indexing="ij")
     start, dt, ends = (values.ravel() for values in grid)
