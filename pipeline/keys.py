@@ -10,9 +10,10 @@ _TYPES = {"integer": "whole number", "number": "number", "string": "string", "bo
 _BOUNDS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
 _HEAD = """# Configuration
 
-`study.yaml` is the short study. `full.yaml` overrides some of its keys and gives the full study. `environment.yaml`
-lists the packages for `snakemake --sdm conda`. A file of your own, `--configfile FILE`, overrides keys of `study.yaml`
-and holds only the differences. A list replaces a whole list. Other keys and values are refused before any work.
+`study.yaml` is the short study. `small.yaml` and `full.yaml` override some of its keys and give the small and the full
+study. `environment.yaml` lists the packages for `snakemake --sdm conda`. A file of your own, `--configfile FILE`,
+overrides keys of `study.yaml` and holds only the differences. A list replaces a whole list. Other keys and values are
+refused before any work.
 
 `NAME` stands for a name of your choice and `[]` for each item of a list. The word `all` in place of a list of schemes
 stands for all schemes. `own_schemes` lists schemes in your own files as `FILE.py:NAME`.

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 PROJECT = Path(__file__).parents[2]
-SMALL = Path("tests", "pipeline", "small.yaml")
+SMALL = Path("config", "small.yaml")
 #: Command of Snakemake with interrupts enabled, because a shell disables them in tests that it runs in the background.
 SNAKEMAKE = [
     sys.executable,
