@@ -30,6 +30,8 @@ SMALLEST_RTOL = 1e-15
 #: Relative tolerance of a first run, which only compiles the program.
 LOOSE_RTOL = 1e-3
 MAX_STEPS = 1_000_000
+#: Smallest number of parts into which the times are divided if the wall time is limited.
+PIECES = 256
 #: Largest number of values at all times of one call. Each step copies them, so a step among 100,000 values would take
 #: ten times as long.
 AT_ONCE = 2**13
@@ -152,7 +154,8 @@ def trajectory(
     if problem.history is not None:
         begin = *begin, problem.at_time(0.0).committed(*start).history
     solve = partial(_solve if problem.history is None else _solve_with_history, problem.untitled())
-    pieces = _pieces(times, max(AT_ONCE // start.size, 1))
+    longest = AT_ONCE // start.size if end == np.inf else min(AT_ONCE // start.size, -(-len(t) // PIECES))
+    pieces = _pieces(times, max(longest, 1))
     if end == np.inf:
         jax.block_until_ready(
             solve(begin, jnp.asarray(pieces[0]), jnp.asarray(LOOSE_RTOL), method, max_steps)

@@ -242,7 +242,7 @@ class Program:
         each_step = every == 1 and self._is_scalar
         if pause is None:
             unknowns = math.prod(u0.shape[2:] if self._lanes else u0.shape)
-            lanes = np.isfinite(u0).sum() / unknowns  # without those that pad a tile
+            lanes = max(1, np.isfinite(u0).sum() / unknowns)  # without those that pad a tile
             most = PAUSE_OF_KERNELS if self._march.in_kernels else PAUSE_OF_LANES if self._lanes else PAUSE
             pause = max(1, int(most / (lanes * unknowns**1.5)))
         if samples < room and steps <= pause:

@@ -187,7 +187,8 @@ def measured(
     order = np.argsort(steps, kind="stable")  # lanes of about one length end together
     parts, several = [], np.ndim(starts.problems[0].u0) > 0
     while len(order):
-        # few lanes of several unknowns use the program of a single run; longer runs of many need another program
+        # FEW runs of several unknowns use the program of a single run; more steps in all than PAUSE_OF_LANES of one
+        # unknown would need a second program
         size = FEW if several else max(PAUSE_OF_LANES // steps[order[-1]], 1)
         order, part = order[:-size], order[-size:]
         parts.append(part)
