@@ -12,7 +12,7 @@ from paper.products import reader
 from paper.tables.decision import column, sentence, steps_of
 from paper.tables.models import MODELS
 from study.analysis.duration import step_exponent
-from study.runs.needs import TIED
+from study.runs.needs import TIED, cost
 from study.scheme.codes import names_in_codes
 from study.words import number
 
@@ -20,7 +20,9 @@ from study.words import number
 FIRST = {"model": "free vibration over a long time", "error": "1 %"}
 
 #: Variables of the needs that a row shows or is ranked by.
-_USED = "step_size steps_per_period omega_step force_evaluations error largest_error smaller_steps verdict".split()
+_USED = (
+    "step_size steps_per_period omega_step force_evaluations error largest_error smaller_steps verdict spacing".split()
+)
 
 _FORM = """<form id="answers" class="narrow" hidden>
 <label>model <select name="model"></select></label>
@@ -44,10 +46,12 @@ def _rows(needed: xr.Dataset) -> list[list[Any]]:
     """A row for each scheme that keeps an error: places of problem, quantity, error and scheme, then its numbers.
 
     The numbers are the step in words, the steps in a period, Δt·ω, the forces in a second, the error by which ties are
-    decided, and the exponent of the law of :mod:`study.analysis.duration`, None if the law does not apply.
+    decided, the exponent of the law of :mod:`study.analysis.duration`, None if the law does not apply, and the cost by
+    which schemes are ranked.
     """
     dims = ("problem", "quantity", "allowed_error", "scheme")
-    used = needed[[*_USED]].transpose(*dims).reset_coords(drop=True)
+    costs = cost(needed).transpose(*dims).values
+    used = needed.reset_coords("spacing")[[*_USED]].transpose(*dims).reset_coords(drop=True)
     names = used.quantity.values.tolist()
     free, order, keeps = (needed[name].values.tolist() for name in ("free_vibration", "order", "keeps_energy"))
     rows = []
@@ -64,6 +68,7 @@ def _rows(needed: xr.Dataset) -> list[list[Any]]:
                 _number(need.force_evaluations.item(), 12),
                 _number(decides.item(), 12),
                 step_exponent(order[scheme], bool(keeps[scheme]), names[quantity]) if free[problem] else None,
+                _number(costs[tuple(places)], 12),
             ]
         )
     return rows

@@ -11,7 +11,7 @@ if (form) {
   const element = (name, text) => Object.assign(document.createElement(name), {textContent: text});
 
   const rowsOf = () => needs.rows.filter(([p, q, e]) => p === +model.value && q === +quantity.value && e === +error.value);
-  const cost = (row) => row[7];
+  const cost = (row) => row[10];
 
   // the cheapest scheme; among ties the one with the smallest error
   const decide = (rows) => {
@@ -76,7 +76,7 @@ if (form) {
     for (const row of groups.flat()) {
       const line = body.insertRow(), [step, omega] = steps(row, problem), scheme = needs.schemes[row[3]];
       for (const text of [scheme.title, scheme.explicit ? "explicit" : "implicit", step, omega,
-        Number(cost(row).toPrecision(3)).toLocaleString("en")]) line.append(element("td", text));
+        Number(row[7].toPrecision(3)).toLocaleString("en")]) line.append(element("td", text));
     }
     const scroll = element("div", "");
     scroll.className = "wide";

@@ -9,7 +9,7 @@ import xarray as xr
 from paper.products import table
 from paper.requirements import contained
 from study.runs.needs import DECIDED
-from study.words import number
+from study.words import number, step_size
 
 NO_BREAK = "\u00a0"
 #: Mark of the coarsest step that was tried, before a number of steps, and of the finest, after it.
@@ -33,7 +33,7 @@ def sentence(title: str) -> str:
 def steps_of(need: xr.Dataset) -> str:
     """The step of a need or decision: steps in a time scale, or its size in ms under records."""
     if need.problem.item() == "records":
-        return f"{number(1e3 * need.step_size.item(), 2)} ms"
+        return f"{step_size(1e3 * need.step_size.item(), 1e3 * need.spacing.item())} ms"
     # a multiple of the spacing of a record need not be a whole part of the time scale
     steps = f"{need.steps_per_period.item():,.1f}".removesuffix(".0")
     at_most = AT_MOST if need.verdict.item() == COARSEST else ""

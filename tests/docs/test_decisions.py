@@ -30,6 +30,7 @@ def _decision(**values) -> xr.Dataset:
         "verdict": 0,
         "smaller_steps": 3.0,
         "step_size": 0.0025,
+        "spacing": 0.02,
         "steps_per_period": 10.0,
         "omega_step": 0.1,
         "problem": "softening",

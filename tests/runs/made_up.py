@@ -48,6 +48,7 @@ def runs(error, problem: str = "swing", **others) -> xr.Dataset:
             "starts": 1,
             "free_vibration": 1,
             "unknowns": 1,
+            "spacing": 0.125,
             "highest_frequency": 3.0,
             "problem": problem,
             "problem_title": f"{problem}ing thing",

@@ -43,7 +43,7 @@ def test_a_row_has_scheme_step_cost_and_limit(datasets):
     assert cells[1] == ["Cheap", "", "32", "32", "", "0.19", "2"]
     assert cells[2] == ["Cheap", "", "64 †", "64", "", "0.094", "2"]
     assert cells[3] == ["–", "", "", "", "", "", ""]
-    assert rows[7]["Right in"] == "peak drift" and cells[7] == ["Cheap", "", "62 ms", "16", "", "0.19", "2"]
+    assert rows[7]["Right in"] == "peak drift" and cells[7] == ["Cheap", "", "62.5 ms", "16", "", "0.19", "2"]
 
 
 def test_a_row_in_which_the_whole_motion_needs_other_steps_is_marked(datasets):
