@@ -62,8 +62,6 @@ ATTRIBUTES = {
     "error": {"long_name": "error with this step size from the problem's own start", "units": "1"},
     "largest_error": {"long_name": "largest error with this step size from all starts", "units": "1"},
     "smaller_steps": {"long_name": "number of smaller step sizes that keep the error", "units": "1"},
-    "exponent": {"long_name": "p in: step size proportional to periods to the power -p", "units": "1"},
-    "exponent_misfit": {"long_name": "largest ratio of a step size to the fitted power law", "units": "1"},
     "verdict": flags("how the search for the step ended", VERDICTS, np.int8),
     **COSTS,
     "seconds": {"long_name": "computing time over simulated time, NaN if it is not the cost", "units": "1"},
@@ -209,34 +207,18 @@ def _verdict(runs: xr.Dataset, counted: xr.DataArray, place: xr.DataArray, allow
 def of_problems(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     """The needs of several problems over (problem, scheme, quantity, allowed_error, condition), each for its duration.
 
-    ``exponent`` is p in the power law Δt ∝ n^(-p) that fits the step sizes over n periods, NaN with fewer than three.
     ``cost`` is the variable that decides: ``seconds`` from ``LARGE`` unknowns on, otherwise ``force_evaluations``.
     Times are NaN until they are measured.
     """
     datasets = []
     for part in parts:
-        problem_needs = part.assign(_power_law(part.step_size)).sel(periods=part.decided, drop=True)
+        problem_needs = part.sel(periods=part.decided, drop=True)
         problem_needs = problem_needs.assign(seconds=problem_needs.step_size * np.nan)
         problem_needs = problem_needs.assign_coords(cost="seconds" if part.unknowns >= LARGE else "force_evaluations")
         labels = [name for name in problem_needs.coords if name != "scheme" and "scheme" in problem_needs[name].dims]
         datasets.append(problem_needs.drop_vars(labels).expand_dims("problem"))
     ds = xr.concat(datasets, "problem", join="outer", coords="all", compat="override", data_vars="all")
     return ds.assign(verdict=ds.verdict.fillna(NO_VALUE).astype(np.int8))
-
-
-def _power_law(steps: xr.DataArray) -> dict[str, xr.DataArray]:
-    """The exponent of step size over periods by least squares, and the largest misfit as a ratio."""
-    if steps.sizes["periods"] < 3:
-        none = steps.isel(periods=0, drop=True) * np.nan
-        return {"exponent": none, "exponent_misfit": none}
-    x = xr.DataArray(np.log(steps.periods.values), dims="periods")
-    y = xr.DataArray(np.log(steps.where(steps.notnull().all("periods"))))
-    x, y = x - x.mean(), y - y.mean("periods")
-    slope = (x * y).sum("periods", skipna=False) / (x**2).sum()
-    return {
-        "exponent": -slope,
-        "exponent_misfit": xr.DataArray(np.exp(abs(y - slope * x).max("periods", skipna=False))),
-    }
 
 
 def cost(needed: xr.Dataset) -> xr.DataArray:

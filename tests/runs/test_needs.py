@@ -95,22 +95,6 @@ def test_computing_time_decides_for_many_unknowns():
     assert [ranked(one.isel(problem=k)) for k in (0, 1)] == [["cheap", "dear", "stiff"], ["stiff", "dear", "cheap"]]
 
 
-def test_the_law_of_the_duration_is_fitted():
-    lengths = [10.0, 40.0, 160.0]
-    one = runs(FINE).isel(periods=0, drop=True)
-    along_periods = [name for name in one if "size" in one[name].dims and name != "tried"]
-    several = xr.concat([one] * 3, xr.IndexVariable("periods", lengths), data_vars=along_periods)
-    several = several.assign_coords(duration=("periods", 2 * np.array(lengths)))
-    # an error n/N² keeps an error with N proportional to the root of n
-    of_law = several.periods / (10 * several.steps_per_period**2)
-    several["error"] = (of_law + 0 * several.error).transpose(*several.error.dims)
-    needed = of_problems([needs(several, [0.02])])
-    exponent = needed.exponent.sel(condition="practice", quantity="displacement")
-    assert exponent.values == pytest.approx(0.5) and needed.exponent_misfit.sel(
-        condition="practice"
-    ).values == pytest.approx(1.0)
-
-
 def test_a_scheme_dominates_if_it_is_worse_in_nothing_and_better_in_something():
     of = xr.DataArray([[1.0, 2.0, np.inf], [3.0, 3.0, np.inf]], {"scheme": ["a", "b", "c"]}, ["respect", "scheme"])
     assert dominated(of, "b") == ["a"] and dominated(of, "a") == [] and dominated(of, "c") == ["a", "b"]
