@@ -2,6 +2,7 @@
 
 import json
 import re
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -70,8 +71,8 @@ def test_a_cell_with_costs_has_the_forces_and_a_time_that_decides():
 
 def _parsed(cell: str) -> tuple[str, float]:
     """Scheme and number of steps, or step in ms, that a cell states."""
-    match = re.match(r"(.+): (?:≤ )?([\d,.]+)", cell.replace("\u00a0", " "))
-    return (match[1], float(match[2].replace(",", ""))) if match else ("", np.nan)
+    match = re.match(r"(.+): (?:≤ )?([\d,./]+)", cell.replace("\u00a0", " "))
+    return (match[1], float(Fraction(match[2].replace(",", "")))) if match else ("", np.nan)
 
 
 def _same(stated: tuple[str, float], decision: xr.Dataset) -> bool:
