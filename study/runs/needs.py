@@ -134,12 +134,13 @@ def largest_size(kept: xr.DataArray, along: str) -> xr.DataArray:
 
 
 def _meets(runs: xr.Dataset, condition: str) -> xr.DataArray:
-    """Whether runs meet a condition, over (scheme, size, periods)."""
-    meets = xr.ones_like(runs.error.isel(quantity=0, drop=True), dtype=bool)
+    """Whether runs from all starts meet a condition, over (scheme, size, periods)."""
+    error = np.fmax(runs.error, runs.largest_error)
+    meets = xr.ones_like(error.isel(quantity=0, drop=True), dtype=bool)
     if condition == "whole_motion":
         for name, bound in WHOLE_MOTION.items():
             if name in runs.quantity.values:
-                meets &= runs.error.sel(quantity=name, drop=True) <= bound
+                meets &= error.sel(quantity=name, drop=True) <= bound
     return meets
 
 

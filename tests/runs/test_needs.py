@@ -61,6 +61,9 @@ def test_conditions_choose_among_the_steps():
     assert _steps(needed)[:, 0].tolist() == [32] * 3
     assert _steps(needed, "any_step")[:, 0].tolist() == [16] * 3
     assert _steps(needed, "whole_motion")[:, 0].tolist() == [64] * 3
+    other_start = runs(FINE)
+    other_start.largest_error.loc[{"quantity": "velocity"}] = np.array([0.8, 0.8, 0.8, 0.1])[:, None]
+    assert _steps(needs(other_start, [0.1]), "whole_motion")[:, 0].tolist() == [64] * 3
 
 
 @pytest.fixture(scope="module")
