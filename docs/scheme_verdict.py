@@ -15,7 +15,8 @@ from docs.theory import PERIODS, ROUND_OFF, STEPS, TRIED
 from paper.measures.orders import lost as loses_order
 from paper.measures.outcomes import fewest_steps, most_steps
 from paper.tables.decision import steps_of
-from study.runs.needs import NO_VALUE, TIED, cost, unbroken
+from study.runs.needs import NO_VALUE, TIED, cost
+from study.sizes import unbroken
 from study.words import listed, number, percent
 
 if TYPE_CHECKING:

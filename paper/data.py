@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from paper.published import PROBLEMS, SCHEMES, STEPS
-from study.runs.needs import largest_size
+from study.sizes import largest_size
 
 #: Titles of the general solvers that figures and tables show, by their names in the datasets.
 SOLVERS = {
@@ -61,22 +61,6 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
     steady = ((ratio > 0.5) & (ratio < 2)).rolling(steps_per_period=neighbours).sum() == neighbours
     ends = [steady.shift(steps_per_period=-ahead, fill_value=False) for ahead in range(neighbours)]
     return size.sel(periods=longer).where(np.logical_or.reduce(ends))
-
-
-def fewest(error: xr.DataArray, counts: xr.DataArray, allowed: float, along: str) -> xr.DataArray:
-    """Smallest count of forces or steps from which on every run along a dimension keeps an error.
-
-    The count is NaN if the run with the largest count exceeds the error.
-    """
-
-    def fewest_of_runs(error: np.ndarray, counts: np.ndarray) -> float:
-        exceeding = counts[np.isfinite(counts) & ~(error <= allowed)].max(initial=0.0)
-        return counts[counts > exceeding].min(initial=np.inf)
-
-    counts = xr.apply_ufunc(
-        fewest_of_runs, error, counts.astype(float), input_core_dims=[[along], [along]], vectorize=True
-    )
-    return counts.where(np.isfinite(counts))
 
 
 def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:

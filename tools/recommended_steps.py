@@ -19,7 +19,7 @@ from study.assessment.assess import assess
 from study.assessment.certified import cases_of, certified
 from study.assessment.search import COARSEST, Search
 from study.mechanics.loads import excited
-from study.program.confirmation import TWENTIETH
+from study.sizes import TWENTIETH
 from study.user_files import load
 
 EXAMPLES, STEPS, SEED = Path(__file__).parents[1] / "examples", 1000, 20261124

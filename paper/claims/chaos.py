@@ -7,17 +7,12 @@ from scipy import optimize, stats
 from paper.claims.ledger import PRACTICE, STUDY, Finding, claim, when
 from paper.terms import FAITHFUL, REASONABLE, RULE
 from paper.wording import listed, number
+from study.sizes import least_number
 
 #: Largest difference from two of an observed order that counts as second order.
 NEARLY_TWO = 0.3
 #: Number of repeated fits, each with the errors relative to the one before.
 FITS = 5
-
-
-def _onwards(condition: xr.DataArray) -> xr.DataArray:
-    """Whether a condition holds at a number of steps and at all larger ones."""
-    finest_first = {"steps_per_period": slice(None, None, -1)}
-    return condition.isel(finest_first).cumprod("steps_per_period").astype(bool).isel(finest_first)
 
 
 def ueda_of(chaos: xr.Dataset) -> xr.Dataset:
@@ -31,8 +26,8 @@ def fewest_steps(chaos: xr.Dataset) -> dict[str, float]:
     The value is NaN if the exponent with the most steps is not close.
     """
     ueda = ueda_of(chaos)
-    onwards = _onwards(100 * abs(ueda.exponent / ueda.printed_exponent - 1) <= REASONABLE)
-    return {name: onwards.steps_per_period.where(onwards.sel(scheme=name)).min().item() for name in ueda.scheme.values}
+    close = 100 * abs(ueda.exponent / ueda.printed_exponent - 1) <= REASONABLE
+    return least_number(close, "steps_per_period").to_series().to_dict()
 
 
 @claim(
@@ -87,7 +82,8 @@ def orders_of_means(chaos: xr.Dataset, problem: str = "ueda") -> dict[str, tuple
     exact = runs.sel(scheme="rk4").isel(steps_per_period=-1)
     shared = exact.mean_square_uncertainty.item() ** 2
     difference, variance = runs.mean_square - exact.mean_square, runs.mean_square_uncertainty**2
-    known = _onwards(runs.regular == 0) & (difference**2 > 4 * (variance + shared))
+    chaotic = runs.steps_per_period >= least_number(runs.regular == 0, "steps_per_period")
+    known = chaotic & (difference**2 > 4 * (variance + shared))
     orders = {}
     for name in runs.scheme.values:
         at = known.sel(scheme=name).values

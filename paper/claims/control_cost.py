@@ -1,11 +1,11 @@
 """Claims about the cost of step control, and about the step control of published codes, decided by our runs."""
 
 from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
-from paper.data import fewest
 from paper.measures.step_control import ALLOWED, CLEARLY, STIFF, ratio_of_forces, with_control
 from paper.published import PROBLEMS
 from paper.terms import ALMOST, REASONABLE
 from paper.wording import listed, number
+from study.sizes import fewest
 from study.words import span
 
 AVERAGE = "average_acceleration"

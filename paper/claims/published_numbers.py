@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 
 from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
-from paper.data import fewest
 from paper.terms import GREATLY, REASONABLE, ROUND_OFF
 from paper.wording import number
+from study.sizes import fewest
 
 #: Small parameter ε of van der Pol's oscillator, its shortest time scale.
 FASTEST = 1e-6

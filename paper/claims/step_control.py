@@ -3,12 +3,12 @@
 import numpy as np
 
 from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
-from paper.data import fewest
 from paper.measures.step_control import CELL, DRIFTS, FOOLED, KEPT, PULSE, STIFF, growth, ratio_at_equal_steps
 from paper.published import PROBLEMS
 from paper.requirements import REPRODUCED_TABLES
 from paper.terms import ALMOST, REASONABLE
 from paper.wording import listed, number
+from study.sizes import fewest
 
 AVERAGE, GENERALIZED = "average_acceleration", "generalized_alpha"
 

@@ -1,6 +1,5 @@
 """Error against time and against evaluations of the force: six schemes at equal steps, and general solvers."""
 
-import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -8,6 +7,7 @@ from matplotlib.figure import Figure
 from paper.data import SOLVERS
 from paper.figures.style import PAGE, legend_below, letter, panels, whole_decades
 from paper.products import figure
+from study.sizes import unbroken
 
 PROBLEM, PERIODS = "softening", 100
 #: Schemes of the figure, with their colours, which differ in greyscale, and their markers.
@@ -67,7 +67,7 @@ def draw(data: xr.Dataset) -> Figure:
         for scheme, (colour, marker) in ((name, SCHEMES[name]) for name in SCHEMES if name in data.scheme):
             runs = data.sel(scheme=scheme).sortby("steps_per_period", ascending=False)
             # a small error at a step that is coarser than one whose motion is lost is an accident
-            kept = np.logical_and.accumulate(runs.max_trajectory_error.values < TOP)
+            kept = unbroken(runs.max_trajectory_error.values < TOP)
             look = {"color": colour, "marker": marker, "ls": "-", "lw": 1.4, "label": runs.scheme_title.item()}
             axes.plot(runs[scheme_cost], runs.max_trajectory_error.where(kept), **look)
         for error in (0.1, 0.01, 0.001):

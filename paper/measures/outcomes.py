@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from study.runs.needs import largest_size
+from study.sizes import largest_size
 
 #: Factor up to which an amplitude larger or smaller than the amplitude of 1996 is near it.
 SPAN = 3.0

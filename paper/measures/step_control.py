@@ -2,7 +2,7 @@
 
 import xarray as xr
 
-from paper.data import fewest
+from study.sizes import fewest
 
 #: Problem and scheme that the figure and the text show.
 PROBLEM, SCHEME = "hardening", "average_acceleration"

@@ -3,6 +3,8 @@
 import numpy as np
 import xarray as xr
 
+from study.sizes import unbroken
+
 #: Quantities by the name of their variable, with their titles.
 QUANTITIES = {
     "collapse_intensity": "collapse intensity",
@@ -56,7 +58,7 @@ def coarsest_step(quantity: xr.DataArray) -> float:
     medians = median_changes(quantity).dropna("period", subset=["change"])
     outer = np.maximum(abs(medians.low), abs(medians.high))
     less = (outer < abs(medians.change.sel(variant="damping"))).all("period") & bool(medians.sizes["period"])
-    fine = np.logical_and.accumulate(less.sel(variant=STEPS).values)
+    fine = unbroken(less.sel(variant=STEPS).values)
     return float(quantity.ratio.sel(variant=STEPS[fine.sum() - 1])) if fine.any() else np.nan
 
 

@@ -3,12 +3,12 @@
 import numpy as np
 import xarray as xr
 
-from paper.data import fewest
 from paper.products import numbers
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
 from paper.tables.models import ERROR, answers
 from paper.tables.whole_motion import ERROR as WHOLE
 from study.runs.needs import WHOLE_MOTION
+from study.sizes import fewest
 from study.words import listed, relative_to
 
 #: Error of the displacement at which the fastest schemes and solvers are compared.

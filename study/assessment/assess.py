@@ -33,11 +33,11 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import excited, record_of
 from study.observer.motion import Quantity
 from study.problem.named import problems
-from study.program.confirmation import CERTAIN
 from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
 from study.settings import cores
+from study.sizes import CERTAIN
 
 
 def assess(

@@ -16,8 +16,8 @@ from study.io import flags
 from study.marching.result import STATUSES
 from study.marching.timing import Timed
 from study.mechanics.definition import Problem
-from study.program.confirmation import Limit
 from study.scheme.base import Scheme
+from study.sizes import Limit
 
 #: Timing of a recommended step: number of timed runs, time in s that a timed run should take, and largest number of
 #: steps of a timed run.

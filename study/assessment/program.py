@@ -14,13 +14,13 @@ from study.assessment.scales import Measured, remark_on_components, with_referen
 from study.assessment.search import COARSEST_KEEPS, FINEST_FAILS, FOUND, OUT_OF_TIME, UNCERTAIN, round_step
 from study.io import flags, processor
 from study.program.attempt import STATUSES
-from study.program.confirmation import Limit
 from study.program.curves import INTERPOLATION, Curve
 from study.program.definition import Program
 from study.program.search import Search
 from study.program.truth import Estimate
 from study.registry import UnknownName, did_you_mean
 from study.scheme.named import schemes as schemes_by_name
+from study.sizes import Limit
 from study.words import relative_to
 
 #: Attributes of variables in the dataset of a program. The dataset of a problem lacks these variables or describes them

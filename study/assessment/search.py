@@ -18,9 +18,9 @@ from study.marching.ensemble import FEW, TILE
 from study.marching.run import sweep
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
-from study.program.confirmation import TWENTIETH, Limit, largest_with_margin
 from study.scheme.base import Scheme
 from study.settings import cores
+from study.sizes import TWENTIETH, Limit, largest_with_margin
 
 #: Number of steps in a period of the slowest small motion at the coarsest step, with which a search begins.
 COARSEST = 4
@@ -258,10 +258,8 @@ class Search:
 
     def largest(self, name: str, allowed: float) -> float:
         """Largest step that keeps an error with a margin for scatter, as all finer steps do; zero if there is none."""
-        fails = ~(self.runs[name].to_numpy() <= allowed)  # NaN, the error of a failed run, counts as too large
-        dt, error = self._arrays(name)
-        below = dt < self.runs.dt.to_numpy()[fails].min(initial=np.inf)
-        return largest_with_margin(dt[below], error[below], allowed)
+        runs = self.runs
+        return largest_with_margin(runs.dt.to_numpy(), runs[name].to_numpy(), allowed, runs.start.to_numpy() == 1.0)
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
         """Make runs down to a twentieth of the smallest step that a limit needs, then runs that confirm the steps.

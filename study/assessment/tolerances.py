@@ -27,8 +27,8 @@ from study.control.named import estimators
 from study.io import flags
 from study.marching.control import usual_estimator
 from study.marching.run import sweep
-from study.program.confirmation import Limit, largest_with_margin
 from study.scheme.base import Scheme
+from study.sizes import Limit, largest_with_margin
 
 #: Largest and smallest tolerance of a search.
 LOOSEST, TIGHTEST = 0.1, 1e-12
@@ -161,14 +161,9 @@ class ToleranceSearch:
 
     def largest(self, name: str, allowed: float) -> float:
         """Largest tolerance that keeps an error with a margin for scatter, as all smaller ones do; zero if none."""
-        fails = ~(self.runs[name].to_numpy() <= allowed)  # NaN, the error of a failed run, counts as too large
-        lowest = self.runs.tolerance.to_numpy()[fails].min(initial=np.inf)
-        unscaled = self.runs[(self.runs.start == 1.0) & (self.runs.tolerance < lowest)]
         # the margin is defined for steps, and the step size is proportional to this root of the tolerance
-        return (
-            largest_with_margin(unscaled.tolerance.to_numpy() ** (1 / self._power), unscaled[name].to_numpy(), allowed)
-            ** self._power
-        )
+        steps, own = self.runs.tolerance.to_numpy() ** (1 / self._power), self.runs.start.to_numpy() == 1.0
+        return largest_with_margin(steps, self.runs[name].to_numpy(), allowed, own) ** self._power
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None]) -> None:
         """Make runs down to a hundredth of each tolerance that keeps an error, then with the round tolerances.

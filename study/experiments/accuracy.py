@@ -19,6 +19,7 @@ from study.observer.diagnostics import Evaluations, NewtonIterations
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
+from study.sizes import least_number
 
 
 @section
@@ -83,7 +84,8 @@ def accuracy(
     finest = steps_per_period[-1]
     measured = _measured(problems, schemes, steps_per_period, periods, finest)
     longer = _measured(problems, schemes, growth["steps_per_period"], growth["periods"], finest)
-    needed = _needed(measured.sel(periods=growth["known"]), growth["allowed_error"])
+    kept = measured.max_trajectory_error.sel(periods=growth["known"]) <= growth["allowed_error"]
+    needed = least_number(kept, "steps_per_period").transpose("problem", "scheme").values
     exponents = np.array([step_exponent(schemes_by_name[n].order, schemes_by_name[n].keeps_energy) for n in schemes])
     wanted = needed * (growth["extrapolated"] / growth["known"]) ** exponents
     sampled = np.array(steps_per_period)
@@ -116,13 +118,6 @@ def accuracy(
         measured.assign_attrs(title="Accuracy of the schemes against the exact solution"),
         longer.assign_attrs(title="Growth of the errors of the schemes with the length of the run"),
     )
-
-
-def _needed(measured: xr.Dataset, allowed: float) -> np.ndarray:
-    """Fewest steps per period that keep an error, as all finer ones do, or NaN, over (problem, scheme)."""
-    finest_first = measured.isel(steps_per_period=slice(None, None, -1))
-    kept = (finest_first.max_trajectory_error <= allowed).cumprod("steps_per_period").astype(bool)
-    return finest_first.steps_per_period.where(kept).min("steps_per_period").transpose("problem", "scheme").values
 
 
 def _measured(

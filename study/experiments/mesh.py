@@ -20,6 +20,7 @@ from study.mechanics.definition import Problem
 from study.observer.motion import Quantity
 from study.observer.named import observers
 from study.scheme.named import schemes
+from study.sizes import unbroken
 
 #: The explicit and the implicit scheme, and the stability limit of the explicit one.
 SCHEMES, LIMIT = ("central_difference", "average_acceleration"), 2.0
@@ -136,10 +137,9 @@ def mesh(
         timed = [Timed(problem, schemes[name], ()) for name in SCHEMES]
         for s, tried in enumerate(counts):
             tried_error[c, s, : len(tried)] = abs(peaks[s] / truth - 1)
-            kept = np.logical_and.accumulate((abs(peaks[s] / truth - 1) <= allowed_error)[::-1])[::-1]
-            if kept.any():
-                first = int(np.argmax(kept))
-                steps[c, s], errors[c, s] = tried[first], abs(peaks[s][first] / truth - 1)
+            if kept := int(unbroken((tried_error[c, s, : len(tried)] <= allowed_error)[::-1]).sum()):
+                first = len(tried) - kept
+                steps[c, s], errors[c, s] = tried[first], tried_error[c, s, first]
                 iterations[c, s] = runs[s][first].newton_iterations.item() / round(periods * tried[first])
         elapsed = np.full((repeats, *tried_seconds.shape[1:]), np.nan)
         for repeat, (s, timer) in product(range(repeats), enumerate(timed)):

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from study.program.attempt import Run, difference
-from study.program.confirmation import CERTAIN
 from study.program.definition import Program
 from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS, Estimate, Truth, agreed, estimate
+from study.sizes import CERTAIN
 from study.words import listed, percent
 
 #: ``WITHOUT_USE`` has the statuses of runs that return invalid results. ``FRUITLESS`` is the number of consecutive runs

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from study.program.attempt import WHOLE
-from study.program.confirmation import CERTAIN, TWENTIETH, Limit, largest_with_margin
 from study.program.definition import Program
 from study.program.refinement import Refinement
 from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS
+from study.sizes import CERTAIN, TWENTIETH, Limit, largest_with_margin
 from study.words import percent
 
 #: Maximum ratio of the next larger step tried to the largest step that keeps an error. Above this ratio, a step in
@@ -149,9 +149,7 @@ class Search:
         """Largest step that keeps an error, as all finer steps do (or zero), and the next larger step tried (or ∞)."""
         name, allowed = limit
         dt, error = np.array([(dt, by_quantity[name]) for (s, dt), by_quantity in self.errors.items() if s == scheme]).T
-        # NaN, the error of a failed run, counts as too large
-        below = dt < dt[~(error <= allowed)].min(initial=math.inf)
-        largest = largest_with_margin(dt[below], error[below], allowed)
+        largest = largest_with_margin(dt, error, allowed)
         return largest, dt[dt > largest].min(initial=math.inf)
 
     def _next_jobs(self, scheme: str, error: float) -> list[Job]:

@@ -16,13 +16,13 @@ from study.declaration.options import Checked, Count, ProblemName, Schemes, Tole
 from study.marching.result import STATUSES_OR_NOT_RUN
 from study.problem.inelastic import SCALES
 from study.problem.named import approximate_periods, problems, time_scales
-from study.program.confirmation import CERTAIN, Limit
 from study.runs.measured import Motion, Starts, measured
-from study.runs.needs import DECIDED, keeps, unbroken
+from study.runs.needs import DECIDED, keeps
 from study.runs.records import DIVIDING
 from study.runs.schema import described, divides
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
+from study.sizes import CERTAIN, Limit, unbroken
 
 #: Number of steps in a time scale at the coarsest step.
 COARSEST = 4

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from study.io import flags
-from study.program.confirmation import CERTAIN
+from study.sizes import CERTAIN, Kept, unbroken
 
 #: Counts of the runs, by name; in needs and decisions they are per second of simulated time.
 COSTS = {
@@ -92,7 +92,6 @@ ATTRIBUTES = {
 #: Errors of runs over some numbers of periods, and these numbers in ascending order.
 Errors = Float[np.ndarray, "... periods"]
 Periods = Float[np.ndarray, " periods"]
-Kept = Bool[np.ndarray, "..."]
 
 
 def keeps(error: Errors, largest_error: Errors, periods: Periods, allowed: float) -> Kept:
@@ -120,17 +119,6 @@ def keeps(error: Errors, largest_error: Errors, periods: Periods, allowed: float
     for k, length in enumerate(periods):
         within &= error[..., k, None] <= np.maximum(1.0, (length / periods) ** GROWTH) * allowed
     return within
-
-
-def unbroken(kept: Kept) -> Kept:
-    """Whether all sizes up to each one keep an error; the sizes ascend along the last axis."""
-    return np.logical_and.accumulate(kept, axis=-1)
-
-
-def largest_size(kept: xr.DataArray, along: str) -> xr.DataArray:
-    """The largest size along a coordinate up to which all sizes keep an error; zero if the smallest does not."""
-    kept = kept.sortby(along).transpose(..., along)
-    return kept[along].where(kept.copy(data=unbroken(kept.values)), 0.0).max(along)
 
 
 def _meets(runs: xr.Dataset, condition: str) -> xr.DataArray:

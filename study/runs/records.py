@@ -16,9 +16,10 @@ from study.mechanics.ground import GroundMotion
 from study.observer.diagnostics import Evaluations
 from study.observer.peak import Peak
 from study.problem.inelastic import SPACING, yielding_under_record
-from study.runs.needs import COSTS, largest_size
+from study.runs.needs import COSTS
 from study.runs.schema import described
 from study.scheme.named import schemes as schemes_by_name
+from study.sizes import largest_size
 
 #: Largest ratio of neighbouring step sizes of the grid.
 RATIO = 1.2

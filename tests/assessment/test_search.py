@@ -20,7 +20,7 @@ from study.assessment.search import (
     round_step,
     spacing,
 )
-from study.program.confirmation import TWENTIETH
+from study.sizes import TWENTIETH
 
 
 class MadeUp(Search):

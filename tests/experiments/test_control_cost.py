@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from paper.data import fewest
 from reference.experiments.inelastic import inelastic
 from reference.experiments.solver_cost import solver_cost
 from study import io
 from study.experiments.control_cost import NOT_RUN, control_cost
 from study.experiments.control_of_codes import control_of_codes
+from study.sizes import fewest
 
 
 @pytest.fixture(scope="module")
@@ -54,15 +54,6 @@ def test_solvers_have_no_force_with_a_history(reference, monkeypatch):
     monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     ds = solver_cost(["bouncing", "hysteretic"], ["cvode_adams"], [1e-4, 1e-8]).squeeze("solver")
     assert (ds.error.sel(problem="bouncing") < [1e-1, 1e-4]).all() and ds.error.sel(problem="hysteretic").isnull().all()
-
-
-def test_the_fewest_forces_are_those_below_which_nothing_fails():
-    forces = xr.DataArray([10.0, 20.0, 40.0, 80.0, np.nan], dims="run")
-    error = xr.DataArray([1e-4, 0.5, 1e-3, 1e-4, np.nan], dims="run")
-    assert fewest(error, forces, 0.01, "run") == 40
-    assert np.isnan(fewest(error, forces, 1e-5, "run"))
-    failed = xr.DataArray([1e-4, 1e-4, 1e-4, np.nan, np.nan], dims="run")
-    assert np.isnan(fewest(failed, forces, 0.01, "run"))
 
 
 def test_rules_of_codes_on_the_hardening_spring(monkeypatch):

@@ -1,0 +1,94 @@
+"""The rule for the step size that keeps an error: every smaller one that was tried keeps it too.
+
+Runs, searches, measures and claims share this rule. A size may also be a tolerance, or a count that falls as steps
+become coarser.
+"""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float
+
+#: Smallest ratio of an allowed error to the uncertainty of the reference at which steps are recommended.
+CERTAIN = 10.0
+
+#: Smallest step that counts as confirming a recommended step, as a fraction of the recommended step.
+TWENTIETH = 1 / 20
+
+#: Quantile of the errors at the steps up to an octave below a step. The margin for untried steps is the largest of
+#: these errors minus the quantile.
+USUAL = 0.9
+
+#: Name of a quantity, and its allowed error.
+Limit = tuple[str, float]
+
+#: Sizes, or one number for each.
+Sizes = Float[np.ndarray, " size"]
+Kept = Bool[np.ndarray, "..."]
+
+
+def unbroken(kept: Kept) -> Kept:
+    """Whether all sizes up to each one keep an error; the sizes ascend along the last axis."""
+    return np.logical_and.accumulate(kept, axis=-1)
+
+
+def largest_size(kept: xr.DataArray, along: str) -> xr.DataArray:
+    """The largest size along a coordinate up to which all sizes keep an error; zero if the smallest does not."""
+    kept = kept.sortby(along).transpose(..., along)
+    return kept[along].where(kept.copy(data=unbroken(kept.values)), 0.0).max(along)
+
+
+def least_number(kept: xr.DataArray, along: str) -> xr.DataArray:
+    """The smallest number of steps along a coordinate from which on all larger ones keep an error; NaN if none does."""
+    kept = kept.sortby(along, ascending=False).transpose(..., along)
+    return kept[along].where(kept.copy(data=unbroken(kept.values))).min(along)
+
+
+def fewest(error: xr.DataArray, counts: xr.DataArray, allowed: float, along: str) -> xr.DataArray:
+    """Smallest count of forces or steps from which on every run along a dimension keeps an error.
+
+    The count is NaN if the run with the largest count exceeds the error.
+    """
+
+    def fewest_of_runs(error: np.ndarray, counts: np.ndarray) -> float:
+        kept = error <= allowed
+        largest_first = np.lexsort((kept, -counts))[: np.isfinite(counts).sum()]
+        return counts[largest_first][unbroken(kept[largest_first])].min(initial=np.inf)
+
+    counts = xr.apply_ufunc(
+        fewest_of_runs, error, counts.astype(float), input_core_dims=[[along], [along]], vectorize=True
+    )
+    return counts.where(np.isfinite(counts))
+
+
+def largest_with_margin(size: Sizes, error: Sizes, allowed: float, own: Any = True) -> float:
+    r"""Largest random size that keeps an error, as all smaller ones do, with a margin for scatter; zero if none does.
+
+    The result is the largest size h that meets the condition
+
+    .. math::
+
+        2 \max_{h/2 < h' \le h} e(h') - Q_{0.9}\,e(h') \le e_\text{allowed}
+
+    with the errors e(h') of the sizes h', and their quantile :math:`Q_{0.9}` over the same octave. If a size does not
+    meet it, the sizes up to one percent smaller are skipped.
+
+    Parameters
+    ----------
+    size, error
+        Size and error of each run; the error of a failed run is NaN, which counts as too large.
+    allowed
+        Allowed error.
+    own
+        Whether each run has the problem's own start. All runs must keep the error, and these alone give the margin.
+    """
+    below = own & (size < size[~(error <= allowed)].min(initial=np.inf))
+    size, error = size[below], error[below]
+    while size.size:
+        largest = size.max()
+        octave = error[size > largest / 2]
+        if 2 * octave.max() - np.quantile(octave, USUAL) <= allowed:
+            return largest
+        size, error = size[size < 0.99 * largest], error[size < 0.99 * largest]
+    return 0.0
