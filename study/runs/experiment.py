@@ -11,13 +11,15 @@ from annotated_types import Ge, Le, Len
 from typing_extensions import TypedDict
 
 from study import io
+from study.assessment.reference import NoReference
+from study.assessment.search import spacing
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Checked, Count, ProblemName, Schemes, Tolerances, rising, section
 from study.marching.result import STATUSES_OR_NOT_RUN
 from study.problem.inelastic import SCALES
 from study.problem.named import approximate_periods, problems, time_scales
-from study.runs.measured import Motion, Starts, measured
-from study.runs.needs import DECIDED, keeps
+from study.runs.measured import Motion, Starts, measured, quantities_of
+from study.runs.needs import COSTS, DECIDED, keeps
 from study.runs.records import DIVIDING
 from study.runs.schema import described, divides
 from study.scheme.base import Scheme
@@ -267,53 +269,67 @@ def runs(
         starts, NaN where only the own start was run. Over (scheme, size, periods): ``status``, and the costs of a run.
         Over (scheme, size): ``tried``. Over size: ``step_size``, ``steps_per_period``, ``omega_step``, ``divides``,
         whether the step size divides the spacing of a record, and ``proposed``, whether it may be an answer. Values of
-        runs that were not made or failed are NaN.
-
-    Raises
-    ------
-    study.assessment.reference.NoReference
-        If no reference is found.
+        runs that were not made or failed are NaN. The attribute ``reference`` names the two solvers. Without a
+        reference, it says why there is none, no scheme is run, and ``uncertainty`` is infinite.
     """
-    scale = time_scale(problem)
-    motion = Motion.of(problems[problem], max(periods) * scale, scale / COARSEST)
-    all_starts = motion.starts(starts, scale)
-    uncertainty = {name: motion.uncertainty[name] for name in DECIDED if name in motion.names}
-    limits = [(name, error) for name, own in uncertainty.items() for error in allowed_errors if error >= CERTAIN * own]
+    scale, equation = time_scale(problem), problems[problem]
     parts: dict[str, xr.Dataset] = {}
     confirming: set[float] = set()
-    for name in schemes:
-        scheme = schemes_by_name[name]
-        if scheme.refusal(motion.problem):
-            continue
-        progress(f"{name} on {problem}")
-        ladder = _Ladder(scheme, motion, all_starts, scale, periods, decided)
-        ladder.search(limits, finest)
-        parts[name] = ladder.dataset()
-        confirming |= ladder.confirming
-    ds = xr.concat(parts.values(), "scheme", join="outer").assign_coords(scheme=list(parts)).reindex(scheme=schemes)
-    ds = (
-        ds.sortby("steps_per_period").rename(steps_per_period="size").transpose("scheme", "size", "quantity", "periods")
-    )
+    try:
+        motion = Motion.of(equation, max(periods) * scale, scale / COARSEST)
+        all_starts = motion.starts(starts, scale)
+    except NoReference as reason:
+        progress(f"no scheme is run: {reason}")
+        frequency, uncertainty, reference = np.nan, dict.fromkeys(quantities_of(equation), np.inf), str(reason)
+    else:
+        frequency, uncertainty, reference = motion.highest_frequency, motion.uncertainty, motion.solvers
+        certain = {name: CERTAIN * uncertainty[name] for name in DECIDED if name in motion.names}
+        limits = [(name, error) for name, least in certain.items() for error in allowed_errors if error >= least]
+        for name in schemes:
+            if schemes_by_name[name].refusal(motion.problem):
+                continue
+            progress(f"{name} on {problem}")
+            ladder = _Ladder(schemes_by_name[name], motion, all_starts, scale, periods, decided)
+            ladder.search(limits, finest)
+            parts[name] = ladder.dataset()
+            confirming |= ladder.confirming
+    ds = _together(parts, schemes, [*uncertainty], periods)
+    counts = ds.steps_per_period.values
     ds = ds.assign(
         status=ds.status.fillna(STATUSES_OR_NOT_RUN.index("not_run")).astype(np.int8),
         tried=ds.status.notnull().any("periods").astype(np.int8),
-        uncertainty=("quantity", [motion.uncertainty[name] for name in ds.quantity.values]),
+        uncertainty=("quantity", [uncertainty[name] for name in ds.quantity.values]),
     )
-    counts = ds["size"].values
     return described(
-        ds.drop_vars("size").assign_coords(
+        ds.rename(steps_per_period="size")
+        .drop_vars("size")
+        .assign_coords(
             step_size=("size", scale / counts),
             steps_per_period=("size", counts),
             proposed=("size", (~np.isin(counts, [*confirming])).astype(np.int8)),
         ),
         "largest error over all unknowns and steps, relative to the largest value",
         time_scale=scale,
-        highest_frequency=motion.highest_frequency,
-        spacing=motion.spacing,
-        unknowns=np.size(motion.problem.u0),
+        highest_frequency=frequency,
+        spacing=spacing(equation, max(periods) * scale) or np.nan,
+        unknowns=np.size(equation.u0),
         decided=decided,
         starts=1 + starts,
         free_vibration=int(problem in approximate_periods),
         problem=problem,
-        problem_title=problems[problem].title,
-    ).assign_attrs(reference=motion.solvers)
+        problem_title=equation.title,
+    ).assign_attrs(reference=reference)
+
+
+def _together(
+    parts: dict[str, xr.Dataset], schemes: Sequence[str], quantities: list[str], periods: Lengths
+) -> xr.Dataset:
+    """The runs of all schemes; if there is none, one number of steps without values."""
+    if not parts:
+        coords = {"steps_per_period": [float(COARSEST)], "quantity": quantities, "periods": periods}
+        empty = xr.DataArray(np.nan, coords, ("steps_per_period", "quantity", "periods"))
+        of_run = empty.isel(quantity=0, drop=True)
+        values = dict.fromkeys(["error", "largest_error"], empty) | dict.fromkeys([*COSTS, "status"], of_run)
+        parts = {schemes[0]: xr.Dataset(values)}
+    ds = xr.concat(parts.values(), "scheme", join="outer").assign_coords(scheme=list(parts)).reindex(scheme=schemes)
+    return ds.sortby("steps_per_period").transpose("scheme", "steps_per_period", "quantity", "periods")

@@ -1,6 +1,7 @@
 """Errors and costs of one scheme on one problem, at any step sizes, over several durations and from several starts."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -93,12 +94,10 @@ class Motion:
         """
         problem = excited(problem, 1.0, displaced=True)
         quantities, reference = wanted_quantities(None, problem), Reference(problem, duration)
-        try:
+        with _reason(problem):
             # with the first route alone, since CVODE takes most of the time
             grid = reference.refined(reference.grid(coarsest), RTOL, GOAL / 2)
             first, second, grid = reference.solutions(grid, RTOL, GOAL)
-        except RuntimeError as error:
-            raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
         apart = {name: errors.difference(q, problem, first, second)[0] for name, q in quantities.items()}
         solvers = " and ".join(route.name for route in reference.routes)
         return cls(problem, duration, quantities, first, apart | {ENERGY: 0.0}, solvers, grid)
@@ -106,8 +105,7 @@ class Motion:
     @property
     def names(self) -> list[str]:
         """Names of the quantities."""
-        balance = self.problem.potential is not None or self.problem.dissipative
-        return [*self.quantities, *([ENERGY] if balance else [])]
+        return quantities_of(self.problem)
 
     @cached_property
     def spacing(self) -> float:
@@ -165,7 +163,23 @@ class Motion:
 
     def _solved(self, problem: Problem) -> DenseSolution:
         reference = Reference(problem, self.duration)
-        return reference.solution(reference.routes[0], reference.with_kinks(self.grid), RTOL)
+        with _reason(problem):
+            return reference.solution(reference.routes[0], reference.with_kinks(self.grid), RTOL)
+
+
+def quantities_of(problem: Problem) -> list[str]:
+    """Names of the quantities whose errors are measured."""
+    balance = problem.potential is not None or problem.dissipative
+    return [*wanted_quantities(None, problem), *([ENERGY] if balance else [])]
+
+
+@contextmanager
+def _reason(problem: Problem) -> Iterator[None]:
+    """Say for which problem a solver failed."""
+    try:
+        yield
+    except RuntimeError as error:
+        raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
 
 
 def measured(

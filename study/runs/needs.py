@@ -174,7 +174,8 @@ def _needed(runs: xr.Dataset, condition: str, allowed: float) -> xr.Dataset:
     if condition != "any_step":
         counted = counted & (runs.divides == 1)
     within = keeps(runs.error.values, runs.largest_error.values, runs.periods.values, allowed)
-    kept = ((runs.error.copy(data=within) & _meets(runs, condition)) | ~counted).transpose(..., "size")
+    certain = runs.uncertainty * CERTAIN <= allowed
+    kept = ((runs.error.copy(data=within) & certain & _meets(runs, condition)) | ~counted).transpose(..., "size")
     kept = kept.copy(data=unbroken(kept.values)) & counted
     number, proposed = xr.DataArray(np.arange(runs.sizes["size"]), dims="size"), counted & (runs.proposed == 1)
     place = xr.where(kept & proposed, number, -1).max("size")
@@ -190,6 +191,7 @@ def _verdict(runs: xr.Dataset, counted: xr.DataArray, place: xr.DataArray, allow
     verdict = xr.where(place < 0, NONE, xr.where(place == last, COARSEST, FOUND))
     verdict = xr.where(runs.uncertainty * CERTAIN > allowed, UNCERTAIN, verdict)
     none = (~counted).all("size") | runs.error.where(counted).isnull().all("size")
+    none &= np.isfinite(runs.uncertainty)
     return xr.where(none, NO_VALUE, verdict).transpose("scheme", "quantity", "periods").astype(np.int8)
 
 

@@ -8,11 +8,13 @@ import pandas as pd
 import pytest
 
 import study
+from study.assessment.reference import Reference
+from study.marching.result import STATUSES_OR_NOT_RUN
 from study.problem.inelastic import BOUNCE
 from study.runs import experiment
 from study.runs.experiment import BESIDE, OF_SPACING, between, runs, time_scale, two_digits
 from study.runs.measured import Motion, measured
-from study.runs.needs import needs
+from study.runs.needs import VERDICTS, needs, of_problems
 
 PERIODS, ERRORS = [2.0, 3.0, 4.0], [0.1, 0.01]
 
@@ -79,6 +81,27 @@ def test_a_scheme_that_refuses_a_problem_has_no_value():
     """Only this test catches a scheme without runs that ends the experiment or counts as tried."""
     ds = runs("yielding", ["energy_momentum", "rk4"], [0.1], [1.0], 1.0, 16, 2)
     assert not ds.tried.sel(scheme="energy_momentum").any() and ds.tried.sel(scheme="rk4").any()
+
+
+@pytest.mark.parametrize(
+    ("solvers", "schemes", "verdict"), [("fail", ["rk4"], "below_the_reference"), ("work", ["kr_alpha"], "no_value")]
+)
+def test_a_problem_without_reference_or_schemes_has_a_verdict(monkeypatch, capsys, solvers, schemes, verdict):
+    """Only this test catches a problem without any run that ends the job and, with it, the needs of all problems."""
+
+    def refuse(self, route, *arguments):
+        raise RuntimeError("the step size became too small")
+
+    if solvers == "fail":
+        monkeypatch.setattr(Reference, "solution", refuse)
+    monkeypatch.setattr(type(study.schemes[schemes[0]]), "refusal", lambda *_: "it is refused")
+    ds = runs("pulse", schemes, [0.1], [1.0], 1.0, 16, 0)
+    assert not ds.tried.any() and (ds.status == STATUSES_OR_NOT_RUN.index("not_run")).all()
+    needed = of_problems([needs(ds, [0.1])])
+    assert needed.step_size.isnull().all() and (needed.verdict == VERDICTS.index(verdict)).all()
+    assert (needed.highest_frequency.isnull() | (solvers == "work")).all()
+    if solvers == "fail":
+        assert "too small" in ds.reference and capsys.readouterr().out.count(ds.reference) == 1
 
 
 def test_numbers_of_steps_have_two_digits():
