@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 #: Measures of error in the datasets, and their headings in a table.
 _MEASURES = {
-    "max_trajectory_error": "displacement",
+    "displacement_error": "displacement",
     "period_elongation": "period",
     "amplitude_decay": "amplitude",
     "max_energy_error": "energy",
@@ -202,8 +202,8 @@ def work(subject: "Subject", data: Mapping[str, Any]) -> str:
         figure, axes = panel("xy")
         for name in [*others, subject.name]:
             run = all_runs.sel(problem=problem, scheme=name, periods=_LONG)
-            error = abs(run.max_trajectory_error)
-            known = error.where((run.flagged.sel(measure="max_trajectory_error") == 0) & (error > _FLOOR))
+            error = abs(run.displacement_error)
+            known = error.where((run.flagged.sel(measure="displacement_error") == 0) & (error > _FLOOR))
             if name == subject.name:
                 axes.plot(run.force_evaluations, known, "-", color=ACCENT, lw=2.0, marker="o", ms=4)
             else:

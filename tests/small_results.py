@@ -31,7 +31,7 @@ def assessment() -> xr.Dataset:
             "seconds_spread": (dims, time / 10),
             "force_evaluations": (dims, np.ceil(10 / STEPS)),
             "steps_tried": (dims, np.full(STEPS.shape, 700)),
-            "worst_error": (dims, np.full(STEPS.shape, 0.95)),
+            "largest_error": (dims, np.broadcast_to([0.095, 0.0095], STEPS.shape)),
             "verdict": (
                 dims,
                 np.where(np.isnan(STEPS), 2, 0),

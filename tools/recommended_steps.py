@@ -70,8 +70,9 @@ def check(name: str) -> None:
             first = row.iloc[0]
             print(
                 f"{name:15s} {scheme:22s} {quantity:13s} {allowed:5g}: step {step:.4g}, "
-                f"largest {first.largest_step_size:.4g}, {first.steps_tried:.0f} tried, worst {first.worst_error:.2f}; "
-                f"fresh: {(error > 1).sum()} of {STEPS} exceed, worst {error.max():.3f}",
+                f"largest {first.largest_step_size:.4g}, {first.steps_tried:.0f} tried, "
+                f"error up to {first.largest_error / allowed:.2f}; "
+                f"fresh: {(error > 1).sum()} of {STEPS} exceed, up to {error.max():.3f}",
                 flush=True,
             )
 

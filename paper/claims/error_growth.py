@@ -26,7 +26,7 @@ def exponents(error_growth: xr.Dataset, measure: str) -> xr.DataArray:
     error = abs(error_growth[measure])
     error = error * error.periods if measure == "amplitude_decay" else error
     known = (error_growth.flagged.sel(measure=measure) == 0) & (error > FLOOR) & (error_growth.max_energy_error < LOST)
-    if measure == "max_trajectory_error":
+    if measure == "displacement_error":
         known &= error < SATURATED
     error = error.where(known & (error.periods >= FROM))
     size, length = (xr.apply_ufunc(np.log, values).diff("periods") for values in (error, error.periods.astype(float)))

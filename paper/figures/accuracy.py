@@ -9,7 +9,7 @@ from paper.products import figure
 from paper.published import SCHEMES
 
 MEASURES = {
-    "max_trajectory_error": "displacement $u$",
+    "displacement_error": "displacement $u$",
     "phase_error": "delay (periods)",
     "amplitude_decay": "loss of amplitude",
     "max_energy_error": "energy",

@@ -60,16 +60,16 @@ def draw(data: xr.Dataset) -> Figure:
             if solver == NO_FORCE and place:
                 continue
             runs = data.sel(solver=solver).sortby("tolerance", ascending=False)
-            known = runs.solver_max_trajectory_error.where(runs.solver_max_trajectory_error < TOP)
+            known = runs.solver_displacement_error.where(runs.solver_displacement_error < TOP)
             axes.plot(runs[solver_cost], known, color="0.6", marker=marker, ls="", ms=4, label=SOLVERS[solver])
             drawn = [at for at in zip(runs[solver_cost].values, known.values, strict=True) if at[1] > BOTTOM]
             _name(axes, solver, drawn, on_left=solver != "tsit5")
         for scheme, (colour, marker) in ((name, SCHEMES[name]) for name in SCHEMES if name in data.scheme):
             runs = data.sel(scheme=scheme).sortby("steps_per_period", ascending=False)
             # a small error at a step that is coarser than one whose motion is lost is an accident
-            kept = unbroken(runs.max_trajectory_error.values < TOP)
+            kept = unbroken(runs.displacement_error.values < TOP)
             look = {"color": colour, "marker": marker, "ls": "-", "lw": 1.4, "label": runs.scheme_title.item()}
-            axes.plot(runs[scheme_cost], runs.max_trajectory_error.where(kept), **look)
+            axes.plot(runs[scheme_cost], runs.displacement_error.where(kept), **look)
         for error in (0.1, 0.01, 0.001):
             axes.axhline(error, color="0.8", lw=0.6, zorder=0)
         axes.set(xscale="log", yscale="log", ylim=(BOTTOM, TOP), xlabel=label)

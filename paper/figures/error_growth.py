@@ -11,7 +11,7 @@ from paper.products import figure
 SHOWN = ("average_acceleration", "central_difference", "newmark_dissipative", "houbolt", "bathe", "rk4")
 #: Measures by the title of their panel, and the exponents of the grey lines.
 MEASURES = {
-    "displacement": ("max_trajectory_error", (1, 2)),
+    "displacement": ("displacement_error", (1, 2)),
     "phase, periods": ("phase_error", (1, 2)),
     "energy": ("max_energy_error", (1,)),
     "loss of amplitude": ("amplitude_decay", (1,)),

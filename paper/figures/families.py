@@ -28,12 +28,12 @@ def draw(data: xr.Dataset) -> Figure:
     common = data.sel(scheme="rk4")
     peer = data.sel(solver="heyoka")
     for part, (ax, below) in columns:
-        known = common.max_trajectory_error.where(common.max_trajectory_error < TOP)
+        known = common.displacement_error.where(common.displacement_error < TOP)
         ax.plot(common.median_seconds, known, color="0.8", linewidth=3)
-        ax.plot(peer.median_solver_seconds, peer.solver_max_trajectory_error, color="0.5", marker="*", linestyle="none")
+        ax.plot(peer.median_solver_seconds, peer.solver_displacement_error, color="0.5", marker="*", linestyle="none")
         for name, look in curve_styles(part.scheme).items():
             run = part.sel(scheme=name)
-            known = run.max_trajectory_error.where((run.max_trajectory_error < TOP) & (run.max_trajectory_error > 0))
+            known = run.displacement_error.where((run.displacement_error < TOP) & (run.displacement_error > 0))
             ax.plot(run.median_seconds, known, label=run.scheme_title.item(), markevery=2, **look)
         ax.set(xscale="log", yscale="log", ylim=(1e-12, TOP), xlabel="time of 100\nperiods (s)")
         legend_in(below, ax)

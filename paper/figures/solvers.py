@@ -34,13 +34,13 @@ def draw(data: xr.Dataset) -> Figure:
             runs = data.sel(problem=problem)
             for scheme, grey in SCHEMES.items():
                 run = runs.sel(scheme=scheme)
-                error = run.max_trajectory_error.where(run.max_trajectory_error < TOP)
+                error = run.displacement_error.where(run.displacement_error < TOP)
                 ax.plot(
                     run[scheme_cost], error, color=grey, linestyle="-", linewidth=2.5, label=run.scheme_title.item()
                 )
             for solver, look in curve_styles_in_order(SOLVERS).items():
                 run = runs.sel(solver=solver)
-                error = run.solver_max_trajectory_error.where(run.solver_max_trajectory_error < TOP)
+                error = run.solver_displacement_error.where(run.solver_displacement_error < TOP)
                 ax.plot(run[solver_cost], error, label=SOLVERS[solver], **look)
             ax.set(xscale="log", yscale="log", xlabel=label, ylim=(1e-11, TOP))
             letter(ax, index * size + column, wrapped(runs.problem_title.item(), 18))

@@ -9,8 +9,8 @@ from study.analysis.orders import observed_order
 #: loss of amplitude changes the period. The run is therefore as short as the measure permits. A mean over periods needs
 #: three periods.
 PERIODS = {
-    "max_trajectory_error": 1,
-    "rms_trajectory_error": 1,
+    "displacement_error": 1,
+    "rms_displacement_error": 1,
     "phase_error": 1,
     "period_elongation": 3,
     "amplitude_decay": 3,

@@ -52,11 +52,11 @@ def of_accuracy(accuracy: xr.Dataset) -> dict:
     halved = abs(phase.sel(steps_per_period=32) / phase.sel(steps_per_period=64))
     return {
         "phase_of_second_order": bool((abs(np.log2(halved) - 2) < 0.3).all()),
-        "energy_hides_phase": bool(run.max_energy_error < 0.01 and run.max_trajectory_error > 0.1),
+        "energy_hides_phase": bool(run.max_energy_error < 0.01 and run.displacement_error > 0.1),
         "misled_energy": f"{100 * run.max_energy_error.item():.2f}",
         "misled_delay": f"{run.phase_error.item():.2f}",
-        "misled_trajectory": f"{100 * run.max_trajectory_error.item():.0f}",
-        "flagged_trajectories": flagged.sel(measure="max_trajectory_error").item(),
+        "misled_trajectory": f"{100 * run.displacement_error.item():.0f}",
+        "flagged_trajectories": flagged.sel(measure="displacement_error").item(),
         "flagged_decays": flagged.sel(measure="amplitude_decay").item(),
         "accuracy_runs": f"{accuracy.status.size:,}",
     }

@@ -12,7 +12,7 @@ from study.words import span
 EXPONENTS = {
     "growth_phase_kept": ("phase_error", 1),
     "growth_phase_lost": ("phase_error", 0),
-    "growth_displacement_kept": ("max_trajectory_error", 1),
+    "growth_displacement_kept": ("displacement_error", 1),
     "growth_energy_kept": ("max_energy_error", 1),
     "growth_energy_lost": ("max_energy_error", 0),
     "growth_amplitude_lost": ("amplitude_decay", 0),

@@ -9,8 +9,8 @@ from paper.products import table
 from paper.published import SCHEMES
 
 _TITLES = {
-    "max_trajectory_error": "Trajectory",
-    "rms_trajectory_error": "rms",
+    "displacement_error": "Trajectory",
+    "rms_displacement_error": "rms",
     "phase_error": "Phase",
     "period_elongation": "Elongation",
     "amplitude_decay": "Amplitude",

@@ -130,7 +130,7 @@ def work_precision(
     dims = ("problem", "solver", "tolerance", "periods")
     return xr.Dataset(
         {
-            "solver_max_trajectory_error": (
+            "solver_displacement_error": (
                 dims,
                 error,
                 {"long_name": "largest error of the displacement in the last period, relative", "units": "1"},

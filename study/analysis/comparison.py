@@ -13,8 +13,8 @@ from study.observer.errors import AmplitudeDecay, PeriodError, TrajectoryError
 
 #: Measures of error.
 MEASURES = (
-    "rms_trajectory_error",
-    "max_trajectory_error",
+    "rms_displacement_error",
+    "displacement_error",
     "period_elongation",
     "phase_error",
     "amplitude_decay",

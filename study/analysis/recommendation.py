@@ -102,7 +102,7 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
             "force_evaluations": answers.force_evaluations,
             "force_evaluations_per_time": answers.force_evaluations / (steps * answers.recommended_step_size),
             "steps_tried": answers.steps_tried,
-            "worst_error": answers.worst_error,
+            "largest_error": answers.largest_error,
             "verdict": words[answers.verdict.values],
         },
         index=pd.Index(answers.scheme.values, name="scheme"),

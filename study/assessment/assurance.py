@@ -24,7 +24,7 @@ def confirmation(assessed: xr.Dataset) -> str:
     if not tried.size:
         return ""
     fewest, most = tried.min(), tried.max()
-    worst = percent(float(assessed.worst_error.max()))
+    largest = percent(float((assessed.largest_error / assessed.allowed_error).max()))
     # for a program neither confidence nor frequency is stated: some steps are not random, and frequencies are unknown
     is_program = "reason" in assessed
     kind = "finer steps, some of them random," if is_program else "random finer steps"
@@ -44,7 +44,7 @@ def confirmation(assessed: xr.Dataset) -> str:
     )
     return (
         f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {fewest} to {most} {kind} "
-        f"down to a twentieth of it, or to the finest one. Their largest error is {worst} of the allowed error."
+        f"down to a twentieth of it, or to the finest one. Their largest error is {largest} of the allowed error."
         f"{'' if is_program else certainty} {assessed.attrs['starts']} Errors along time are the largest at any step, "
         "and a peak is the largest value at any step."
         f"{'' if is_program else frequency}"

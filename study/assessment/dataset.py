@@ -46,7 +46,7 @@ ATTRIBUTES = {
     "largest_step_size": {"long_name": "largest step tried that keeps the error, as all finer ones do", "units": "s"},
     "recommended_error": {"long_name": "error at the recommended step", "units": "1"},
     "steps_tried": {"long_name": "steps tried from a twentieth of the recommended one up to it", "units": "1"},
-    "worst_error": {"long_name": "largest error of the steps tried over the allowed one", "units": "1"},
+    "largest_error": {"long_name": "largest error of the steps tried", "units": "1"},
     "verdict": flags("how the search for the step ended", VERDICTS, np.int8),
     "seconds": {"long_name": "median time of all steps of the recommended run", "units": "s"},
     "seconds_spread": {"long_name": "interquartile range of this time", "units": "s"},
@@ -151,7 +151,7 @@ def dataset_of(
         "largest_step_size",
         "recommended_step_size",
         "steps_tried",
-        "worst_error",
+        "largest_error",
         "recommended_error",
     ]
     verdicts = pd.DataFrame(rows, columns=[*index, *variables, "seconds", "seconds_spread", "force_evaluations"])

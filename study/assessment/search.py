@@ -73,14 +73,14 @@ class Recommendation(NamedTuple):
     """Outcome of a search, the largest step that keeps the error, this step rounded down, and the confirming runs.
 
     ``how`` is the outcome. ``tried`` is the number of steps tried from a twentieth of the recommended step up to it.
-    ``worst`` is their largest error as a fraction of the allowed error.
+    ``largest_error`` is their largest error.
     """
 
     how: int
     largest: float = np.nan
     recommended: float = np.nan
     tried: int = 0
-    worst: float = np.nan
+    largest_error: float = np.nan
 
 
 @dataclass(frozen=True)
@@ -309,4 +309,4 @@ class Search:
         nearby = unscaled[(unscaled.dt >= TWENTIETH * step) & (unscaled.dt <= step)]
         largest = self.largest(name, allowed)
         outcome = COARSEST_KEEPS if largest == unscaled.dt.max() else FOUND
-        return Recommendation(outcome, largest, step, len(nearby), nearby[name].max() / allowed)
+        return Recommendation(outcome, largest, step, len(nearby), nearby[name].max())

@@ -47,8 +47,8 @@ class Tolerance(NamedTuple):
     """Outcome of a search, the tolerance that keeps the error, and error, steps and forces of the run with it.
 
     ``how`` is the outcome. ``forces`` is the number of internal forces evaluated in all trial steps. ``tried`` is the
-    number of tolerances tried from a hundredth of ``tolerance`` up to it. ``worst`` is their largest error as a
-    fraction of the allowed error.
+    number of tolerances tried from a hundredth of ``tolerance`` up to it. ``largest_error`` is their
+    largest error.
     """
 
     how: int
@@ -57,7 +57,7 @@ class Tolerance(NamedTuple):
     steps: float = np.nan
     forces: float = np.nan
     tried: int = 0
-    worst: float = np.nan
+    largest_error: float = np.nan
 
 
 #: Outcomes of a search. The last one stands for no search: the scheme needs equal steps, or the quantity is period,
@@ -73,7 +73,7 @@ VARIABLES = {
     "controlled_steps": {"long_name": "steps of the run with this tolerance", "units": "1"},
     "controlled_force_evaluations": {"long_name": "internal forces evaluated in the run", "units": "1"},
     "tolerances_tried": {"long_name": "tolerances tried from a hundredth of this tolerance up to it", "units": "1"},
-    "tolerance_worst_error": {"long_name": "largest error of the tolerances tried over the allowed one", "units": "1"},
+    "tolerance_largest_error": {"long_name": "largest error of the tolerances tried", "units": "1"},
 }
 
 
@@ -197,8 +197,7 @@ class ToleranceSearch:
         nearby = unscaled[(unscaled.tolerance >= HUNDREDTH * tolerance) & (unscaled.tolerance <= tolerance)]
         run = unscaled[unscaled.tolerance == tolerance].iloc[0]
         outcome = COARSEST_KEEPS if largest == unscaled.tolerance.max() else FOUND
-        worst = nearby[name].max() / allowed
-        return Tolerance(outcome, tolerance, run[name], run.steps, run.forces, len(nearby), worst)
+        return Tolerance(outcome, tolerance, run[name], run.steps, run.forces, len(nearby), nearby[name].max())
 
 
 def variables_of(

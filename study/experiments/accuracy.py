@@ -84,7 +84,7 @@ def accuracy(
     finest = steps_per_period[-1]
     measured = _measured(problems, schemes, steps_per_period, periods, finest)
     longer = _measured(problems, schemes, growth["steps_per_period"], growth["periods"], finest)
-    kept = measured.max_trajectory_error.sel(periods=growth["known"]) <= growth["allowed_error"]
+    kept = measured.displacement_error.sel(periods=growth["known"]) <= growth["allowed_error"]
     needed = least_number(kept, "steps_per_period").transpose("problem", "scheme").values
     exponents = np.array([step_exponent(schemes_by_name[n].order, schemes_by_name[n].keeps_energy) for n in schemes])
     wanted = needed * (growth["extrapolated"] / growth["known"]) ** exponents
@@ -93,7 +93,7 @@ def accuracy(
     for p, s in np.argwhere(wanted <= finest):
         run[p, s] = sampled[sampled >= wanted[p, s] * (1 - 1e-9)][0]
         extrapolated = _measured([problems[p]], [schemes[s]], [int(run[p, s])], [growth["extrapolated"]], finest)
-        error[p, s] = extrapolated.max_trajectory_error.item()
+        error[p, s] = extrapolated.displacement_error.item()
     along = ("problem", "scheme")
     allowed = f"{100 * growth['allowed_error']:g} % of the displacement"
     longer = longer.assign(

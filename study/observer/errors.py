@@ -73,8 +73,8 @@ class TrajectoryError(Reduction):
 
     needs_equal_steps = True
     variables = {
-        "rms_trajectory_error": {"long_name": "root mean square error of the displacement, relative", "units": "1"},
-        "max_trajectory_error": {"long_name": "largest error of the displacement, relative", "units": "1"},
+        "rms_displacement_error": {"long_name": "root mean square error of the displacement, relative", "units": "1"},
+        "displacement_error": {"long_name": "largest error of the displacement, relative", "units": "1"},
     }
 
     def start(self, problem, state):
@@ -92,8 +92,8 @@ class TrajectoryError(Reduction):
         step, squares, largest = carried
         scale = jnp.max(jnp.abs(self.u))
         return {
-            "rms_trajectory_error": jnp.sqrt(squares / step.astype(float)) / scale,
-            "max_trajectory_error": largest / scale,
+            "rms_displacement_error": jnp.sqrt(squares / step.astype(float)) / scale,
+            "displacement_error": largest / scale,
         }
 
 

@@ -36,14 +36,14 @@ class Needed(NamedTuple):
     """The verdict on an error: the largest step that keeps it, the recommended step, and the confirming runs.
 
     The recommended step is the largest step rounded down. ``tried`` is the number of runs with steps from a twentieth
-    of the recommended step up to it, and ``worst`` their largest error relative to the allowed error. If no step keeps
-    the error, the steps and ``tried`` are zero, and ``worst`` is NaN.
+    of the recommended step up to it, and ``largest_error`` their largest error. If no step keeps the error, the
+    steps and ``tried`` are zero, and ``largest_error`` is NaN.
     """
 
     largest: float
     recommended: float
     tried: int
-    worst: float
+    largest_error: float
 
 
 class Search:
@@ -248,4 +248,4 @@ class Search:
             for (s, dt), by_quantity in self.errors.items()
             if s == scheme and TWENTIETH * step <= dt <= step
         ]
-        return Needed(largest, step, len(nearby), max(nearby) / limit[1])
+        return Needed(largest, step, len(nearby), max(nearby))

@@ -95,9 +95,9 @@ def recommend(
             Number of internal forces evaluated in this run.
         ``force_evaluations_per_time``
             Number of internal forces evaluated per second of simulated time, in 1/s.
-        ``steps_tried``, ``worst_error``
-            Number of step sizes tried between a twentieth of ``step_size`` and ``step_size``, which all keep the error.
-            ``worst_error`` is the largest error among these runs, as a fraction of the allowed error.
+        ``steps_tried``, ``largest_error``
+            Number of step sizes tried between a twentieth of ``step_size`` and ``step_size``, which all keep the error,
+            and the largest error among these runs.
         ``verdict``
             How the search for the step size ended.
         ``tolerance``, ``controlled_force_evaluations``, ``control_over_equal``
@@ -107,8 +107,8 @@ def recommend(
 
         For a problem of the study, the rows are those of ``needs`` with steps that divide the spacing of a record, kind
         by kind, and in each kind the cheapest scheme first. The columns are ``kind``, ``step_size``, ``omega_step``,
-        ``steps_per_period``, ``error``, ``force_evaluations_per_time``, ``steps_tried``, ``worst_error`` and
-        ``verdict``.
+        ``steps_per_period``, ``error``, ``force_evaluations_per_time``, ``steps_tried``, ``largest_error``
+        (from all starts) and ``verdict``.
 
         Over a longer duration than that of the runs, the columns are ``kind``, ``step_size``, ``omega_step``,
         ``steps``, ``force_evaluations``, ``exponent`` a, ``step_size_of_runs``, the step size that was run, and
@@ -192,7 +192,7 @@ def _of_needs(needed: xr.Dataset, error: float, quantity: str | None) -> pd.Data
             "error": ordered.error,
             "force_evaluations_per_time": ordered.force_evaluations,
             "steps_tried": ordered.smaller_steps + 1,
-            "worst_error": ordered.largest_error / ordered.allowed_error,
+            "largest_error": ordered.largest_error,
             "verdict": words[ordered.verdict.values],
         },
         index=pd.Index(ordered.scheme.values, name="scheme"),

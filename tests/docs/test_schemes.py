@@ -73,7 +73,7 @@ def test_linear_theory_of_a_page():
 def test_orders_come_from_the_errors():
     steps = np.array([64, 128, 256, 512, 1024, 2048])
     error = (("scheme", "problem", "steps_per_period", "periods"), (1.0 / steps[None, None, :, None] ** 3).repeat(2, 3))
-    measures = ("max_trajectory_error", "period_elongation", "amplitude_decay", "max_energy_error")
+    measures = ("displacement_error", "period_elongation", "amplitude_decay", "max_energy_error")
     accuracy = xr.Dataset(
         {measure: (*error, {"units": "1"}) for measure in measures},
         {"scheme": ["rk4"], "problem": ["a"], "steps_per_period": steps, "periods": [1, 3]},

@@ -30,7 +30,7 @@ def energy_error(order=2.0, **errors) -> xr.Dataset:
 def accuracy(energy=1.0, displacement=1.0, drift=0.0) -> xr.Dataset:
     """A dataset like accuracy.nc, in which all runs have the same errors; the arguments are in percent."""
     along = {"problem": PROBLEMS, "scheme": SCHEMES, "steps_per_period": [16, 32], "periods": [100]}
-    values = {"max_energy_error": energy / 100, "max_trajectory_error": displacement / 100, "energy_drift": drift / 100}
+    values = {"max_energy_error": energy / 100, "displacement_error": displacement / 100, "energy_drift": drift / 100}
     return xr.Dataset({name: filled(value, **along) for name, value in values.items()})
 
 

@@ -26,7 +26,7 @@ def test_energy_measures_inaccuracy_if_it_judges_as_the_displacement_does(energy
 
 def test_energy_that_does_not_see_some_errors_is_a_measure_with_a_qualification():
     data = accuracy()
-    data.max_trajectory_error.loc[{"problem": "hardening", "steps_per_period": 16}] = 2.0
+    data.displacement_error.loc[{"problem": "hardening", "steps_per_period": 16}] = 2.0
     finding = comparisons.energy_measures_inaccuracy(data)
     assert finding.verdict == Verdict.QUALIFIED and finding.ours == "21 of 28"
     assert (

@@ -11,7 +11,7 @@ from paper.measures.orders import order_at_finest
 def test_a_power_law_is_found(order):
     steps = np.array([8, 16, 32, 64, 128, 256])
     error = xr.DataArray(
-        0.3 * (steps / 8.0) ** -order, {"steps_per_period": steps}, attrs={"units": "1"}, name="max_trajectory_error"
+        0.3 * (steps / 8.0) ** -order, {"steps_per_period": steps}, attrs={"units": "1"}, name="displacement_error"
     )
     assert order_at_finest(error) == pytest.approx(order, abs=1e-9)
 
