@@ -62,17 +62,17 @@ def fewest(error: xr.DataArray, counts: xr.DataArray, allowed: float, along: str
     return counts.where(np.isfinite(counts))
 
 
-def largest_with_margin(size: Sizes, error: Sizes, allowed: float, own: Any = True) -> float:
+def largest_with_margin(size: Sizes, error: Sizes, allowed: float, own: Any = True, octave: float = 2.0) -> float:
     r"""Largest random size that keeps an error, as all smaller ones do, with a margin for scatter; zero if none does.
 
     The result is the largest size h that meets the condition
 
     .. math::
 
-        2 \max_{h/2 < h' \le h} e(h') - Q_{0.9}\,e(h') \le e_\text{allowed}
+        2 \max_{h/r < h' \le h} e(h') - Q_{0.9}\,e(h') \le e_\text{allowed}
 
     with the errors e(h') of the sizes h', and their quantile :math:`Q_{0.9}` over the same octave. If a size does not
-    meet it, the sizes up to one percent smaller are skipped.
+    meet it, the sizes of up to one percent smaller steps are skipped.
 
     Parameters
     ----------
@@ -82,13 +82,16 @@ def largest_with_margin(size: Sizes, error: Sizes, allowed: float, own: Any = Tr
         Allowed error.
     own
         Whether each run has the problem's own start. All runs must keep the error, and these alone give the margin.
+    octave
+        Ratio r of two sizes if one step is twice as long as the other.
     """
     below = own & (size < size[~(error <= allowed)].min(initial=np.inf))
     size, error = size[below], error[below]
     while size.size:
         largest = size.max()
-        octave = error[size > largest / 2]
-        if 2 * octave.max() - np.quantile(octave, USUAL) <= allowed:
+        finer = error[size > largest / octave]
+        if 2 * finer.max() - np.quantile(finer, USUAL) <= allowed:
             return largest
-        size, error = size[size < 0.99 * largest], error[size < 0.99 * largest]
+        next_ones = size < largest * octave ** np.log2(0.99)
+        size, error = size[next_ones], error[next_ones]
     return 0.0

@@ -258,8 +258,8 @@ class Search:
 
     def largest(self, name: str, allowed: float) -> float:
         """Largest step that keeps an error with a margin for scatter, as all finer steps do; zero if there is none."""
-        runs = self.runs
-        return largest_with_margin(runs.dt.to_numpy(), runs[name].to_numpy(), allowed, runs.start.to_numpy() == 1.0)
+        dt, error, start = (self.runs[column].to_numpy() for column in ("dt", name, "start"))
+        return largest_with_margin(dt, error, allowed, start == 1.0)
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
         """Make runs down to a twentieth of the smallest step that a limit needs, then runs that confirm the steps.

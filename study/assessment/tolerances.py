@@ -120,7 +120,8 @@ class ToleranceSearch:
     def __post_init__(self):
         problem = self.cases[1.0].problem
         self._estimator = estimators[usual_estimator(self.scheme, problem)]
-        self._power = self._estimator.exponent(self.scheme)
+        # the step size is proportional to a root of the tolerance
+        self._octave = 2.0 ** self._estimator.exponent(self.scheme)
         self._random = np.random.default_rng(0)
 
     def _run(self, start: float, tolerance: np.ndarray) -> None:
@@ -161,9 +162,8 @@ class ToleranceSearch:
 
     def largest(self, name: str, allowed: float) -> float:
         """Largest tolerance that keeps an error with a margin for scatter, as all smaller ones do; zero if none."""
-        # the margin is defined for steps, and the step size is proportional to this root of the tolerance
-        steps, own = self.runs.tolerance.to_numpy() ** (1 / self._power), self.runs.start.to_numpy() == 1.0
-        return largest_with_margin(steps, self.runs[name].to_numpy(), allowed, own) ** self._power
+        tolerance, error, start = (self.runs[column].to_numpy() for column in ("tolerance", name, "start"))
+        return largest_with_margin(tolerance, error, allowed, start == 1.0, self._octave)
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None]) -> None:
         """Make runs down to a hundredth of each tolerance that keeps an error, then with the round tolerances.
@@ -175,7 +175,7 @@ class ToleranceSearch:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
             if top > max(HUNDREDTH * min(largest, default=1.0), TIGHTEST) and steps < MOST_STEPS / 2:
                 report(top)
-                bottom = top / 2**self._power
+                bottom = top / self._octave
                 self._run(1.0, self._drawn(bottom, top))
                 top, steps = bottom, self.runs.steps.max()
                 continue
@@ -183,7 +183,7 @@ class ToleranceSearch:
             if not new:
                 return
             for start in self.cases:
-                self._run(start, self._drawn(new[0] / 2**self._power, new[-1], new))
+                self._run(start, self._drawn(new[0] / self._octave, new[-1], new))
 
     def verdict(self, name: str, allowed: float) -> Tolerance:
         """The verdict of the runs on a quantity and its allowed error."""

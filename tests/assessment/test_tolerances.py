@@ -1,12 +1,14 @@
 """Tolerances that keep an error, and the cost of runs with step size control."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import study
 from reference import taylor
 from study.assessment.report import page
-from study.assessment.tolerances import COARSEST_KEEPS, EQUAL_ONLY, FOUND, round_tolerance
+from study.assessment.search import STARTS, Case
+from study.assessment.tolerances import COARSEST_KEEPS, EQUAL_ONLY, FOUND, ToleranceSearch, round_tolerance
 
 DURATION, ALLOWED = 20.0, 0.01
 
@@ -33,6 +35,21 @@ def test_fresh_tolerances_below_the_recommended_one_keep_the_error(duffing, asse
         exact = taylor.trajectory(duffing, ds.t.values[1:], 1e-14).u
         assert np.abs(ds.u.values[1:] - exact).max() <= 1.001 * ALLOWED
         assert ds.t[-1] == DURATION
+
+
+def test_a_scheme_that_keeps_the_error_at_all_tolerances_has_the_loosest(duffing, monkeypatch):
+    """Only this test catches a largest tolerance that is not one of those tried, but a power of a root of it."""
+
+    def made_up(self, start, tolerance):
+        runs = {"start": start, "tolerance": tolerance, "u": 1e-6, "steps": 10, "forces": 10}
+        self.runs = pd.concat([self.runs, pd.DataFrame(runs)], ignore_index=True)
+
+    monkeypatch.setattr(ToleranceSearch, "_run", made_up)
+    for name in ("average_acceleration", "dormand_prince6"):
+        cases = dict.fromkeys((1.0, *STARTS), Case(duffing, {}, None))
+        search = ToleranceSearch(study.schemes[name], study.controllers["pi"], cases, DURATION, False)
+        search.search([("u", 0.01)], lambda top: None)
+        assert search.verdict("u", 0.01).how == COARSEST_KEEPS
 
 
 def test_ten_times_the_tolerance_does_not_keep_the_error(duffing, assessed):
