@@ -53,7 +53,7 @@ def _rows(needed: xr.Dataset) -> list[list[Any]]:
     costs = cost(needed).transpose(*dims).values
     used = needed.reset_coords("spacing")[[*_USED]].transpose(*dims).reset_coords(drop=True)
     names = used.quantity.values.tolist()
-    free, order, keeps = (needed[name].values.tolist() for name in ("free_vibration", "order", "keeps_energy"))
+    free, order, loss = (needed[name].values.tolist() for name in ("free_vibration", "order", "order_of_loss"))
     rows = []
     for places in np.argwhere(used.step_size.notnull().values).tolist():
         need = used.isel(dict(zip(dims, places, strict=True)))
@@ -67,7 +67,7 @@ def _rows(needed: xr.Dataset) -> list[list[Any]]:
                 number(need.omega_step.item(), 2),
                 _number(need.force_evaluations.item(), 12),
                 _number(decides.item(), 12),
-                step_exponent(order[scheme], bool(keeps[scheme]), names[quantity]) if free[problem] else None,
+                step_exponent(order[scheme], loss[scheme], names[quantity]) if free[problem] else None,
                 _number(costs[tuple(places)], 12),
             ]
         )

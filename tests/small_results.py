@@ -44,7 +44,7 @@ def assessment() -> xr.Dataset:
             "scheme_title": ("scheme", ["Average acceleration", "Central difference"]),
             "kind": ("scheme", ["implicit", "explicit"]),
             "order": ("scheme", [2, 2]),
-            "keeps_energy": ("scheme", [1, 1]),
+            "order_of_loss": ("scheme", [np.inf, np.inf]),
             "quantity": ["displacement", "energy"],
             "allowed_error": [0.1, 0.01],
             "step_size": tried,

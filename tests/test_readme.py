@@ -62,7 +62,7 @@ def test_the_readme_states_the_law_of_longer_durations():
     assert {*re.findall("[¼⅓½⅔]", README + answers)} == {*stated}
     for fraction, names in stated.items():
         for one in (study.schemes[name] for name in names):
-            assert step_exponent(one.order, one.keeps_energy) == pytest.approx(unicodedata.numeric(fraction))
+            assert step_exponent(one.order, one.order_of_loss) == pytest.approx(unicodedata.numeric(fraction))
 
 
 #: Program that runs the files of CONTRIBUTING, and makes and prints their products.

@@ -42,8 +42,8 @@ def exponents(error_growth: xr.Dataset, measure: str) -> xr.DataArray:
     whose=STUDY,
 )
 def phase_error_grows(error_growth):
-    growth, keeps = exponents(error_growth, "phase_error"), error_growth.keeps_energy
-    conserving, dissipative = (growth.isel(scheme=np.flatnonzero(keeps == value)) for value in (1, 0))
+    growth, keeps = exponents(error_growth, "phase_error"), np.isinf(error_growth.order_of_loss)
+    conserving, dissipative = (growth.isel(scheme=np.flatnonzero(keeps == value)) for value in (True, False))
     if not conserving.notnull().any() or not dissipative.notnull().any():
         return Finding("no growth was measured", False, "the runs are too short, or one kind of scheme is missing")
     ours = " and ".join(span(part.values[part.notnull().values]) for part in (conserving, dissipative))

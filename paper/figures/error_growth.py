@@ -34,7 +34,7 @@ def draw(growth: xr.Dataset) -> Figure:
     for index, (ax, (title, (measure, powers))) in enumerate(zip(axes.flat, MEASURES.items(), strict=True)):
         error = abs(errors[measure]).where(known.sel(of=measure))
         if measure == "amplitude_decay":
-            error = (1 - (1 - error) ** error.periods).where(errors.keeps_energy == 0)
+            error = (1 - (1 - error) ** error.periods).where(np.isfinite(errors.order_of_loss))
         for name, look in curve_styles(errors.scheme).items():
             ax.plot(periods, error.sel(scheme=name), label=errors.scheme_title.sel(scheme=name).item(), **look)
         for power in powers:

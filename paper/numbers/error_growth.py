@@ -32,7 +32,8 @@ def of_error_growth(growth: xr.Dataset) -> dict:
     """Exponents of growth, and the cases in which an extrapolated step keeps the error."""
     entries = {}
     for name, (measure, keeps) in EXPONENTS.items():
-        values = exponents(growth.isel(scheme=np.flatnonzero(growth.keeps_energy == keeps)), measure).values
+        chosen = np.flatnonzero(np.isinf(growth.order_of_loss) == keeps)
+        values = exponents(growth.isel(scheme=chosen), measure).values
         entries[name] = _middle(values[np.isfinite(values)])
     ratio = (growth.extrapolated_error / growth.allowed_error).values[
         growth.extrapolated_steps_per_period.notnull().values

@@ -49,6 +49,7 @@ def of_kinks(kinks: xr.Dataset, reference: xr.Dataset) -> dict:
         "order_lost_on_kinks": bool((rk4_order < LOST).all()),
         "accuracy_kept_on_kinks": all(bool((gain[p] > GAINED).all()) for p in KINKED),
         **{f"kinks_equal_{p}": span(ratio, ".2g") for p, ratio in equal.items()},
+        "kinks_equal_finest": int(at_equal_forces(kinks).steps_per_period.max()),
         "kinks_highest_order": f"{float(highest):.0f}",
         "balance_is_no_verdict": bool(
             balance.max() < KEPT and coarsest.error.sel(average_on_yielding) > 1e4 * balance.max() / 100

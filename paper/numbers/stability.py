@@ -1,5 +1,7 @@
 """Numbers of the text: maps of stability, several roots and chaos."""
 
+import math
+
 import numpy as np
 import xarray as xr
 
@@ -12,6 +14,12 @@ from paper.terms import CHAOTIC, DAMPED, DISSIPATIVE, FAITHFUL
 from study.words import span
 
 
+def _one_digit_up(value: float) -> str:
+    """The least number with one digit that is not smaller."""
+    unit = 10.0 ** math.floor(math.log10(value))
+    return f"{math.ceil(value / unit) * unit:.0e}"
+
+
 @numbers()
 def of_long_times(long_times: xr.Dataset) -> dict:
     """Growth and size of round-off."""
@@ -21,8 +29,8 @@ def of_long_times(long_times: xr.Dataset) -> dict:
         "lasting_steps": long_times.steps_per_period.item(),
         "lasting_runs": long_times.runs.item(),
         "lasting_double": span(long_times.energy_exponent),
-        "lasting_energy": f"{100 * last.energy_round_off.max().item():.0e}",
-        "lasting_phase": f"{last.phase_round_off.max().item():.0e}",
+        "lasting_energy": _one_digit_up(100 * last.energy_round_off.max().item()),
+        "lasting_phase": _one_digit_up(last.phase_round_off.max().item()),
     }
 
 

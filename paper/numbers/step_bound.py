@@ -21,6 +21,7 @@ def of_step_bound(bound: xr.Dataset, rule: xr.Dataset) -> dict:
     values = {
         "bound_potentials": len(np.unique(bound.potential)),
         "bound_motions": bound.sizes["motion"],
+        "bound_cap": f"{bound.omega_step.max().item():g}",
         "bound_error": f"{100 * bound.allowed_error.item():g}",
         "bound_periods": bound.periods.item(),
         "bound_confirmed": f"{100 * CONFIRMED:g}",

@@ -28,10 +28,9 @@ def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
         for name in part.scheme.values:
             scheme = part.sel(scheme=name)
             free, resisted = scheme.sel(damping_ratio=0.0), scheme.sel(damping_ratio=damped)
-            fine, coarse = (
-                free.interp(step_size_over_period=FINE),
-                free.sel(step_size_over_period=COARSE, method="nearest"),
-            )
+            around = free.sel(step_size_over_period=slice(FINE / 2, 2 * FINE))
+            fine = around.interp(step_size_over_period=FINE, method="cubic")
+            coarse = free.sel(step_size_over_period=COARSE, method="nearest")
             limit = free.stability_limit.item()
             rows.append(
                 {

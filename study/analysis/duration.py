@@ -1,17 +1,15 @@
 r"""The step that keeps an error of free vibration over another duration.
 
 A scheme of order p delays the motion by the same time in each period, so the phase error grows with the number n of
-periods, as :math:`n\,\Delta t^p`. A scheme that dissipates also loses energy, as :math:`n\,\Delta t^q` with the
-smallest odd number q ≥ p: terms of even power in the modified equation are reversible in time, and cause no loss. The
-loss changes the period, so that the phase error has a second part, :math:`n^2 \Delta t^q`. The step that keeps an error
-is
+periods, as :math:`n\,\Delta t^p`. A scheme that dissipates also loses energy, as :math:`n\,\Delta t^q` with its order q
+of loss, infinite if it keeps the energy. The loss changes the period, so that the phase error has a second part,
+:math:`n^2 \Delta t^q`. The step that keeps an error is
 
 .. math::
 
-    \Delta t(n) = \Delta t(n_0)\,(n_0/n)^a, \quad
-    a = \begin{cases} 1/p & \text{the scheme keeps the energy} \\ \max(1/p,\ 2/q) & \text{it dissipates} \end{cases}
+    \Delta t(n) = \Delta t(n_0)\,(n_0/n)^a, \quad a = \max(1/p,\ 2/q)
 
-for the motion, and a = 0 or 1/q for the energy.
+for the motion, and a = 1/q for the energy.
 
 References
 ----------
@@ -26,12 +24,9 @@ ENERGY = "energy"
 FREE = "free vibration without damping, load, memory and kinks"
 
 
-def step_exponent(order: int, keeps_energy: bool, quantity: str = "displacement") -> float:
+def step_exponent(order: int, order_of_loss: float, quantity: str = "displacement") -> float:
     """The exponent a in Δt ∝ n^(−a), with which the step that keeps an error of a quantity falls over n periods."""
-    loss = order + 1 - order % 2
-    if quantity == ENERGY:
-        return 0.0 if keeps_energy else 1 / loss
-    return 1 / order if keeps_energy else max(1 / order, 2 / loss)
+    return 1 / order_of_loss if quantity == ENERGY else max(1 / order, 2 / order_of_loss)
 
 
 def step_over(step: float, exponent: float, known: float, duration: float) -> float:

@@ -162,14 +162,12 @@ def over_duration(
         Table with the columns ``kind``, ``step_size``, ``omega_step`` and ``force_evaluations_per_time`` of runs over
         ``known``.
     dataset
-        Dataset of the table, with the titles, the orders and ``keeps_energy`` of the schemes.
+        Dataset of the table, with titles, ``order`` and ``order_of_loss`` of the schemes.
     known, duration
         Durations in s.
     """
     data = dataset.sel(scheme=table.index.values)
-    law = [
-        step_exponent(p, bool(e), quantity) for p, e in zip(data.order.values, data.keeps_energy.values, strict=True)
-    ]
+    law = [step_exponent(p, q, quantity) for p, q in zip(data.order.values, data.order_of_loss.values, strict=True)]
     titles = data.scheme_title.to_series()
     steps = [step_over(step, a, known, duration) for step, a in zip(table.step_size, law, strict=True)]
     rounded = table.step_size.copy()

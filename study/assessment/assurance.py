@@ -71,7 +71,7 @@ def other_durations(assessed: xr.Dataset) -> str:
         return f"{sentence} A longer duration needs an assessment of its own."
     laws: dict[float, list[str]] = {}
     for scheme in assessed.scheme:
-        laws.setdefault(step_exponent(scheme.order.item(), scheme.keeps_energy.item()), []).append(
+        laws.setdefault(step_exponent(scheme.order.item(), scheme.order_of_loss.item()), []).append(
             scheme.scheme_title.item()
         )
     steps = "; ".join(f"n^(−{number(exponent, 2)}) with {listed(titles)}" for exponent, titles in sorted(laws.items()))

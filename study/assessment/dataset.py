@@ -31,7 +31,10 @@ NOT_TRIED = ENDS.index("not_tried")
 #: Attributes of the coordinates that only schemes of the package have, not those of a program.
 SCHEME_ATTRIBUTES = {
     "order": {"long_name": "order of accuracy", "units": "1"},
-    "keeps_energy": {"long_name": "1 if the energy error of free vibration does not grow", "units": "1"},
+    "order_of_loss": {
+        "long_name": "order of the loss of energy in free vibration, infinite if there is none",
+        "units": "1",
+    },
 }
 #: Attributes of the other variables.
 ATTRIBUTES = {
@@ -169,7 +172,7 @@ def dataset_of(
         scheme_title=("scheme", [schemes[name].title for name in results]),
         kind=("scheme", ["explicit" if schemes[name].explicit else "implicit" for name in results]),
         order=("scheme", [schemes[name].order for name in results]),
-        keeps_energy=("scheme", [int(schemes[name].keeps_energy) for name in results]),
+        order_of_loss=("scheme", [schemes[name].order_of_loss for name in results]),
         steps=tried.steps.max("scheme").astype(int),
     )
     for name, attributes in (ATTRIBUTES | SCHEME_ATTRIBUTES).items():

@@ -86,7 +86,7 @@ def accuracy(
     longer = _measured(problems, schemes, growth["steps_per_period"], growth["periods"], finest)
     kept = measured.displacement_error.sel(periods=growth["known"]) <= growth["allowed_error"]
     needed = least_number(kept, "steps_per_period").transpose("problem", "scheme").values
-    exponents = np.array([step_exponent(schemes_by_name[n].order, schemes_by_name[n].keeps_energy) for n in schemes])
+    exponents = np.array([step_exponent(schemes_by_name[n].order, schemes_by_name[n].order_of_loss) for n in schemes])
     wanted = needed * (growth["extrapolated"] / growth["known"]) ** exponents
     sampled = np.array(steps_per_period)
     run, error = np.full((2, *needed.shape), np.nan)

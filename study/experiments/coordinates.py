@@ -41,10 +41,10 @@ def scheme_coordinates(names: Sequence[str]) -> dict:
             [s.order_with_damping for s in chosen],
             {"long_name": "order of accuracy with damping or a load", "units": "1"},
         ),
-        "keeps_energy": (
+        "order_of_loss": (
             "scheme",
-            [int(s.keeps_energy) for s in chosen],
-            {"long_name": "1 if the energy error of free vibration does not grow", "units": "1"},
+            [s.order_of_loss for s in chosen],
+            {"long_name": "order of the loss of energy in free vibration, infinite if there is none", "units": "1"},
         ),
         "explicit": ("scheme", [int(s.explicit) for s in chosen], {"long_name": "1 where explicit", "units": "1"}),
         "scheme_source": ("scheme", [s.source for s in chosen], {"long_name": "source of the scheme"}),

@@ -19,7 +19,7 @@ from study.marching.result import STATUSES_OR_NOT_RUN
 from study.problem.inelastic import SCALES
 from study.problem.named import approximate_periods, problems, time_scales
 from study.runs.measured import Motion, Starts, measured, quantities_of
-from study.runs.needs import COSTS, DECIDED, keeps
+from study.runs.needs import COSTS, DECIDED, WHOLE_MOTION, keeps
 from study.runs.records import DIVIDING
 from study.runs.schema import described, divides
 from study.scheme.base import Scheme
@@ -34,6 +34,10 @@ OF_SPACING = (*reversed(DIVIDING), *(1 / number for number in DIVIDING[1:]))
 CONFIRMING, CONFIRMING_SEVERAL = 30, 4
 #: Largest number of starts from which all steps are run if they march side by side.
 FEW_STARTS = 4
+#: Number of next finer steps of two digits that also confirm a step of several unknowns.
+NEXT = 2
+#: Factor of the number of steps that confirm a step of one unknown and a smooth force if the step is coarse.
+DENSER = 3
 #: Relative distance of further steps from whole numbers of steps in a time scale, and the number up to which they are
 #: run. A resonance holds some schemes at an even number of steps in a period: the error is small there only.
 BESIDE, COARSE = 1e-4, 200
@@ -162,20 +166,25 @@ class _Ladder:
     def needed(self, limits: list[Limit]) -> list[tuple[float, float]]:
         """The number of steps that each limit needs, infinite if there is none, and the next smaller number tried.
 
-        Needs are found among all numbers tried and, under a record, among those whose steps divide its spacing.
+        Needs are found among all numbers tried, without and with bounds of the whole motion, and under a record also
+        among those whose steps divide its spacing.
         """
-        errors, shape = self._errors(), (-1, len(self.periods))
-        tried, results = np.unique(errors[0].index.get_level_values("steps_per_period"))[::-1], []
+        own, largest = (errors.iloc[::-1] for errors in self._errors())
+        tried, shape, results = own.index.unique("steps_per_period").values, (-1, len(self.periods)), []
         proposed = ~np.isin(tried, [*self.confirming])
         dividing, every = divides(self.scale / tried, self.motion.spacing).astype(bool), np.full(len(tried), True)
+        bounded = [np.fmax(own[name], largest[name]) <= WHOLE_MOTION[name] for name in own if name in WHOLE_MOTION]
+        whole = np.logical_and.reduce([*bounded, np.full(len(own), True)]).reshape(shape)[:, ::-1]
         for part in [every] if dividing.all() else [every, dividing]:
             fine_first = tried[part]
-            for quantity, allowed in limits:
-                error, largest = (values[quantity].values.reshape(shape)[::-1][part] for values in errors)
-                place = int(unbroken(keeps(error, largest, self.periods, allowed)[:, self.decided]).sum())
-                coarser = fine_first[place] if place < len(fine_first) else 0.0
-                kept = fine_first[:place][proposed[part][:place]]
-                results.append((kept[-1] if len(kept) else math.inf, coarser))
+            for meets in (True, whole[part]):
+                for quantity, allowed in limits:
+                    error, worst = (values[quantity].values.reshape(shape)[part, ::-1] for values in (own, largest))
+                    kept = keeps(error, worst, self.periods, allowed) & meets
+                    place = int(unbroken(kept[:, self.decided]).sum())
+                    coarser = fine_first[place] if place < len(fine_first) else 0.0
+                    answers = fine_first[:place][proposed[part][:place]]
+                    results.append((answers[-1] if len(answers) else math.inf, coarser))
         return results
 
     def search(self, limits: list[Limit], finest: int) -> None:
@@ -197,14 +206,14 @@ class _Ladder:
                 self.run(octave - known)
                 top *= 2
                 continue
-            finer = [between(coarser, need) for need, coarser in needed[: len(limits)]]
+            finer = [between(coarser, need) for need, coarser in needed[: 2 * len(limits)]]
             if self.motion.several:  # a run costs as much as its steps, so their intervals are halved
                 finer = [numbers[len(numbers) // 2 :][:1] for numbers in finer]
             new = {count for numbers in finer for count in numbers}
             if new := new - known:
                 self.run(new)
                 continue
-            confirming = {count for need, _ in needed[: len(limits)] for count in self._finer(need, finest)}
+            confirming = {count for need, _ in needed[: 2 * len(limits)] for count in self._finer(need, finest)}
             if finer_steps := confirming - known:
                 self.confirming |= {count for count in finer_steps if count != two_digits(count)}
                 self.run(finer_steps)
@@ -221,15 +230,18 @@ class _Ladder:
     def _finer(self, need: float, finest: int) -> list[float]:
         """Numbers of steps that confirm a need, up to twice as many, on one geometric ladder.
 
-        With one unknown they also lie next to whole numbers, and with kinks of the force at numbers of two digits.
+        With one unknown they also lie next to whole numbers, and with kinks of the force at numbers of two digits. With
+        several unknowns they also are the next numbers of two digits.
         """
         if need == math.inf:
             return []
         of_octave = CONFIRMING_SEVERAL if self.motion.several else CONFIRMING
+        if need < COARSE and not self.motion.several and not self.motion.kinked:
+            of_octave *= DENSER
         first = math.ceil(math.log2(need / COARSEST) * of_octave - 0.5)
         numbers = [COARSEST * 2 ** ((first + k + 0.5) / of_octave) for k in range(of_octave)]
         if self.motion.several:
-            return numbers
+            return numbers + [count for count in between(need, 2 * need) if count <= finest][:NEXT]
         numbers += [k * (1 + BESIDE) for k in range(math.ceil(need), int(min(2 * need, COARSE)) + 1)]
         return numbers + (between(need, min(2 * need, finest)) if self.motion.kinked else [])
 

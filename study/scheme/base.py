@@ -2,6 +2,7 @@
 
 import abc
 import inspect
+import math
 import textwrap
 import warnings
 from dataclasses import fields
@@ -90,6 +91,15 @@ class Scheme(KeywordsOnly, eqx.Module):
         Symplectic, symmetric and energy-conserving schemes keep it. Schemes that do not state it count as dissipative.
         """
         return False
+
+    @property
+    def order_of_loss(self) -> float:
+        """Power of Δt with which free vibration without damping loses energy over time; infinite if it loses none.
+
+        Terms of even power in the modified equation are reversible in time, and cause no loss. The power is therefore
+        the smallest odd number from ``order`` on, unless a scheme states another.
+        """
+        return math.inf if self.keeps_energy else self.order + 1 - self.order % 2
 
     @property
     def is_exact_for_stiffness(self) -> bool:
@@ -247,6 +257,10 @@ class Wrapper(Scheme):
     @property
     def keeps_energy(self) -> bool:
         return self.scheme.keeps_energy
+
+    @property
+    def order_of_loss(self) -> float:
+        return self.scheme.order_of_loss
 
     @property
     def is_exact_for_stiffness(self) -> bool:

@@ -72,6 +72,8 @@ class KolayRicles(OneStep):
 
     family: ClassVar[str] = "Explicit with dissipation"
     order = 1
+    #: The scheme is of first order only because its velocity lags.
+    order_of_loss = 3.0
     explicit = True
     stability_limit = math.inf
 

@@ -11,13 +11,21 @@ from study.analysis.duration import round_down, step_exponent, step_over
 
 def _exponent(name, *quantity):
     scheme = study.schemes[name]
-    return step_exponent(scheme.order, scheme.keeps_energy, *quantity)
+    return step_exponent(scheme.order, scheme.order_of_loss, *quantity)
 
 
 def test_schemes_that_state_it_keep_the_energy(sampled_scheme):
     """The spectral radius at ωΔt = 1 is one exactly for the schemes that state that they keep the energy."""
     radius = study.LinearTheory(sampled_scheme, np.array([1 / (2 * np.pi)])).spectral_radius.item()
     assert (abs(radius - 1) < 1e-13) == study.schemes[sampled_scheme].keeps_energy
+
+
+def test_a_linear_oscillator_loses_no_more_energy_than_the_order_of_loss_states(sampled_scheme):
+    """The spectral radius falls below one with the next higher power of Δt, since a step is one of 1/Δt in a second."""
+    radius = study.LinearTheory(sampled_scheme, np.array([0.05, 0.1]) / np.pi).spectral_radius
+    loss = np.abs(1 - radius)
+    if (loss > 1e-12).all():
+        assert np.log2(loss[1] / loss[0]) - 1 > study.schemes[sampled_scheme].order_of_loss - 0.2
 
 
 @pytest.mark.parametrize(
@@ -29,6 +37,8 @@ def test_schemes_that_state_it_keep_the_energy(sampled_scheme):
         ("rk4", 2 / 5, 1 / 5),
         ("newmark_dissipative", 2, 1),
         ("wat2", 2 / 3, 1 / 3),
+        ("kr_alpha", 1, 1 / 3),
+        ("chen_ricles", 1, 0),
     ],
 )
 def test_exponents_follow_from_the_order_and_the_loss(name, motion, energy):

@@ -1,5 +1,7 @@
 """Sentences on the reliability of an assessment."""
 
+import math
+
 from study.assessment.assurance import confirmation, other_durations
 from tests import small_results
 
@@ -16,7 +18,7 @@ def test_few_tries_are_no_assurance():
 
 
 def test_steps_over_longer_durations_follow_the_law_for_free_vibration_only():
-    ds = small_results.assessment().assign_coords(order=("scheme", [2, 4]), keeps_energy=("scheme", [1, 0]))
+    ds = small_results.assessment().assign_coords(order=("scheme", [2, 4]), order_of_loss=("scheme", [math.inf, 5]))
     free = other_durations(ds.assign_attrs(free_vibration=1))
     assert "falls with n^(−0.4) with Central difference; n^(−0.5) with Average acceleration." in free
     forced = other_durations(ds.assign_attrs(free_vibration=0))

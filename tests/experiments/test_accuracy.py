@@ -36,4 +36,4 @@ def test_errors_below_the_uncertainty_of_the_reference_are_flagged(cosine, monke
     assert longer.fewest_steps_per_period.values.tolist() == [[64, 64]]
     assert longer.extrapolated_steps_per_period.values.tolist() == [[512, 512]]
     assert longer.extrapolated_error[0, 0] == pytest.approx(2 * np.pi * 30 * (2 * np.pi / 512) ** 2 / 12, rel=0.02)
-    assert longer.keeps_energy.values.tolist() == [1, 0] and longer.exponent.values.tolist() == [1 / 2, 2 / 5]
+    assert longer.order_of_loss.values.tolist() == [np.inf, 5] and longer.exponent.values.tolist() == [1 / 2, 2 / 5]

@@ -62,6 +62,6 @@ def with_kinds(needed: xr.Dataset) -> xr.Dataset:
         explicit=("scheme", [1, 1, 0]),
         in_codes=("scheme", [0, 1, 1]),
         order=("scheme", [4, 2, 2]),
-        keeps_energy=("scheme", [0, 0, 0]),
+        order_of_loss=("scheme", [5, 3, 3]),
         scheme_title=("scheme", ["Cheap", "Dear", "Stiff"]),
     )

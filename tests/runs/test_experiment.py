@@ -194,5 +194,28 @@ def test_steps_that_confirm_a_need_are_run_from_all_starts(monkeypatch, kinked, 
     starts = [SimpleNamespace(problems=range(1 + others))]
     ladder: Any = experiment._Ladder(None, motion, starts, 1.0, [1.0], 1.0)
     ladder.search([("displacement", 0.01)], 1000)
-    ((found, coarser),) = ladder.needed([("displacement", 0.01)])
+    (found, coarser), _ = ladder.needed([("displacement", 0.01)])
     assert found == need and coarser < need
+
+
+@pytest.mark.parametrize(("several", "need"), [(True, 54), (False, 50)])
+def test_needs_of_the_whole_motion_and_the_next_finer_steps_are_searched(monkeypatch, several, need):
+    """The displacement errs by 1/2n, but by 2 % at 51 and 53 steps with several unknowns; the velocity errs by 280/n.
+
+    Its 75 % need 374 steps, or 380 of two digits. Only this test catches needs with bounds of the whole motion that are
+    read off steps tried for other limits.
+    """
+
+    def measured(scheme, starts, chosen, step_sizes, durations):
+        counts = 1 / np.array(step_sizes)
+        error = np.where(several & np.isin(np.round(counts, 6), [51, 53]), 0.02, 0.5 / counts)
+        columns = {"displacement": error, "velocity": (280 if 0 in chosen else 270) / counts}
+        return pd.DataFrame({"step_size": step_sizes, "duration": durations[0]} | columns)
+
+    monkeypatch.setattr(experiment, "measured", measured)
+    motion = SimpleNamespace(several=several, spacing=np.nan, names=["displacement", "velocity"], kinked=False)
+    starts = [SimpleNamespace(problems=range(1)), SimpleNamespace(problems=range(1))]
+    ladder: Any = experiment._Ladder(None, motion, starts, 1.0, [1.0], 1.0)
+    ladder.search([("displacement", 0.01)], 1000)
+    (found, _), (whole, _) = ladder.needed([("displacement", 0.01)])
+    assert (found, whole) == (need, 380) and {need, whole} <= {*ladder.varied.steps_per_period}

@@ -22,7 +22,7 @@ def _growth(kept=1.0, lost=2.0, error=0.09):
     data["extrapolated_error"] = ("problem", "scheme"), [[0.05, error]]
     data["extrapolated_steps_per_period"] = ("problem", "scheme"), [[200.0, 300.0]]
     return data.assign_coords(
-        keeps_energy=("scheme", [1, 0]), allowed_error=0.1, scheme_title=data.scheme, problem_title=data.problem
+        order_of_loss=("scheme", [np.inf, 3]), allowed_error=0.1, scheme_title=data.scheme, problem_title=data.problem
     )
 
 
