@@ -163,28 +163,27 @@ class _Ladder:
         error, largest = (errors.to_xarray().to_dataarray("quantity").transpose(*order) for errors in self._errors())
         return ds.assign(error=error, largest_error=largest)
 
-    def needed(self, limits: list[Limit]) -> list[tuple[float, float]]:
+    def needed(self, limits: list[Limit], dividing: bool = False) -> list[tuple[float, float]]:
         """The number of steps that each limit needs, infinite if there is none, and the next smaller number tried.
 
-        Needs are found among all numbers tried, without and with bounds of the whole motion, and under a record also
-        among those whose steps divide its spacing.
+        Every limit is in the list twice, without and with the bounds of the whole motion. ``dividing`` admits only
+        steps that divide the spacing of a record.
         """
         own, largest = (errors.iloc[::-1] for errors in self._errors())
-        tried, shape, results = own.index.unique("steps_per_period").values, (-1, len(self.periods)), []
-        proposed = ~np.isin(tried, [*self.confirming])
-        dividing, every = divides(self.scale / tried, self.motion.spacing).astype(bool), np.full(len(tried), True)
+        tried, shape = own.index.unique("steps_per_period").values, (-1, len(self.periods))
+        results = list[tuple[float, float]]()
+        part = (divides(self.scale / tried, self.motion.spacing) == 1) | (not dividing)
+        fine_first, proposed = tried[part], ~np.isin(tried[part], [*self.confirming])
         bounded = [np.fmax(own[name], largest[name]) <= WHOLE_MOTION[name] for name in own if name in WHOLE_MOTION]
         whole = np.logical_and.reduce([*bounded, np.full(len(own), True)]).reshape(shape)[:, ::-1]
-        for part in [every] if dividing.all() else [every, dividing]:
-            fine_first = tried[part]
-            for meets in (True, whole[part]):
-                for quantity, allowed in limits:
-                    error, worst = (values[quantity].values.reshape(shape)[part, ::-1] for values in (own, largest))
-                    kept = keeps(error, worst, self.periods, allowed) & meets
-                    place = int(unbroken(kept[:, self.decided]).sum())
-                    coarser = fine_first[place] if place < len(fine_first) else 0.0
-                    answers = fine_first[:place][proposed[part][:place]]
-                    results.append((answers[-1] if len(answers) else math.inf, coarser))
+        for meets in (True, whole[part]):
+            for quantity, allowed in limits:
+                error, worst = (values[quantity].values.reshape(shape)[part, ::-1] for values in (own, largest))
+                kept = keeps(error, worst, self.periods, allowed) & meets
+                place = int(unbroken(kept[:, self.decided]).sum())
+                coarser = fine_first[place] if place < len(fine_first) else 0.0
+                answers = fine_first[:place][proposed[:place]]
+                results.append((answers[-1] if len(answers) else math.inf, coarser))
         return results
 
     def search(self, limits: list[Limit], finest: int) -> None:
@@ -200,26 +199,27 @@ class _Ladder:
         while True:
             known = set(self.rows.get("steps_per_period", ()))
             needed = self.needed(limits) if known else [(math.inf, 0.0)]
-            if top <= finest and max(known, default=0) <= max(need for need, _ in needed):
+            of_practice = self.needed(limits, dividing=True) if known and np.isfinite(self.motion.spacing) else []
+            if top <= finest and max(known, default=0) <= max((need for need, _ in needed + of_practice), default=0.0):
                 octave = {two_digits(top), two_digits(top * math.sqrt(2))}
                 octave |= {*of_record[(of_record >= top) & (of_record < 2 * top)]}
                 self.run(octave - known)
                 top *= 2
                 continue
-            finer = [between(coarser, need) for need, coarser in needed[: 2 * len(limits)]]
+            finer = [between(coarser, need) for need, coarser in needed]
             if self.motion.several:  # a run costs as much as its steps, so their intervals are halved
                 finer = [numbers[len(numbers) // 2 :][:1] for numbers in finer]
             new = {count for numbers in finer for count in numbers}
             if new := new - known:
                 self.run(new)
                 continue
-            confirming = {count for need, _ in needed[: 2 * len(limits)] for count in self._finer(need, finest)}
+            confirming = {count for need, _ in needed for count in self._finer(need, finest)}
             if finer_steps := confirming - known:
                 self.confirming |= {count for count in finer_steps if count != two_digits(count)}
                 self.run(finer_steps)
                 continue
             varied = set(self.varied.steps_per_period) if len(self.varied) else set()
-            wanted = {need for need, _ in needed if need < math.inf}
+            wanted = {need for need, _ in needed + of_practice if need < math.inf}
             wanted |= {min((count for count in known if count > need), default=need) for need in wanted}
             if self.motion.kinked and wanted <= varied:  # last, because other starts may refuse a need
                 wanted = confirming

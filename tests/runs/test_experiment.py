@@ -104,6 +104,13 @@ def test_a_problem_without_reference_or_schemes_has_a_verdict(monkeypatch, capsy
         assert "too small" in ds.reference and capsys.readouterr().out.count(ds.reference) == 1
 
 
+def test_errors_below_the_reference_have_a_verdict():
+    """Only this test catches a search without limits, since no allowed error is certain, that ends the job."""
+    ds = runs("pulse", ["rk4"], [1e-14], [1.0], 1.0, 16, 0)
+    assert ds.tried.any() and ds.error.notnull().any()
+    assert (needs(ds, [1e-14]).verdict.sel(quantity="displacement") == VERDICTS.index("below_the_reference")).all()
+
+
 def test_numbers_of_steps_have_two_digits():
     assert [two_digits(one) for one in (4, 5.66, 11.3, 99.5, 362, 1448)] == [4, 6, 12, 100, 370, 1500]
     assert between(8, 12) == [9, 10, 11] and between(91, 130) == [92, 93, 94, 95, 96, 97, 98, 99, 100, 110, 120]
