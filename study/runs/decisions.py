@@ -6,10 +6,10 @@ import numpy as np
 import xarray as xr
 
 from study import io
-from study.assessment.dataset import times_of_steps
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import PlainNames, Tolerances
 from study.experiments import coordinates
+from study.marching.timing import Timed
 from study.problem.named import problems as problems_by_name
 from study.runs.needs import ATTRIBUTES, CODES, decisions, needs, of_problems
 from study.scheme.codes import names_in_codes
@@ -18,7 +18,7 @@ from study.words import listed
 
 #: Number of times that the schemes of a problem are timed, one after the other. Other work on the machine slows some of
 #: them, so the shortest time counts.
-ROUNDS = 3
+ROUNDS = 5
 
 
 def _options(configuration: Mapping) -> Options:
@@ -34,19 +34,17 @@ def computing_times(needed: xr.Dataset) -> xr.DataArray:
     for problem in needed.problem.values[needed.cost.values == "seconds"].tolist():
         step_sizes = needed.step_size.sel(problem=problem)
         duration = (step_sizes.decided * step_sizes.time_scale).item()
-        for scheme in step_sizes.scheme.values.tolist() * ROUNDS:
-            wanted_sizes = np.unique(step_sizes.sel(scheme=scheme).values)
-            wanted = {
-                dt: max(int(duration / dt * (1 + 1e-9)), 1) for dt in wanted_sizes[np.isfinite(wanted_sizes)].tolist()
-            }
-            if not wanted:
-                continue
+        runs = {
+            name: Timed(problems_by_name[problem], schemes_by_name[name], ())
+            for name in step_sizes.dropna("scheme", how="all").scheme.values.tolist()
+        }
+        for scheme, run in [*runs.items()] * ROUNDS:
             progress(f"time of {scheme} on {problem}")
-            measured = times_of_steps(problems_by_name[problem], schemes_by_name[scheme], wanted)
-            for dt, steps in wanted.items():
-                place = {"problem": problem, "scheme": scheme}
-                shortest = np.fmin(times.loc[place], measured[dt][0] / (steps * dt))
-                times.loc[place] = times.loc[place].where(step_sizes.sel(scheme=scheme) != dt, shortest)
+            sizes, place = step_sizes.sel(scheme=scheme), {"problem": problem, "scheme": scheme}
+            for dt in np.unique(sizes.values[np.isfinite(sizes.values)]).tolist():
+                steps = max(int(duration / dt * (1 + 1e-9)), 1)
+                shortest = np.fmin(times.loc[place], run.run(dt, steps)[0] / (steps * dt))
+                times.loc[place] = times.loc[place].where(sizes != dt, shortest)
     return times
 
 
