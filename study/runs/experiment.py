@@ -38,9 +38,10 @@ FEW_STARTS = 4
 NEXT = 2
 #: Factor of the number of steps that confirm a step of one unknown and a smooth force if the step is coarse.
 DENSER = 3
-#: Relative distance of further steps from whole numbers of steps in a time scale, and the number up to which they are
-#: run. A resonance holds some schemes at an even number of steps in a period: the error is small there only.
-BESIDE, COARSE = 1e-4, 200
+#: Relative distances of further steps from whole numbers of steps in a time scale, and the number up to which they are
+#: run. A resonance holds some schemes at an even number of steps in a period: the error is small there only, and the
+#: narrower the finer the step is.
+BESIDE, COARSE = (1e-4, 3e-4, 1e-3), 200
 
 
 #: Durations in time scales, in ascending order.
@@ -242,7 +243,8 @@ class _Ladder:
         numbers = [COARSEST * 2 ** ((first + k + 0.5) / of_octave) for k in range(of_octave)]
         if self.motion.several:
             return numbers + [count for count in between(need, 2 * need) if count <= finest][:NEXT]
-        numbers += [k * (1 + BESIDE) for k in range(math.ceil(need), int(min(2 * need, COARSE)) + 1)]
+        whole = range(math.ceil(need), int(min(2 * need, COARSE)) + 1)
+        numbers += [k * (1 + beside) for k in whole for beside in BESIDE]
         return numbers + (between(need, min(2 * need, finest)) if self.motion.kinked else [])
 
 

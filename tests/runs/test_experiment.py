@@ -71,10 +71,22 @@ def test_a_step_that_a_resonance_favours_is_no_answer(monkeypatch):
     monkeypatch.setattr(experiment, "time_scale", lambda problem: 1.14187632340189)
     one = runs("softening", ["fox_goodwin"], [0.01], [100.0], 100.0, 100, 0)
     error = one.error.sel(scheme="fox_goodwin", quantity="displacement", periods=100)
-    errors = [float(error[abs(one.steps_per_period.values - count).argmin()]) for count in (42, 42 * (1 + BESIDE))]
+    errors = [float(error[abs(one.steps_per_period.values - count).argmin()]) for count in (42, 42 * (1 + BESIDE[0]))]
     assert errors[0] < 0.001 and errors[1] == pytest.approx(0.0843, rel=0.01)
     needed = needs(one, [0.01]).sel(quantity="displacement", condition="practice")
     assert needed.steps_per_period.item() > 50 and needed.steps_per_period.item() in one.steps_per_period
+
+
+def test_narrow_resonances_next_to_an_even_number_of_steps_are_found(monkeypatch):
+    """Blanes and Moan's method errs by 17 % with 30.009 steps in a period of the softening spring from rest.
+
+    The value is of an independent program. With 29 and 30 steps, and 0.01 % more, the errors are below 10 %.
+    """
+    monkeypatch.setattr(experiment, "time_scale", lambda problem: 1.14187632340189)
+    one = runs("softening", ["blanes_moan4"], [0.1], [100.0], 100.0, 100, 0)
+    error = one.error.sel(scheme="blanes_moan4", quantity="displacement", periods=100)
+    assert float(error[abs(one.steps_per_period.values - 30.009).argmin()]) == pytest.approx(0.171, rel=0.02)
+    assert needs(one, [0.1]).sel(quantity="displacement", condition="practice").steps_per_period.item() > 30
 
 
 def test_a_scheme_that_refuses_a_problem_has_no_value():
