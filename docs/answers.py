@@ -91,11 +91,20 @@ def data(needed: xr.Dataset) -> dict[str, Any]:
             "omega": number(omega, 3),
             "unknowns": unknowns,
             "records": name == "records",
+            "timed": decides == "seconds",
         }
-        for name, title, scale, decided, omega, unknowns in zip(
+        for name, title, scale, decided, omega, unknowns, decides in zip(
             *(
                 needed[variable].values.tolist()
-                for variable in ("problem", "problem_title", "time_scale", "decided", "highest_frequency", "unknowns")
+                for variable in (
+                    "problem",
+                    "problem_title",
+                    "time_scale",
+                    "decided",
+                    "highest_frequency",
+                    "unknowns",
+                    "cost",
+                )
             ),
             strict=True,
         )

@@ -81,7 +81,9 @@ def _parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser("recommend", help="list the schemes that keep an error, the cheapest first")
     command.set_defaults(function=_recommend)
-    command.add_argument("name", metavar="NAME", help="name of an assessment: hardening, softening or one of your own")
+    command.add_argument(
+        "name", metavar="NAME", help="name of an assessment, or of a problem of the study, such as softening"
+    )
     command.add_argument("--allowed-error", type=float, required=True, help="an error that was assessed, as a fraction")
     command.add_argument("--quantity", help="quantity that must keep the error; default: the first, displacement")
     command.add_argument("--duration", type=float, metavar="SECONDS", help="a longer duration than that of the runs")

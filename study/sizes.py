@@ -48,7 +48,7 @@ def least_number(kept: xr.DataArray, along: str) -> xr.DataArray:
 def fewest(error: xr.DataArray, counts: xr.DataArray, allowed: float, along: str) -> xr.DataArray:
     """Smallest count of forces or steps from which on every run along a dimension keeps an error.
 
-    The count is NaN if the run with the largest count exceeds the error.
+    The count is NaN if the run with the largest count exceeds the error. Runs without a count are left out.
     """
 
     def fewest_of_runs(error: np.ndarray, counts: np.ndarray) -> float:

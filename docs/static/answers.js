@@ -71,12 +71,14 @@ if (form) {
       (periods.value > problem.decided ? "The step for the longer duration follows from a law of free vibration; it was not run." : "")));
     const table = document.createElement("table"), body = table.createTBody();
     const head = table.createTHead().insertRow();
-    for (const name of ["scheme", "kind", problem.records ? "step" : "steps in T", "ωΔt", "forces in a second"])
+    const timed = problem.timed ? ["computing time in a second"] : [];
+    for (const name of ["scheme", "kind", problem.records ? "step" : "steps in T", "ωΔt", "forces in a second", ...timed])
       head.append(element("th", name));
     for (const row of groups.flat()) {
       const line = body.insertRow(), [step, omega] = steps(row, problem), scheme = needs.schemes[row[3]];
       for (const text of [scheme.title, scheme.explicit ? "explicit" : "implicit", step, omega,
-        Number(row[7].toPrecision(3)).toLocaleString("en")]) line.append(element("td", text));
+        Number(row[7].toPrecision(3)).toLocaleString("en"),
+        ...timed.map(() => `${Number((1e3 * cost(row)).toPrecision(2))} ms`)]) line.append(element("td", text));
     }
     const scroll = element("div", "");
     scroll.className = "wide";

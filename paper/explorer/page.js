@@ -96,7 +96,7 @@ function decisionsOf({problem, error}) {
   const items = of.map(({quantity, kind, title, steps}) => `<li>${quantity}, ${kind}: ${title
     ? `${escaped(title)}, ${steps} steps a period` : "no step that was tried"}</li>`)
   return of.length ? `<p class="note">From u₀ = ${short(unit)}, an error within ${error}\u00a0% over ${of[0].periods}
-    periods needs the fewest forces with:</p><ul class="decisions">${items.join("")}</ul>` : ""
+    periods needs the fewest forces, or up to a tenth more, with:</p><ul class="decisions">${items.join("")}</ul>` : ""
 }
 
 function drawAnswer() {

@@ -8,7 +8,7 @@ import xarray as xr
 
 from paper.products import table
 from paper.requirements import contained
-from study.runs.needs import DECIDED
+from study.runs.needs import DECIDED, NO_VALUE
 from study.words import number, step_size
 
 NO_BREAK = "\u00a0"
@@ -87,7 +87,7 @@ def beware(decided: xr.Dataset) -> str:
     """Remark if other schemes or steps are chosen where the whole motion must be right."""
     row, whole = decided.sel(filter="all"), decided.sel(filter="whole_motion")
     same = (row.scheme == whole.scheme) & ((row.step_size == whole.step_size) | row.step_size.isnull())
-    return "" if same.all() else "the whole motion needs other steps"
+    return "" if (same | (whole.verdict == NO_VALUE)).all() else "the whole motion needs other steps"
 
 
 def limits_of(spectral: xr.Dataset) -> dict[str, float]:

@@ -52,7 +52,7 @@ FILTERS = {
 CODES = ("OpenSees", "Abaqus", "LS-DYNA")
 #: Attributes of the variables of needs and decisions.
 ATTRIBUTES = {
-    "step_size": {"long_name": "largest step size that keeps the error, as all smaller ones do", "units": "s"},
+    "step_size": {"long_name": "largest step size admitted that keeps the error, as all smaller ones do", "units": "s"},
     "steps_per_period": {"long_name": "steps in a time scale", "units": "1"},
     "omega_step": {"long_name": "step size times the highest frequency of the motion", "units": "1"},
     "divides": {
@@ -135,6 +135,9 @@ def _meets(runs: xr.Dataset, condition: str) -> xr.DataArray:
 def needs(runs: xr.Dataset, allowed_errors: Sequence[float]) -> xr.Dataset:
     """The largest proposed step size that keeps each allowed error, as all smaller step sizes of the scheme do.
 
+    Under a record, the conditions ``practice`` and ``whole_motion`` admit only step sizes that divide its spacing, or
+    are multiples of it; others are not counted. Quantities whose steps were not searched are left out.
+
     Parameters
     ----------
     runs
@@ -151,9 +154,12 @@ def needs(runs: xr.Dataset, allowed_errors: Sequence[float]) -> xr.Dataset:
         keep it too, and ``verdict``. A value is NaN where no step keeps the error.
     """
     runs = runs.sortby("step_size").transpose("scheme", "size", "quantity", "periods", ...)
+    meets = {condition: _meets(runs, condition) for condition in CONDITIONS}
+    runs = runs.sel(quantity=[name for name in DECIDED if name in runs.quantity])
     parts = [
         xr.concat(
-            [_needed(runs, condition, allowed) for allowed in allowed_errors], _index(allowed_error=allowed_errors)
+            [_needed(runs, condition, meets[condition], allowed) for allowed in allowed_errors],
+            _index(allowed_error=allowed_errors),
         )
         for condition in CONDITIONS
     ]
@@ -168,14 +174,16 @@ def _index(**values: Sequence) -> xr.IndexVariable:
     return xr.IndexVariable(name, list(along))
 
 
-def _needed(runs: xr.Dataset, condition: str, allowed: float) -> xr.Dataset:
+def _needed(runs: xr.Dataset, condition: str, meets: xr.DataArray, allowed: float) -> xr.Dataset:
     """The needs over (scheme, quantity, periods) for one condition and one allowed error; step sizes ascend."""
     sizes, counted = ["step_size", "steps_per_period", "omega_step", "divides"], runs.tried == 1
     if condition != "any_step":
         counted = counted & (runs.divides == 1)
+    if condition == "whole_motion" and WHOLE_MOTION.keys().isdisjoint(runs.quantity.values):
+        counted = counted & False
     within = keeps(runs.error.values, runs.largest_error.values, runs.periods.values, allowed)
     certain = runs.uncertainty * CERTAIN <= allowed
-    kept = ((runs.error.copy(data=within) & certain & _meets(runs, condition)) | ~counted).transpose(..., "size")
+    kept = ((runs.error.copy(data=within) & certain & meets) | ~counted).transpose(..., "size")
     kept = kept.copy(data=unbroken(kept.values)) & counted
     number, proposed = xr.DataArray(np.arange(runs.sizes["size"]), dims="size"), counted & (runs.proposed == 1)
     place = xr.where(kept & proposed, number, -1).max("size")
@@ -190,8 +198,9 @@ def _verdict(runs: xr.Dataset, counted: xr.DataArray, place: xr.DataArray, allow
     last = xr.where(counted, np.arange(runs.sizes["size"]), -1).max("size")
     verdict = xr.where(place < 0, NONE, xr.where(place == last, COARSEST, FOUND))
     verdict = xr.where(runs.uncertainty * CERTAIN > allowed, UNCERTAIN, verdict)
-    none = (~counted).all("size") | runs.error.where(counted).isnull().all("size")
-    none &= np.isfinite(runs.uncertainty)
+    completed = counted & runs.error.notnull().any("quantity")
+    unknown = completed.any("size") & runs.error.where(completed).isnull().all("size")
+    none = (~counted.any("size") | unknown) & np.isfinite(runs.uncertainty)
     return xr.where(none, NO_VALUE, verdict).transpose("scheme", "quantity", "periods").astype(np.int8)
 
 
@@ -226,23 +235,23 @@ def decisions(needed: xr.Dataset) -> xr.Dataset:
     """
     parts = []
     for condition, of_codes in FILTERS.values():
-        admitted = needed.sel(condition=condition, drop=True)
-        admitted = admitted.isel(scheme=np.flatnonzero((needed.in_codes == 1) | (not of_codes)))
-        by_kind = [_decided(admitted.isel(scheme=np.flatnonzero(admitted.explicit == flag))) for flag in (1, 0)]
+        considered, admitted = needed.sel(condition=condition, drop=True), (needed.in_codes == 1) | (not of_codes)
+        by_kind = [_decided(considered, admitted & (needed.explicit == flag)) for flag in (1, 0)]
         parts.append(xr.concat(by_kind, _index(kind=KINDS)))
     ds = xr.concat(parts, _index(filter=list(FILTERS)))
     return ds.transpose("problem", "quantity", "allowed_error", "kind", "filter")
 
 
-def _decided(needed: xr.Dataset) -> xr.Dataset:
-    """The decision among the schemes of a dataset of needs."""
-    ties = cost(needed) <= TIED * cost(needed).min("scheme")
+def _decided(needed: xr.Dataset, admitted: xr.DataArray) -> xr.Dataset:
+    """The decision among the admitted schemes of a dataset of needs."""
+    costs, verdict = cost(needed).where(admitted), xr.where(admitted, needed.verdict, NO_VALUE)
+    ties = costs <= TIED * costs.min("scheme")
     error = needed.largest_error.fillna(needed.error).where(ties).fillna(np.inf)
     place, exists = error.argmin("scheme"), ties.any("scheme")
     numbers = needed.drop_vars([str(name) for name in needed.coords if "scheme" in needed[name].dims])
     decision = numbers.isel(scheme=place)
     decision = decision.assign({name: decision[name].where(exists) for name in decision if name != "verdict"})
-    verdict = xr.where(exists, decision.verdict, numbers.verdict.min("scheme")).astype(np.int8)
+    verdict = xr.where(exists, decision.verdict, verdict.min("scheme")).astype(np.int8)
     for name in ("scheme", "scheme_title"):
         decision[name] = place.dims, np.where(exists, needed[name].values[place.values], "")
     return decision.assign(verdict=verdict, ties=ties.sum("scheme"))
@@ -256,10 +265,10 @@ def ranked(needed: xr.Dataset) -> list[str]:
     """
     kinds = []
     for flag in (1, 0):
-        remaining, names = needed.isel(scheme=np.flatnonzero(needed.explicit == flag)), list[str]()
-        while remaining.step_size.notnull().any():
-            names.append(_decided(remaining).scheme.item())
-            remaining = remaining.drop_sel(scheme=names[-1])
+        remaining, names = (needed.explicit == flag) & cost(needed).notnull(), list[str]()
+        while remaining.any():
+            names.append(_decided(needed, remaining).scheme.item())
+            remaining &= remaining.scheme != names[-1]
         kinds.append(names)
     costs = cost(needed).to_series()
     return sum(sorted(filter(None, kinds), key=lambda names: costs[names].min()), list[str]())

@@ -53,8 +53,10 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return None
 
 
-def as_runs(spectrum: xr.Dataset) -> xr.Dataset:
+def as_runs(spectrum: xr.Dataset, uncertainty: float) -> xr.Dataset:
     """The runs in the form of ``runs/PROBLEM``, over the duration of the records.
+
+    ``uncertainty`` is the largest relative one of the exact peak drifts.
 
     The error of the peak drift is the largest over all records, periods and ratios of elastic force to strength, which
     take the place of the starts. Counts are the means over them.
@@ -67,7 +69,7 @@ def as_runs(spectrum: xr.Dataset) -> xr.Dataset:
     ds = ds.assign(error=error, largest_error=error * np.nan).reset_coords(drop=True).expand_dims(periods=[duration])
     # a scheme that refuses the oscillators has no error at any step; a run that failed has none at its step
     ran = error.notnull().any(["quantity", "step_size"]).expand_dims(step_size=dt).reset_coords(drop=True)
-    ds = ds.assign(tried=ran.astype(np.int8), uncertainty=("quantity", [0.0]))
+    ds = ds.assign(tried=ran.astype(np.int8), uncertainty=("quantity", [uncertainty]))
     ds = ds.rename(step_size="size").drop_vars("size").drop_attrs()
     return described(
         ds.assign_coords(
@@ -175,4 +177,6 @@ def spectrum(
     condition = xr.IndexVariable("condition", ["any_step", "practice"], {"long_name": "condition on the steps"})
     size = {"long_name": "largest step that keeps the error, as all finer ones do", "units": "s"}
     largest = xr.concat(needed, condition)
-    return runs.assign(largest_step_size=largest.where(largest > 0).assign_attrs(size)), as_runs(runs)
+    return runs.assign(largest_step_size=largest.where(largest > 0).assign_attrs(size)), as_runs(
+        runs, (exact.peak_drift_uncertainty / exact.peak_drift).max().item()
+    )

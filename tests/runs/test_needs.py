@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from study.runs.needs import VERDICTS, decisions, dominated, keeps, needs, of_problems, ranked
+from study.runs.needs import CONDITIONS, VERDICTS, decisions, dominated, keeps, needs, of_problems, ranked
 from tests.runs.made_up import runs, with_kinds
 
 NAN = np.nan
@@ -49,11 +49,32 @@ def test_a_step_that_was_not_tried_does_not_count():
     np.testing.assert_array_equal(_steps(needed), [[8, NAN], [NAN, NAN], [NAN, NAN]])
     verdict = needed.verdict.sel(condition="practice", quantity="displacement").isel(periods=0)
     words = [[VERDICTS[k] for k in row] for row in verdict.transpose("scheme", "allowed_error").values]
-    none = "no_value"
-    assert words == [["already_the_coarsest_step", "not_even_the_finest_step"], [none, none], [none, none]]
+    # all runs of the last scheme failed
+    finest = "not_even_the_finest_step"
+    assert words == [["already_the_coarsest_step", finest], ["no_value", "no_value"], [finest, finest]]
     assert (
         needs(runs(FINE, uncertainty=0.0011), [0.01]).verdict.isel(quantity=0) == VERDICTS.index("below_the_reference")
     ).all()
+
+
+def test_only_quantities_and_conditions_that_were_searched_have_needs():
+    """Only this test catches needs of the velocity, whose steps are not searched, and bounds without a quantity."""
+    assert needs(runs(FINE), [0.1]).quantity.values.tolist() == ["displacement"]
+    records = runs(FINE, problem="records").isel(quantity=[0]).assign_coords(quantity=["peak drift"])
+    found = [VERDICTS[k] for k in needs(records, [0.1]).verdict.sel(scheme="cheap", quantity="peak drift").values.flat]
+    assert dict(zip(CONDITIONS, found, strict=True)) == {
+        "practice": "found",
+        "any_step": "found",
+        "whole_motion": "no_value",
+    }
+
+
+def test_a_kind_without_a_scheme_has_a_decision_without_a_name():
+    needed = with_kinds(of_problems([needs(runs(FINE), [0.1])]))
+    explicit = decisions(needed.isel(scheme=np.flatnonzero(needed.explicit == 0))).sel(kind="explicit")
+    assert (explicit.scheme == "").all() and (explicit.verdict == VERDICTS.index("no_value")).all()
+    no_codes = decisions(needed.assign_coords(in_codes=("scheme", [0, 0, 0])))
+    assert (no_codes.scheme.sel(filter="codes") == "").all() and (no_codes.scheme.sel(filter="all") != "").all()
 
 
 def test_conditions_choose_among_the_steps():

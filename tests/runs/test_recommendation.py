@@ -112,7 +112,7 @@ def test_a_problem_of_the_study_has_the_decisions_as_its_first_rows(tmp_path):
     small_results.write_to(tmp_path)
     needed = small_results.needed()
     decided = decisions(needed).sel(problem="softening", filter="all")
-    for quantity, error in (("displacement", 0.1), ("displacement", 0.01), ("velocity", 0.1)):
+    for quantity, error in (("displacement", 0.1), ("displacement", 0.01)):
         table = study.recommend("softening", allowed_error=error, quantity=quantity, folder=tmp_path)
         for kind in ("explicit", "implicit"):
             one = decided.sel(quantity=quantity, allowed_error=error, kind=kind)
@@ -191,6 +191,17 @@ def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):
             {"duration": 11},
             ValueError,
             "the runs last 10 s, and steps are extrapolated to 11 s only for free vibration",
+        ),
+        ({"quantity": 3}, TypeError, "quantity must be a name, not 3."),
+        ({"what": small_results.needed()}, ValueError, "the needs of all problems: give the name of one, of softening"),
+        (
+            {
+                "what": small_results.needed()
+                .sel(problem="softening")
+                .pipe(lambda ds: ds.assign(verdict=0 * ds.verdict + 4))
+            },
+            ValueError,
+            "no scheme can be run on the softeninging thing.",
         ),
         ({"what": None}, TypeError, "recommend takes the dataset that study.assess returns, or the name"),
         ({"what": small_results.energy_error()}, ValueError, "recommend takes a dataset of study.assess."),

@@ -95,7 +95,7 @@ def test_records_take_the_place_of_starts():
             "spacing": 0.02,
         },
     )
-    runs = as_runs(spectrum)
+    runs = as_runs(spectrum, 1e-4)
     assert runs.tried.transpose("scheme", "size").values.tolist() == [[1, 1, 1], [0, 0, 0]]
     assert (runs.starts, runs.decided, runs.time_scale) == (4, 100, 0.2)
     assert runs.force_evaluations.attrs == {"long_name": "internal forces evaluated", "units": "1"}
