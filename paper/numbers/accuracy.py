@@ -30,6 +30,7 @@ def of_agreement(agreement: xr.Dataset) -> dict:
         "delivered_least": f"{at_tolerance.min().item():.0e}",
         "delivered_most": f"{at_tolerance.max().item():.0e}",
         "tolerances_exceeded": bool((at_tolerance > at_nine.tolerance).all()),
+        "best_tolerance": f"{np.log10(agreement.tolerance.min().item()):.0f}",
         "best_at_periods_cvode_adams": f"{at_periods.min().item():.0e}",
         **{f"best_{route}": f"{error.sel(route=route).min().item():.0e}" for route in _SOLVERS},
     }
