@@ -28,8 +28,8 @@ SCHEMES, LIMIT = ("central_difference", "average_acceleration"), 2.0
 YIELD, HARDENING, SPEED = 0.02, 0.05, 0.1
 #: Refinements of the explicit step at the limit; the finest is the reference.
 REFINED = (1, 2, 4)
-#: Number of runs of one step, of which the shortest gives the time of a call.
-CALLS = 5
+#: Number of runs of one step, of which the shortest gives the time of a call, and least number of steps that are timed.
+CALLS, TIMED = 5, 1000
 
 #: Numbers of rows and columns of a panel.
 Panels = Annotated[list[Annotated[list[Annotated[int, Ge(1), Le(1000)]], Len(2, 2)]], Len(1, 20)]
@@ -144,12 +144,13 @@ def mesh(
                 steps[c, s], errors[c, s] = tried[first], tried_error[c, s, first]
                 iterations[c, s] = runs[s][first].newton_iterations.item() / round(periods * tried[first])
         elapsed = np.full((repeats, *tried_seconds.shape[1:]), np.nan)
-        # a short run takes less time than the call itself, which the shortest run of one step measures
+        # a short run takes less time than the call itself
         calls = [min(timer.run(period, 1)[0] for _ in range(CALLS)) for timer in timed]
         for repeat, (s, timer) in product(range(repeats), enumerate(timed)):
             for k, n in enumerate(counts[s]):
                 if repeat == 0 or n == steps[c, s]:  # the time of steps that decide nothing is measured once
-                    elapsed[repeat, s, k] = (timer.run(period / n, round(periods * n))[0] - calls[s]) / periods
+                    timed_steps = max(round(periods * n), TIMED)
+                    elapsed[repeat, s, k] = (timer.run(period / n, timed_steps)[0] - calls[s]) * n / timed_steps
         for s, tried in enumerate(counts):
             tried_seconds[c, s, : len(tried)] = np.nanmin(elapsed[:, s, : len(tried)], axis=0)
             if np.isfinite(steps[c, s]):
