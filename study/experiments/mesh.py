@@ -29,7 +29,7 @@ YIELD, HARDENING, SPEED = 0.02, 0.05, 0.1
 #: Refinements of the explicit step at the limit; the finest is the reference.
 REFINED = (1, 2, 4)
 #: Number of runs of one step, of which the shortest gives the time of a call, and least number of steps that are timed.
-CALLS, TIMED = 5, 1000
+CALLS, TIMED = 50, 2000
 
 #: Numbers of rows and columns of a panel.
 Panels = Annotated[list[Annotated[list[Annotated[int, Ge(1), Le(1000)]], Len(2, 2)]], Len(1, 20)]
