@@ -43,6 +43,14 @@ def number(value: float, digits: int = 3) -> str:
     return printed(f"{float(f'{value:.{digits}g}'):g}".replace("inf", "∞"))
 
 
+def at_most(value: float, digits: int = 1) -> str:
+    """The least number with ``digits`` significant digits that is not below a value, for sentences that bound it."""
+    if not 0 < value < math.inf:
+        return number(value, digits)
+    unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
+    return number(math.ceil(value / unit * (1 - 1e-9)) * unit, digits)
+
+
 def typed(value: float, digits: int = 3) -> str:
     """A number with ``digits`` significant digits as Python and CSV files write it, or a dash for NaN."""
     return "–" if math.isnan(value) else f"{float(f'{value:.{digits}g}'):g}"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from study.words import measured, printed, printed_unit
+from study.words import at_most, measured, printed, printed_unit
 
 
 @pytest.mark.parametrize(
@@ -39,3 +39,11 @@ def test_the_exponents_of_a_unit_are_raised(units, expected):
 )
 def test_a_value_is_printed_up_to_its_uncertainty(value, uncertainty, expected):
     assert measured(value, uncertainty) == expected
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "printed"),
+    [(1.49e-12, 1, "2 × 10⁻¹²"), (0.32, 1, "0.4"), (0.3, 1, "0.3"), (7.01, 2, "7.1"), (99.2, 2, "100"), (0.0, 1, "0")],
+)
+def test_a_bound_is_rounded_up(value, digits, printed):
+    assert at_most(value, digits).replace("\u00a0", " ") == printed

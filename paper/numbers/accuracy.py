@@ -7,6 +7,7 @@ from paper.claims.ledger import by_name
 from paper.products import numbers
 from paper.terms import FAITHFUL
 from paper.wording import joined
+from study.words import at_most
 
 #: Problems with positive energy; only on these can a gain of energy be distinguished from a loss.
 PROBLEMS = ["hardening", "softening", "softening_large"]
@@ -54,7 +55,7 @@ def of_accuracy(accuracy: xr.Dataset) -> dict:
     return {
         "phase_of_second_order": bool((abs(np.log2(halved) - 2) < 0.3).all()),
         "energy_hides_phase": bool(run.max_energy_error < 0.01 and run.displacement_error > 0.1),
-        "misled_energy": f"{100 * run.max_energy_error.item():.2f}",
+        "misled_energy": at_most(100 * run.max_energy_error.item(), 2),
         "misled_delay": f"{run.phase_error.item():.2f}",
         "misled_trajectory": f"{100 * run.displacement_error.item():.0f}",
         "flagged_trajectories": flagged.sel(measure="displacement_error").item(),
@@ -131,4 +132,4 @@ def of_references(references: list[xr.Dataset]) -> dict:
     """Largest relative uncertainties of the exact periods and motions of the springs."""
     period = max((reference.period_certified / reference.period).item() for reference in references)
     motion = max((reference.u_certified / abs(reference.u).max()).item() for reference in references)
-    return {"period_doubt": f"{period:.0e}", "motion_doubt": f"{motion:.0e}"}
+    return {"period_doubt": at_most(period), "motion_doubt": at_most(motion)}

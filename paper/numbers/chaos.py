@@ -7,7 +7,7 @@ from paper.claims.chaos import contraction_ratio, fewest_steps, is_second, lost_
 from paper.products import numbers
 from paper.terms import FAITHFUL
 from paper.wording import number
-from study.words import listed, span
+from study.words import at_most, listed, span
 
 #: Number of standard errors of an interval.
 ERRORS = 2
@@ -77,7 +77,7 @@ def of_chaos(chaos: xr.Dataset) -> dict:
             f"chaos_beam_spectrum_{name}": f"{abs(beam.exponent.sel(scheme=name) - spectrum.exponent).max().item():.3f}"
             for name in (*FAITHFUL, "newmark_dissipative")
         },
-        "chaos_kept_contraction": f"{100 * abs(ratio.sel(scheme='central_difference') - 1).max().item():.1g}",
+        "chaos_kept_contraction": at_most(100 * abs(ratio.sel(scheme="central_difference") - 1).max().item()),
         "chaos_contraction": span(ratio.sel(scheme="newmark_dissipative", problem="ueda"), ".1f"),
         "chaos_beam_contraction": span(ratio.sel(scheme="newmark_dissipative", problem="buckled_beam"), ".1f"),
         "chaos_beam_regular": regular("buckled_beam", "newmark_dissipative"),

@@ -7,6 +7,7 @@ from paper.claims.later_schemes_in_motion import excess_of_tangent
 from paper.claims.ledger import Verdict
 from paper.products import numbers
 from study.runs.needs import DECIDED
+from study.words import at_most
 
 #: Schemes with a model of the structure in their coefficients. Their claims of stability are judged together.
 WITH_MODEL = ("chen_ricles", "chang", "kr_alpha")
@@ -112,4 +113,4 @@ def of_later_schemes(claims: pd.DataFrame, decisions: xr.Dataset, needs: xr.Data
         for name, (fact, place) in VALUES.items()
     }
     excess = max(excess_of_tangent(later_schemes, scheme) for scheme in WITH_MODEL)
-    return facts | values | _later(decisions, needs) | {"model_excess": f"{excess:.1f}"}
+    return facts | values | _later(decisions, needs) | {"model_excess": at_most(excess, 2)}

@@ -1,7 +1,5 @@
 """Numbers of the text: maps of stability, several roots and chaos."""
 
-import math
-
 import numpy as np
 import xarray as xr
 
@@ -11,13 +9,7 @@ from paper.products import numbers
 from paper.published import PROBLEMS
 from paper.requirements import contained
 from paper.terms import CHAOTIC, DAMPED, DISSIPATIVE, FAITHFUL
-from study.words import span
-
-
-def _one_digit_up(value: float) -> str:
-    """The least number with one digit that is not smaller."""
-    unit = 10.0 ** math.floor(math.log10(value))
-    return f"{math.ceil(value / unit) * unit:.0e}"
+from study.words import at_most, span
 
 
 @numbers()
@@ -29,8 +21,8 @@ def of_long_times(long_times: xr.Dataset) -> dict:
         "lasting_steps": long_times.steps_per_period.item(),
         "lasting_runs": long_times.runs.item(),
         "lasting_double": span(long_times.energy_exponent),
-        "lasting_energy": _one_digit_up(100 * last.energy_round_off.max().item()),
-        "lasting_phase": _one_digit_up(last.phase_round_off.max().item()),
+        "lasting_energy": at_most(100 * last.energy_round_off.max().item()),
+        "lasting_phase": at_most(last.phase_round_off.max().item()),
     }
 
 

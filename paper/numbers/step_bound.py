@@ -7,7 +7,7 @@ import xarray as xr
 
 from paper.claims.step_bound import CONFIRMED, LARGEST_STEP, SCHEMES, confirmed, exceptions, over_convex
 from paper.products import numbers
-from study.words import span
+from study.words import at_most, span
 
 
 @numbers(bound="stability/step_bound", rule="stability/step_rule", requires={"step_rule.schemes": SCHEMES})
@@ -34,7 +34,7 @@ def of_step_bound(bound: xr.Dataset, rule: xr.Dataset) -> dict:
         "bound_convex_beyond": int((over > 1 + CONFIRMED).sum()),
         "bound_convex_most": f"{over.max().item():.2g}",
         "bound_period_ratio": span(ratio, ".3g"),
-        "bound_most_energy": f"{100 * bound.error.sel(quantity='energy').max().item():.2g}",
+        "bound_most_energy": at_most(100 * bound.error.sel(quantity="energy").max().item(), 2),
     }
     for name in SCHEMES:
         convex = bound.convex_coefficient.sel(scheme=name).item()

@@ -13,7 +13,7 @@ from paper.requirements import samples_of_history
 from paper.tables.models import answers
 from paper.terms import REASONABLE
 from paper.wording import joined
-from study.words import number, printed, span
+from study.words import at_most, number, printed, span
 
 #: Schemes without numerical damping with which the text compares the energy-momentum method.
 UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "gauss4"]
@@ -167,11 +167,11 @@ def of_structures(
         "turning_limit": _between(limits["average_acceleration"]),
         "turning_periods": _periods(structures.periods.sel(problem=runs.problem)),
         **{f"limit_of_{name}": _between(limit) for name, limit in limits.items()},
-        **{f"sawtooth_{name}": number(a, 2) for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
+        **{f"sawtooth_{name}": at_most(a, 2) for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
         "structure_samples": int(reference.samples_per_period),
         "chain_best": f"{100 * structures.displacement_error.sel(problem='fpu_chain').min().item():.2g}",
         "long_time": f"{long_times.t.max().item():,.0f}",
-        "sum_exact": f"{exact_change:.1f}",
+        "sum_exact": at_most(exact_change, 2),
         "sum_exact_samples": long_times.sizes["t_reference"],
         "sum_exact_until": f"{long_times.t_reference.max().item():.0f}",
         "long_step": number(long_times.step_size.item()),

@@ -42,7 +42,7 @@ def test_values_and_choices():
     numbers = _numbers()
     assert numbers["overshoot_kr"] == "1" and numbers["overshoot_mkr"] == "2.5" and numbers["period_error_mkr"] == "3"
     assert numbers["later_explicit"] == "0 of 1" and numbers["later_implicit"] == "1 of 2"
-    assert numbers["model_excess"] == "4.0"
+    assert numbers["model_excess"] == "4"
 
 
 def test_the_statements_are_in_the_ledger():
