@@ -144,7 +144,7 @@ def mesh(
                 steps[c, s], errors[c, s] = tried[first], tried_error[c, s, first]
                 iterations[c, s] = runs[s][first].newton_iterations.item() / round(periods * tried[first])
         elapsed = np.full((repeats, *tried_seconds.shape[1:]), np.nan)
-        # a short run takes less time than the call itself
+        # a short run takes less time than the call itself; longer ones go on with the motion
         calls = [min(timer.run(period, 1)[0] for _ in range(CALLS)) for timer in timed]
         for repeat, (s, timer) in product(range(repeats), enumerate(timed)):
             for k, n in enumerate(counts[s]):

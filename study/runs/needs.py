@@ -180,7 +180,7 @@ def _needed(runs: xr.Dataset, condition: str, meets: xr.DataArray, allowed: floa
     if condition != "any_step":
         counted = counted & (runs.divides == 1)
     if condition == "whole_motion" and WHOLE_MOTION.keys().isdisjoint(runs.quantity.values):
-        counted = counted & False
+        counted = xr.zeros_like(counted)
     within = keeps(runs.error.values, runs.largest_error.values, runs.periods.values, allowed)
     certain = runs.uncertainty * CERTAIN <= allowed
     kept = ((runs.error.copy(data=within) & certain & meets) | ~counted).transpose(..., "size")
