@@ -33,8 +33,9 @@ from jax.extend import core
 
 from study.marching.components import ELEMENTWISE, MOST_ENTRIES, MOST_UNKNOWNS, Lanes, NoRule, Whole, objects
 
-#: Largest number of lanes of a block; a power of two. Each thread has one lane.
-BLOCK = 128
+#: Largest number of lanes of a block; a power of two. Each thread has one lane. A multiprocessor holds at most 32
+#: blocks, and the lanes of a large block wait for each other in Newton's iteration.
+BLOCK = 64
 
 #: Largest number of operations of a kernel. Triton takes some 2 to 5 ms of CPU time to compile one of them.
 MOST_OPERATIONS = 5000
@@ -278,6 +279,9 @@ class _Block(Lanes):
 
     def _bound(self, primitive: Any, *operands: Any, **params: Any) -> Any:
         if any(isinstance(x, jax.core.Tracer) for x in operands):
+            if primitive.name == "div" and _is_real(operands[1]):
+                # a division takes some twenty times as long as a product
+                return lax.mul(*map(self._full, (operands[0], 1 / operands[1])))
             operands = tuple(map(self._full, operands))
             if primitive.name in _WRITTEN_OUT:
                 return _WRITTEN_OUT[primitive.name](*operands, **params)
@@ -344,6 +348,11 @@ def _constants(program: Any) -> Iterator[Any]:
 
 def _is_argument(constant: Any) -> bool:
     return isinstance(constant, jax.core.Tracer) or np.size(constant) > MOST_ENTRIES
+
+
+def _is_real(number: Any) -> bool:
+    """Whether this is a known real number, and no integer."""
+    return not isinstance(number, jax.core.Tracer) and np.issubdtype(np.result_type(number), np.floating)
 
 
 def _number_type(dtype: Any) -> Any:

@@ -38,7 +38,10 @@ PAUSE_OF_LANES = 2**26
 
 #: As ``PAUSE``, for lanes in kernels on a GPU. A step of a lane takes some hundredths of a nanosecond there, and a
 #: hundred times as long if a kernel is refused.
-PAUSE_OF_KERNELS = 2**30
+PAUSE_OF_KERNELS = 2**34
+
+#: Largest number of steps between two pauses of lanes in kernels: a step takes a microsecond, however few the lanes.
+STEPS_OF_KERNELS = 2**17
 
 #: Names of fields that are labels and change nothing in a march.
 LABELS = ("title", "source", "doi")
@@ -126,13 +129,14 @@ def _start(form: _Form, numbers: list, begin: tuple, room: int):
 
 @partial(jit, static_argnums=(0, 3), donate_argnums=4)
 def _stretch(form: _Form, numbers: list, counts, each_step: bool, stored, lanes: tuple):
-    """Progress, samples and result of a run after one more stretch."""
+    """Progress, samples and result of a run after one more stretch, and whether every run has failed."""
     march = form.march(numbers)
 
     def stretch(stored, progress, initial, dt, arguments, lane_steps):
         return _proceed(march.with_arguments(arguments), counts, each_step, stored, progress, initial, dt, lane_steps)
 
-    return _each_tile(march, stretch, (stored, *lanes))
+    progress, stored, result = _each_tile(march, stretch, (stored, *lanes))
+    return progress, stored, result, jnp.all(result[0] != 0)
 
 
 def _stretches(steps: int, every: int, samples: int, room: int, pause: int) -> Iterator[tuple[int, int]]:
@@ -243,8 +247,10 @@ class Program:
         if pause is None:
             unknowns = math.prod(u0.shape[2:] if self._lanes else u0.shape)
             lanes = max(1, np.isfinite(u0).sum() / unknowns)  # without those that pad a tile
-            most = PAUSE_OF_KERNELS if self._march.in_kernels else PAUSE_OF_LANES if self._lanes else PAUSE
+            in_kernels = self._march.in_kernels
+            most = PAUSE_OF_KERNELS if in_kernels else PAUSE_OF_LANES if self._lanes else PAUSE
             pause = max(1, int(most / (lanes * unknowns**1.5)))
+            pause = min(pause, STEPS_OF_KERNELS) if in_kernels else pause
         if samples < room and steps <= pause:
             counts = np.array([steps, every, 0])
             stored, result = _whole(self.form, self.numbers, counts, begin, room, each_step, lane_steps)
@@ -258,6 +264,7 @@ class Program:
         return min(most, 2 ** max(0, int(math.log2(ROOM / u0.size)))) if self._has_records else 1
 
     def _in_stretches(self, begin, steps, every, samples, lane_steps, room, each_step, pause, on_pause) -> Result:
+        begin, lane_steps = jax.device_put((begin, lane_steps))
         progress, initial, stored = _start(self.form, self.numbers, begin, room)
         before = (slice(None),) * self._lanes
         shapes = {n: (*v.shape[: self._lanes], samples + 1, *v.shape[self._lanes + 1 :]) for n, v in stored.items()}
@@ -265,12 +272,12 @@ class Program:
         for first, until in _stretches(steps, every, samples, room, pause):
             counts = np.array([until, every, first])
             lanes = progress, initial, *begin[2:], lane_steps
-            progress, stored, result = _stretch(self.form, self.numbers, counts, each_step, stored, lanes)
+            progress, stored, result, ended = _stretch(self.form, self.numbers, counts, each_step, stored, lanes)
             new = min(room, samples + 1 - first)
             for name, values in stored.items():
                 whole[name][(*before, slice(first, first + new))] = np.asarray(values)[(*before, slice(new))]
-            # reading the result waits for the end of the stretch, so that Ctrl-C acts between two stretches
-            if np.all(np.asarray(result[0])) or not on_pause(until):
+            # reading a value waits for the end of the stretch, so that Ctrl-C acts between two stretches
+            if ended or not on_pause(until):
                 break
             check_time()
         for values in whole.values():

@@ -85,6 +85,7 @@ FAMILIES: dict[str, tuple[Any, dict[str, np.ndarray]]] = {
 
 def _check(monkeypatch, problem, scheme, tolerance=1e-12, **arguments):
     """Lanes in kernels have the results of the present lanes, whose values are returned."""
+    monkeypatch.setattr(kernel, "is_chosen", lambda unknowns: False)
     right = study.run(problem, scheme, **arguments)
     monkeypatch.setattr(kernel, "is_chosen", lambda unknowns: True)
     monkeypatch.setattr(run, "FEW", 0)
@@ -194,6 +195,7 @@ def test_what_has_no_kernel_marches_step_by_step_and_is_logged(monkeypatch, refu
 
 
 def test_many_unknowns_and_controlled_steps_are_logged(monkeypatch, refusals):
+    monkeypatch.setattr(kernel.jax, "default_backend", lambda: "cpu")
     study.run("hardening", "rk4", u0=[1.0, 1.1], tolerance=1e-3, duration=0.1, observe="peak")
     assert refusals() == [] and not kernel.is_chosen(1)
     monkeypatch.setattr(kernel.jax, "default_backend", lambda: "gpu")
@@ -217,6 +219,16 @@ def test_a_kernel_that_xla_refuses_is_not_compiled_again(monkeypatch, refusals):
     assert len(calls) == 1
     (message,) = refusals()
     assert message.endswith("because a kernel is refused: JaxRuntimeError: INTERNAL: out of registers.")
+
+
+@pytest.mark.exhaustive
+def test_kernels_of_every_scheme_are_runs(monkeypatch, refusals, scheme_name):
+    """A formula of a scheme with another value in a kernel; on a GPU, a fault of the compiler."""
+    observe = ["max_energy_error", "peak"]
+    _check(monkeypatch, "softening", scheme_name, u0=np.array([0.5, 1.0, 2.0]), dt=0.01, steps=30, observe=observe)
+    assert refusals() == []
+    _check(monkeypatch, _frame, scheme_name, over={"scale": np.array([0.5, 2.0])}, dt=0.01, steps=30, observe="peak")
+    assert all(REFUSED[scheme_name] in message for message in refusals())
 
 
 def _device():
