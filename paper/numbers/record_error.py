@@ -24,6 +24,7 @@ def of_record_error(errors: xr.Dataset) -> dict:
     law = predicted(average)
     ratio = average.error.sel(load="samples") / law
     runs = ratio.notnull()
+    steps_per_period = (average.period / errors.step_size).where(runs)
     stochastic = (errors.origin == _STOCHASTIC).values
     low, high = np.nanpercentile(ratio, RANGE)
     scatters = {
@@ -45,6 +46,7 @@ def of_record_error(errors: xr.Dataset) -> dict:
         "record_error_own": int((~stochastic).sum()) - 1 or None,
         "record_error_spacings": listed(f"{1e3 * spacing:g}" for spacing in np.unique(errors.spacing[stochastic])),
         "record_error_runs": int(runs.sum()),
+        "record_error_fewest": f"{steps_per_period.min().item():.0f}",
         "record_error_damping": f"{100 * errors.damping_ratio.item():g}",
         "record_error_periods": span(errors.period, "g"),
         "record_error_duration": span(errors.duration[stochastic], ".0f"),

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import xarray as xr
 
 from paper.data import largest_omega_step
@@ -22,6 +23,8 @@ def of_step_rule(rule: xr.Dataset) -> dict:
     safe = largest_omega_step(rule, ERROR)
     steps = rule.period * rule.highest_frequency / safe
     everywhere_safe, most = safe.min(everywhere), safe.max(everywhere)
+    # a single amplitude may allow more than those beside it, where the error varies irregularly with the step
+    beside = np.minimum(safe, safe.shift(amplitude=1)).max(everywhere)
     fewest, finest = steps.min(everywhere), steps.max(everywhere)
     ratio = most / everywhere_safe
     entries = {
@@ -36,7 +39,7 @@ def of_step_rule(rule: xr.Dataset) -> dict:
     for name in SCHEMES:
         entries |= {
             f"rule_below_{name}": f"{math.floor(100 * everywhere_safe.sel(scheme=name).item()) / 100:.2f}",
-            f"rule_most_{name}": f"{most.sel(scheme=name).item():.2f}",
+            f"rule_most_{name}": f"{beside.sel(scheme=name).item():.2f}",
             f"rule_steps_{name}": f"{number(fewest.sel(scheme=name).item(), 2)} to "
             + number(finest.sel(scheme=name).item(), 2),
         }
