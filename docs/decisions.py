@@ -26,15 +26,15 @@ def step_cell(need: xr.Dataset) -> str:
 
 
 def short_cell(decision: xr.Dataset, limits: Mapping[str, float], costs: bool = False) -> str:
-    """A decision in words: scheme, step and Δt·ω < its stability limit; a dash if no scheme keeps the error.
+    """A decision in words: scheme, step, ωΔt and its stability limit; a dash if no scheme keeps the error.
 
     With ``costs``, the number of forces follows, the computing time if it decides, and ``…`` if other schemes tie.
     """
     words = answer(decision, limits)
     if not words["Steps"]:
         return words["Scheme"]
-    below = f" < {words['Limit']}" if words["Limit"] else ""
-    parts = [step_cell(decision), f"ωΔt = {words['ωΔt']}{below}"]
+    limit = f" (limit {words['Limit']})" if words["Limit"] else ""
+    parts = [step_cell(decision), f"ωΔt = {words['ωΔt']}{limit}"]
     if costs:
         parts.append(f"{words['Forces']} forces{'/s' if decision.problem.item() == 'records' else ''}")
         parts += [f"{words['Time [ms]']} ms"] * bool(words["Time [ms]"]) + ["…"] * bool(words["Ties"])

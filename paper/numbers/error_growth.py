@@ -6,6 +6,7 @@ import xarray as xr
 from paper.claims.error_growth import exponents
 from paper.products import numbers
 from paper.wording import number
+from study.analysis.duration import step_exponent
 from study.words import span
 
 #: Measure of each number, and whether it is that of the schemes that keep the energy.
@@ -38,12 +39,18 @@ def of_error_growth(growth: xr.Dataset) -> dict:
     ratio = (growth.extrapolated_error / growth.allowed_error).values[
         growth.extrapolated_steps_per_period.notnull().values
     ]
+    exponent = [step_exponent(*each) for each in zip(growth.order.values, growth.order_of_loss.values, strict=True)]
+    by_law = growth.fewest_steps_per_period * (growth.extrapolated / growth.known) ** xr.DataArray(
+        exponent, dims="scheme"
+    )
+    finer = (growth.extrapolated_steps_per_period / by_law).max().item() - 1
     return entries | {
         "growth_schemes": growth.sizes["scheme"],
         "growth_longest": f"{growth.periods.values[-1].item():,}",
         "growth_known": f"{growth.known.item():,}",
         "growth_extrapolated": f"{growth.extrapolated.item():,}",
         "growth_allowed": f"{100 * growth.allowed_error.item():g}",
+        "growth_finer": f"{100 * finer:.0f}" if ratio.size else None,
         "growth_cases": ratio.size,
         "growth_cases_kept": int((ratio <= 1).sum()),
         "growth_most": number(100 * (growth.allowed_error.item() * np.nanmax(ratio)), ".3g")

@@ -45,13 +45,15 @@ def _decision(**values) -> xr.Dataset:
 def test_a_cell_states_the_product_of_frequency_and_step(omega_step, printed):
     decision = _decision(omega_step=omega_step, verdict=1)
     assert short_cell(decision, {}).replace("\u00a0", " ") == f"Bathe: ≤ 10 steps, ωΔt = {printed}"
-    assert short_cell(decision, {"bathe": 2.0}).replace("\u00a0", " ") == f"Bathe: ≤ 10 steps, ωΔt = {printed} < 2"
+    assert (
+        short_cell(decision, {"bathe": 2.0}).replace("\u00a0", " ") == f"Bathe: ≤ 10 steps, ωΔt = {printed} (limit 2)"
+    )
 
 
 @pytest.mark.parametrize("omega_step, printed", [(1.968, "1.97"), (1.99996, "1.99996")])
 def test_a_product_below_the_limit_of_stability_is_printed_below_it(omega_step, printed):
     assert short_cell(_decision(omega_step=omega_step), {"bathe": 2.0}).endswith(
-        f" {printed} < 2".replace(" ", "\u00a0")
+        f" {printed} (limit 2)".replace(" ", "\u00a0")
     )
 
 
