@@ -165,7 +165,8 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     n, words = json.loads((results / "numbers.json").read_text()), " ".join(README.split())
     assert f"The springs run over {n['decided_periods']} periods" in words
     law = "From {known} to {extrapolated} periods of two springs from rest, the next finer step tried "
-    law += "(up to {finer} % finer) keeps an error of {allowed} % in {cases_kept} of {cases} cases, and the largest error is {most} %."
+    law += "(up to {finer} % finer) keeps an error of {allowed} % in {cases_kept} of {cases} cases, "
+    law += "and the largest error is {most} %."
     names = "known", "extrapolated", "finer", "allowed", "cases_kept", "cases", "most"
     assert law.format(**{name: n[f"growth_{name}"] for name in names}) in words
 
