@@ -28,8 +28,10 @@ SCHEMES, LIMIT = ("central_difference", "average_acceleration"), 2.0
 YIELD, HARDENING, SPEED = 0.02, 0.05, 0.1
 #: Refinements of the explicit step at the limit; the finest is the reference.
 REFINED = (1, 2, 4)
-#: Number of runs of one step, of which the shortest gives the time of a call, and least number of steps that are timed.
-CALLS, TIMED = 50, 2000
+#: Number of runs of one step, of which the shortest gives the time of a call, and this step over the period: so short
+#: that Newton's method converges at once. A run that takes less than ``LONG`` calls goes on with the motion, up to
+#: ``TIMED`` steps.
+CALLS, SHORT, LONG, TIMED = 50, 1e-9, 100, 2000
 
 #: Numbers of rows and columns of a panel.
 Panels = Annotated[list[Annotated[list[Annotated[int, Ge(1), Le(1000)]], Len(2, 2)]], Len(1, 20)]
@@ -81,6 +83,15 @@ def panel(rows: int, columns: int, stiffening: float) -> tuple[Problem, float, f
         title=f"panel of {rows} by {columns}",
     )
     return problem, lowest, highest
+
+
+def seconds_of_step(timer: Timed, dt: float, steps: int, call: float) -> float:
+    """Time of a step in a run of these steps, or of more if the call takes a large part of the time."""
+    seconds, _ = timer.run(dt, steps)
+    if steps < TIMED and seconds < LONG * call:
+        steps = TIMED
+        seconds, _ = timer.run(dt, steps)
+    return (seconds - call) / steps
 
 
 @experiment("mesh", timed=True)
@@ -144,13 +155,11 @@ def mesh(
                 steps[c, s], errors[c, s] = tried[first], tried_error[c, s, first]
                 iterations[c, s] = runs[s][first].newton_iterations.item() / round(periods * tried[first])
         elapsed = np.full((repeats, *tried_seconds.shape[1:]), np.nan)
-        # a short run takes less time than the call itself; longer ones go on with the motion
-        calls = [min(timer.run(period, 1)[0] for _ in range(CALLS)) for timer in timed]
+        calls = [min(timer.run(SHORT * period, 1)[0] for _ in range(CALLS)) for timer in timed]
         for repeat, (s, timer) in product(range(repeats), enumerate(timed)):
             for k, n in enumerate(counts[s]):
                 if repeat == 0 or n == steps[c, s]:  # the time of steps that decide nothing is measured once
-                    timed_steps = max(round(periods * n), TIMED)
-                    elapsed[repeat, s, k] = (timer.run(period / n, timed_steps)[0] - calls[s]) * n / timed_steps
+                    elapsed[repeat, s, k] = n * seconds_of_step(timer, period / n, round(periods * n), calls[s])
         for s, tried in enumerate(counts):
             tried_seconds[c, s, : len(tried)] = np.nanmin(elapsed[:, s, : len(tried)], axis=0)
             if np.isfinite(steps[c, s]):
