@@ -167,7 +167,7 @@ def of_structures(
         "turning_limit": _between(limits["average_acceleration"]),
         "turning_periods": _periods(structures.periods.sel(problem=runs.problem)),
         **{f"limit_of_{name}": _between(limit) for name, limit in limits.items()},
-        **{f"sawtooth_{name}": at_most(a, 2) for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
+        **{f"sawtooth_{name}": number(a, 2) for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
         "structure_samples": int(reference.samples_per_period),
         "chain_best": f"{100 * structures.displacement_error.sel(problem='fpu_chain').min().item():.2g}",
         "long_time": f"{long_times.t.max().item():,.0f}",

@@ -9,7 +9,7 @@ from paper.tables.models import ERROR, answers
 from paper.tables.whole_motion import ERROR as WHOLE
 from study.runs.needs import WHOLE_MOTION
 from study.sizes import fewest
-from study.words import listed, relative_to
+from study.words import listed
 
 #: Error of the displacement at which the fastest schemes and solvers are compared.
 EXACTING = 1e-10
@@ -107,7 +107,6 @@ def of_decisions(decisions: xr.Dataset, needs: xr.Dataset, softening: xr.Dataset
         "decided_errors": listed(f"{100 * error:g}" for error in decisions.allowed_error.values),
         "decided_periods": listed(sorted({f"{periods:,.0f}" for periods in springs.decided.values})),
         **_further_runs(softening),
-        "error_relative_to": relative_to(),
         "whole_bounds": listed(
             f"{100 * WHOLE_MOTION[quantity]:g}" for quantity in ("velocity", "acceleration", "energy")
         ),

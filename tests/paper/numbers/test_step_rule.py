@@ -14,7 +14,7 @@ def _rule(largest):
     ``largest`` is the largest safe Δt ωmax of each scheme on the first spring; on the second it is twice as large.
     """
     upto = np.multiply.outer(list(largest.values()), [1.0, 2.0])[..., None, None]
-    errors = np.where(np.array(STEPS) <= upto, 0.005, 0.02)
+    errors = np.repeat(np.where(np.array(STEPS) <= upto, 0.005, 0.02), 2, axis=2)
     dims = ("scheme", "problem", "amplitude", "omega_step")
     return xr.Dataset(
         {"energy_error": (dims, errors), "period_error": (dims, errors)},
@@ -23,9 +23,9 @@ def _rule(largest):
             "scheme_title": ("scheme", [name.title() for name in largest]),
             "omega_step": STEPS,
             "periods": 100,
-            "amplitude": [0.5],
-            "period": (("problem", "amplitude"), np.full((2, 1), 2.0)),
-            "highest_frequency": (("problem", "amplitude"), [[0.5], [2.0]]),
+            "amplitude": [0.5, 0.6],
+            "period": (("problem", "amplitude"), np.full((2, 2), 2.0)),
+            "highest_frequency": (("problem", "amplitude"), [[0.5, 0.5], [2.0, 2.0]]),
         },
     )
 
@@ -39,6 +39,12 @@ def test_ranges_are_those_of_the_runs():
     assert found["rule_steps_rk4"] == "100 to 200"
     assert not found["rule_serves"]  # Δt ωmax varies as much as the number of steps in a period
     assert found["rule_exceptions"] == "none"
+
+
+def test_an_amplitude_that_allows_more_than_those_beside_it_does_not_count():
+    rule = _rule(dict.fromkeys(SCHEMES, 0.02))
+    rule["energy_error"][0, 1, 0] = rule["period_error"][0, 1, 0] = 0.005
+    assert of_step_rule(rule)["rule_most_central_difference"] == "0.02"
 
 
 def test_a_step_does_not_count_where_a_finer_one_fails():
