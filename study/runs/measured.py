@@ -132,25 +132,34 @@ class Motion:
 
         Under a record, they begin 1, 2, ... samples later, since a multiple of the record would only scale a linear
         motion. Otherwise the start is multiplied (:func:`study.mechanics.loads.restarted`) by equally spaced factors
-        within ``VARIATION`` of one, or within ``VARIATION_WITH_KINKS``. A smooth motion that keeps its energy begins
-        at times that the golden ratio spreads over ``scale`` seconds, since schemes are more accurate from rest:
-        Fox-Goodwin's method is of fourth order there, and of second order from any other start. Starts of one unknown
+        within ``VARIATION`` of one, or within ``VARIATION_WITH_KINKS``. A smooth motion that keeps its energy also
+        begins in motion, since schemes are more accurate from rest: Fox-Goodwin's method is of fourth order there,
+        and of second order from any other start. It begins where its kinetic energy is largest, and at times that the
+        golden ratio spreads over ``scale`` seconds. Starts of one unknown
         that differ in initial values alone are in one item of the list, because their runs march side by side.
         """
         if self.problem.ground is not None and np.isfinite(self.spacing):
             problems = [later(self.problem, samples) for samples in range(1, others + 1)]
         else:
             factors = 1 + (VARIATION_WITH_KINKS if self.kinked else VARIATION) * np.linspace(-1, 1, others)
-            times = scale * (GOLDEN * np.arange(1, others + 1) % 1) * (self.problem.conservative and not self.kinked)
-            problems = [restarted(self._from(t), factor) for t, factor in zip(times, factors, strict=True)]
+            free = self.problem.conservative and not self.kinked
+            points = self._in_motion(others, scale) if free else [0] * others
+            problems = [restarted(self._from(k), factor) for k, factor in zip(points, factors, strict=True)]
         solved = [(self.problem, self.solution), *((problem, self._solved(problem)) for problem in problems)]
         begins = {(*np.ravel(problem.u0), *np.ravel(problem.v0)) for problem, _ in solved}
         together = not self.several and len(begins) == len(solved)
         return [self._starts(group) for group in ([solved] if together else [[start] for start in solved])]
 
-    def _from(self, time: float) -> Problem:
-        """The problem that begins with the state of the reference at the point of its grid next to a time."""
-        state = [history[np.abs(self.solution.t - time).argmin()] for history in (self.solution.u, self.solution.v)]
+    def _in_motion(self, others: int, scale: float) -> list[int]:
+        """Points of the reference's grid within ``scale`` seconds at which other starts begin."""
+        t, v = self.solution.t, self.solution.v[self.solution.t <= scale]
+        fastest = np.argmax([np.vdot(each, self.problem.momentum(each)) for each in v])
+        spread = scale * (GOLDEN * np.arange(1, others) % 1)
+        return [int(fastest), *(int(np.abs(t - time).argmin()) for time in spread)][:others]
+
+    def _from(self, point: int) -> Problem:
+        """The problem that begins with the state of the reference at a point of its grid."""
+        state = [history[point] for history in (self.solution.u, self.solution.v)]
         return eqx.tree_at(lambda p: (p.u0, p.v0), self.problem, tuple(state))
 
     def _starts(self, solved: Sequence[tuple[Problem, DenseSolution]]) -> Starts:
