@@ -155,7 +155,8 @@ class Motion:
         t, v = self.solution.t, self.solution.v[self.solution.t <= scale]
         fastest = np.argmax([np.vdot(each, self.problem.momentum(each)) for each in v])
         spread = scale * (GOLDEN * np.arange(1, others) % 1)
-        return [int(fastest), *(int(np.abs(t - time).argmin()) for time in spread)][:others]
+        # the last start has the largest factor, and most schemes err most where the motion is fastest
+        return [*(int(np.abs(t - time).argmin()) for time in spread), int(fastest)][:others]
 
     def _from(self, point: int) -> Problem:
         """The problem that begins with the state of the reference at a point of its grid."""
