@@ -17,12 +17,16 @@ from study.words import number
 _HEAD = ("scheme", "code", "name and parameters", "remark")
 
 
+def _unbroken(words: str) -> str:
+    return words.replace(" ", NO_BREAK)
+
+
 def step_cell(need: xr.Dataset) -> str:
     """The step of a need or decision with its unit; a dash if no step keeps the error."""
     if not need.step_size > 0:
         return "–"
     step = steps_of(need)
-    return (step if need.problem.item() == "records" else f"{step} steps").replace(" ", NO_BREAK)
+    return _unbroken(step if need.problem.item() == "records" else f"{step} steps")
 
 
 def short_cell(decision: xr.Dataset, limits: Mapping[str, float], costs: bool = False) -> str:
@@ -33,12 +37,12 @@ def short_cell(decision: xr.Dataset, limits: Mapping[str, float], costs: bool = 
     words = answer(decision, limits)
     if not words["Steps"]:
         return words["Scheme"]
-    limit = f" (limit {words['Limit']})" if words["Limit"] else ""
-    parts = [step_cell(decision), f"ωΔt = {words['ωΔt']}{limit}"]
+    limit = f" (limit{NO_BREAK}{words['Limit']})" if words["Limit"] else ""
+    parts = [step_cell(decision), f"{_unbroken('ωΔt = ' + words['ωΔt'])}{limit}"]
     if costs:
-        parts.append(f"{words['Forces']} forces{'/s' if decision.problem.item() == 'records' else ''}")
-        parts += [f"{words['Time [ms]']} ms"] * bool(words["Time [ms]"]) + ["…"] * bool(words["Ties"])
-    return f"{words['Scheme']}: {', '.join(part.replace(' ', NO_BREAK) for part in parts)}"
+        parts.append(_unbroken(f"{words['Forces']} forces{'/s' if decision.problem.item() == 'records' else ''}"))
+        parts += [_unbroken(f"{words['Time [ms]']} ms")] * bool(words["Time [ms]"]) + ["…"] * bool(words["Ties"])
+    return f"{words['Scheme']}: {', '.join(parts)}"
 
 
 def _decided(decisions: xr.Dataset, limits: Mapping[str, float], costs: bool = False) -> dict[tuple, list[str]]:
