@@ -279,7 +279,7 @@ class _Block(Lanes):
 
     def _bound(self, primitive: Any, *operands: Any, **params: Any) -> Any:
         if any(isinstance(x, jax.core.Tracer) for x in operands):
-            if primitive.name == "div" and _is_real(operands[1]):
+            if primitive.name == "div" and _has_reciprocal(operands[1]):
                 # a division takes some twenty times as long as a product
                 return lax.mul(*map(self._full, (operands[0], 1 / operands[1])))
             operands = tuple(map(self._full, operands))
@@ -350,9 +350,11 @@ def _is_argument(constant: Any) -> bool:
     return isinstance(constant, jax.core.Tracer) or np.size(constant) > MOST_ENTRIES
 
 
-def _is_real(number: Any) -> bool:
-    """Whether this is a known real number, and no integer."""
-    return not isinstance(number, jax.core.Tracer) and np.issubdtype(np.result_type(number), np.floating)
+def _has_reciprocal(number: Any) -> bool:
+    """Whether this is a known floating-point number whose reciprocal does not overflow."""
+    if isinstance(number, jax.core.Tracer) or not np.issubdtype(np.result_type(number), np.floating):
+        return False
+    return bool(np.abs(number) >= np.finfo(np.result_type(number)).tiny)
 
 
 def _number_type(dtype: Any) -> Any:

@@ -168,6 +168,7 @@ def _operations(u, k):
         jnp.stack([long[0, :80], 2 * long[0, 80:160]], axis=1)[k, 0],
         [part[k] for part in jnp.split(table[:, 1], 2)],
         jnp.linspace(0, u[0], 200)[100 * k],
+        (u / 3.0, u / 0.0, 1e-320 * u / 1e-320, k // 2),
     ]
 
 

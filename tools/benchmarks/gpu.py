@@ -3,10 +3,11 @@
     PYTHONPATH=. python tools/benchmarks/gpu.py
 
 The time of a step of a lane is the difference of the times of two runs that differ in their number of steps, so that
-it excludes the call and the compilation. With ``nvcc`` the same formulas run in CUDA (``limit.cu``).
+it excludes the call and the compilation. The same formulas run in CUDA (``limit.cu``), which needs ``nvcc``.
 """
 
 import logging
+import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable
@@ -92,9 +93,9 @@ def lorenz(dtype: np.dtype) -> Callable[[int], jax.Array]:
     return lambda steps: march(start, steps).block_until_ready()
 
 
-def springs(problem: str, scheme: str, lanes: int = LANES) -> Callable[[int], float]:
+def springs(problem: str, scheme: str) -> Callable[[int], float]:
     """The largest energy error of the last lane, as in ``limit.cu``, by ``study.run``."""
-    u0, dt = np.linspace(0.1, 1.5, lanes), STEP_SIZES[problem]
+    u0, dt = np.linspace(0.1, 1.5, LANES), STEP_SIZES[problem]
 
     def run(steps):
         return float(
@@ -122,6 +123,8 @@ def diffrax_tsit5(lanes: int) -> Callable[[int], jax.Array]:
 
 def main() -> None:
     """Print the table."""
+    if jax.default_backend() != "gpu" or not shutil.which("nvcc"):
+        raise SystemExit("This benchmark needs a CUDA device, JAX for CUDA, and nvcc.")
     logging.basicConfig(format="%(message)s")
     kernel.LOG.setLevel(logging.INFO)
     print(jax.devices()[0].device_kind, "JAX", jax.__version__, flush=True)
