@@ -6,7 +6,6 @@ import xarray as xr
 from paper.claims.error_growth import exponents
 from paper.products import numbers
 from paper.wording import number
-from study.analysis.duration import step_exponent
 from study.words import span
 
 #: Measure of each number, and whether it is that of the schemes that keep the energy.
@@ -39,10 +38,7 @@ def of_error_growth(growth: xr.Dataset) -> dict:
     ratio = (growth.extrapolated_error / growth.allowed_error).values[
         growth.extrapolated_steps_per_period.notnull().values
     ]
-    exponent = [step_exponent(*each) for each in zip(growth.order.values, growth.order_of_loss.values, strict=True)]
-    by_law = growth.fewest_steps_per_period * (growth.extrapolated / growth.known) ** xr.DataArray(
-        exponent, dims="scheme"
-    )
+    by_law = growth.fewest_steps_per_period * (growth.extrapolated / growth.known) ** growth.exponent
     finer = (growth.extrapolated_steps_per_period / by_law).max().item() - 1
     return entries | {
         "growth_schemes": growth.sizes["scheme"],
