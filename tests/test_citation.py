@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+import study
+
 PROJECT = Path(__file__).parents[1]
 CITATION = yaml.safe_load((PROJECT / "CITATION.cff").read_text())
 METADATA = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
@@ -25,6 +27,7 @@ def test_what_catalogues_read_is_that_of_the_citation(catalogue, title, authors)
     assert catalogue["description"] == CITATION["abstract"]
     assert catalogue["keywords"] == CITATION["keywords"] == METADATA["keywords"]
     assert CITATION["references"][0]["doi"] in str(catalogue)
+    assert "More than forty schemes" in catalogue["description"] and len(study.schemes) > 40
 
 
 def test_the_requirements_are_those_of_the_package():

@@ -33,7 +33,7 @@ def of_mesh(mesh: xr.Dataset) -> dict:
         "mesh_crossover_frame": span(frames, ",.0f"),
         "mesh_crossover_panel": span(meshes, ",.0f"),
         "mesh_price": span(by_panel.stack(panel=["rows", "columns"]).dropna("panel"), ".2g"),
-        "mesh_saved_implicit": span(stiffest / softest, ".2g"),
+        "mesh_price_implicit": span(stiffest / softest, ".2g"),
         # the next finer step tried is half as long
         "mesh_explicit_at_limit": bool((explicit.steps_per_period < 1.5 * np.pi * mesh.mesh_ratio).all()),
     }

@@ -22,9 +22,8 @@ def of_step_rule(rule: xr.Dataset) -> dict:
     safe = largest_omega_step(rule, ERROR)
     steps = rule.period * rule.highest_frequency / safe
     everywhere_safe, most = safe.min(everywhere), safe.max(everywhere)
-    # a single amplitude may allow more than those beside it, where the error varies irregularly with the step
-    two = min(2, safe.sizes["amplitude"])
-    beside = safe.rolling(amplitude=two).min().max(everywhere)
+    # a single amplitude may allow more than its neighbours, where the error varies irregularly with the step
+    of_neighbours = safe.rolling(amplitude=min(2, safe.sizes["amplitude"])).min().max(everywhere)
     fewest, finest = steps.min(everywhere), steps.max(everywhere)
     ratio = most / everywhere_safe
     entries = {
@@ -39,7 +38,7 @@ def of_step_rule(rule: xr.Dataset) -> dict:
     for name in SCHEMES:
         entries |= {
             f"rule_below_{name}": f"{math.floor(100 * everywhere_safe.sel(scheme=name).item()) / 100:.2f}",
-            f"rule_most_{name}": f"{beside.sel(scheme=name).item():.2f}",
+            f"rule_most_{name}": f"{of_neighbours.sel(scheme=name).item():.2f}",
             f"rule_steps_{name}": f"{number(fewest.sel(scheme=name).item(), 2)} to "
             + number(finest.sel(scheme=name).item(), 2),
         }

@@ -164,8 +164,9 @@ def test_a_free_vibration_also_begins_in_motion():
     oscillator = study.Problem(lambda u: 4 * np.pi**2 * u, 1.0, potential=lambda u: 2 * np.pi**2 * u**2)
     (starts,) = Motion.of(oscillator, 2.0, 0.1).starts(2, 1.0)
     energies = [float(one.energy(one.u0, one.v0)) for one in starts.problems]
-    assert energies == pytest.approx([energies[0]] * 3, rel=1.01**2 - 0.9999) and len({*energies}) == 3
-    assert abs(starts.problems[2].u0) < 0.05 and energies[2] > energies[0]  # where it is fastest
+    assert energies[1] == pytest.approx(energies[0], rel=0.02) and len({*energies}) == 3
+    # where it is fastest, at the equilibrium, all of the energy grows with the square of the velocity
+    assert energies[2] == pytest.approx(1.01**2 * energies[0])
     for start, order in ((0, 4), (1, 2), (2, 2)):
         rows = measured(study.schemes["fox_goodwin"], starts, [start], [1 / 40, 1 / 80], [2.0])
         assert np.log2(rows.displacement[0] / rows.displacement[1]) == pytest.approx(order, abs=0.1)

@@ -41,7 +41,7 @@ def test_ranges_are_those_of_the_runs():
     assert found["rule_exceptions"] == "none"
 
 
-def test_an_amplitude_that_allows_more_than_those_beside_it_does_not_count():
+def test_an_amplitude_that_allows_more_than_its_neighbours_does_not_count():
     rule = _rule(dict.fromkeys(SCHEMES, 0.02))
     rule["energy_error"][0, 1, 0] = rule["period_error"][0, 1, 0] = 0.005
     assert of_step_rule(rule)["rule_most_central_difference"] == "0.02"
