@@ -167,7 +167,8 @@ def _good(subject: "Subject", library: "Library") -> Iterator[str]:
         )
     if math.isinf(theory.limit):
         without = " without iterations" if scheme.explicit else ""
-        yield f"stiff structures{without}: stability limits no step in linear theory"
+        stiffer = " as long as they do not become stiffer than its model" if scheme.explicit else ""
+        yield f"stiff structures{without}: stability limits no step in linear theory{stiffer}"
         if theory.at_infinity < RADIUS:
             yield f"modes that the step does not resolve, which it damps (ρ∞ = {number(theory.at_infinity)})"
     if theory.least_radius < RADIUS:
@@ -195,7 +196,7 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
         growth = number(-100 * theory.decay_of_rule, 2)
         yield f"long undamped motions, which grow at any step: at {STEPS} per period by {growth}\u00a0% per period"
     elif math.isfinite(theory.limit):
-        yield f"structures with ωΔt above {number(theory.limit, 3)} in any mode, where it is unstable"
+        yield f"structures with ωΔt above {number(theory.limit, 3)} in any mode, where it is unstable without damping"
     elif theory.at_infinity > 1 - ROUND_OFF:
         yield "modes that are excited and that the step does not resolve, which it does not damp (ρ∞ = 1)"
     if abs(theory.decay_of_rule) > DAMPS and theory.limit > 0:

@@ -8,6 +8,7 @@ import sys
 import unicodedata
 from pathlib import Path
 
+import jax.numpy as jnp
 import numpy as np
 import pandas as pd
 import pytest
@@ -69,6 +70,33 @@ def test_the_readme_states_the_law_of_longer_durations():
     steps, longer = _stated(r"Over 1,000 periods the (\d+) steps of central difference thus become ([\d,]+)\.")
     assert f"Central difference: {steps} steps" in README.replace("\u00a0", " ")
     assert steps * 10**0.5 <= longer < steps * 10**0.5 + 10
+
+
+def test_the_texts_state_how_limits_depend_on_damping():
+    def limit(scheme: str, damping_ratio: float) -> float:
+        return study.LinearTheory(scheme, np.linspace(0.01, 0.7, 100), damping_ratio).stability_limit()
+
+    for text in (README, (PROJECT / "docs" / "pages" / "answers.md").read_text()):
+        stated = r"limit of Noh-Bathe falls with damping|That of Noh-Bathe falls with damping"
+        (falls,) = re.findall(
+            rf"(?:{stated}): to ([\d.]+) at 5 % of critical and ([\d.]+) at 50 %", " ".join(text.split())
+        )
+        assert [float(one) for one in falls] == [round(limit("noh_bathe", ratio), 1) for ratio in (0.05, 0.5)]
+    for scheme in ("fox_goodwin", "central_difference"):
+        assert limit(scheme, 0.5) == pytest.approx(study.schemes[scheme].stability_limit)
+
+
+@pytest.mark.parametrize(("scheme", "divisor"), [("central_difference", 24), ("average_acceleration", 12)])
+def test_the_readme_states_the_error_at_resonance(scheme, divisor):
+    """The whole motion at resonance, in closed form, against the formula to leading order."""
+    assert f"(ωΔt)²/({divisor}ξ)" in README
+    ratio, dt = 0.05, 2 * np.pi / 100
+    problem = study.Problem(
+        force=lambda u: u, damping=2 * ratio, load=jnp.cos, u0=0.0, v0=1 / (2 * ratio)
+    )  # u = sin(t)/(2ξ)
+    ds = study.run(problem, scheme, dt=dt, steps=6000)
+    error = np.abs(ds.u - np.sin(ds.t) / (2 * ratio)).max() * 2 * ratio
+    assert error == pytest.approx(dt**2 / (divisor * ratio), rel=0.05)
 
 
 #: Program that runs the files of CONTRIBUTING, and makes and prints their products.

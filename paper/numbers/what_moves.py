@@ -29,6 +29,7 @@ def of_what_moves(moves: xr.Dataset) -> dict:
     collapsed = [f"{period:g}" for period in without_drift(moves)]
     entries = {
         "moves_runs": f"{int(moves.runs):,}",
+        "moves_scheme": moves.scheme.item().replace("_", " "),
         "moves_records": moves.sizes["record"],
         "moves_failed": int(moves.failed.sum()),
         "moves_spacing": f"{1e3 * moves.spacing.item():g}",

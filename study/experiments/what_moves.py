@@ -256,6 +256,7 @@ def what_moves(
             ),
             "period": ("period", periods, {"long_name": "period of small motions", "units": "s"}),
             "record": ("record", [one.title for one in grounds], {"long_name": "record"}),
+            "scheme": ((), scheme, {"long_name": "time integration scheme"}),
             "spacing": ((), spacing, {"long_name": "time between two samples of the records", "units": "s"}),
             "intensity": ((), intensity, {"long_name": "elastic force over strength of the drifts", "units": "1"}),
             "parts": ((), parts, {"long_name": "steps of the reference in the spacing of the records", "units": "1"}),

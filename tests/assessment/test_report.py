@@ -107,13 +107,13 @@ def test_the_limit_of_stability_is_drawn_without_maps(model):
     assert "limit of stability" in page(ds) and "How it fails" not in page(ds)
 
 
-def test_the_answer_has_no_column_for_a_kind_without_a_scheme(assessed):
+def test_the_answer_has_no_column_for_a_kind_without_a_scheme(assessed, undrawn):
     ds = xr.load_dataset(assessed[0].with_suffix(".nc"))
     assert 'best</th><th class="text">best of the other kind</th></tr>' in page(ds)
     assert '<th class="text">best</th></tr>' in page(ds.sel(scheme=["rk4"]))
 
 
-def test_the_limits_of_your_own_step_stand_below_the_answer(assessed):
+def test_the_limits_of_your_own_step_stand_below_the_answer(assessed, undrawn):
     """A page that states only for the best schemes that another quantity is wrong."""
     ds = xr.load_dataset(assessed[0].with_suffix(".nc")).assign_attrs(asked_for="newmark")
     ds = ds.assign_coords(kind=("scheme", ["explicit"] * 2)).assign(
@@ -150,6 +150,10 @@ def test_times_of_single_runs_are_points(assessed):
     ds = xr.load_dataset(assessed[0].with_suffix(".nc"))
     against = ds, ds.step_size, "time", ds.error.isel(quantity=0), "error"
     assert [curves(*against, joined=joined).count("stroke-width: 1.4") for joined in (True, False)] == [4, 0]
+
+
+def test_measured_times_of_single_runs_are_named(assessed, undrawn):
+    ds = xr.load_dataset(assessed[0].with_suffix(".nc"))
     assert "The same errors against the time of a run, measured once." in page(
         ds.assign(seconds_per_run=ds.seconds_per_step * ds.steps)
     )

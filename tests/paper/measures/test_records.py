@@ -109,7 +109,13 @@ def test_the_choice_of_records_is_compared_with_the_other_changes(strength, most
     one = {"runs": 7, "failed": 0}
     found = of_what_moves(
         moves.assign(one).assign_coords(
-            spacing=0.01, parts=4, intensity=3.0, hardening=0.02, p_delta=0.06, collapse=24.5
+            scheme="average_acceleration",
+            spacing=0.01,
+            parts=4,
+            intensity=3.0,
+            hardening=0.02,
+            p_delta=0.06,
+            collapse=24.5,
         )
     )
     # the medians of forty of the four records differ by more than the damping of a tenth
