@@ -76,14 +76,20 @@ def test_the_texts_state_how_limits_depend_on_damping():
     def limit(scheme: str, damping_ratio: float) -> float:
         return study.LinearTheory(scheme, np.linspace(0.01, 0.7, 100), damping_ratio).stability_limit()
 
-    for text in (README, (PROJECT / "docs" / "pages" / "answers.md").read_text()):
-        stated = r"limit of Noh-Bathe falls with damping|That of Noh-Bathe falls with damping"
-        (falls,) = re.findall(
-            rf"(?:{stated}): to ([\d.]+) at 5 % of critical and ([\d.]+) at 50 %", " ".join(text.split())
-        )
+    answers = (PROJECT / "docs" / "pages" / "answers.md").read_text()
+    for text in (README, answers):
+        pattern = r"of Noh-Bathe falls with damping: to ([\d.]+) at 5 % of critical and ([\d.]+) at 50 %"
+        (falls,) = re.findall(pattern, " ".join(text.split()))
         assert [float(one) for one in falls] == [round(limit("noh_bathe", ratio), 1) for ratio in (0.05, 0.5)]
     for scheme in ("fox_goodwin", "central_difference"):
         assert limit(scheme, 0.5) == pytest.approx(study.schemes[scheme].stability_limit)
+    assert "limit is 2 (√(1 + ξ²) − ξ)" in answers
+    ratio = 0.3
+    at_limit = 2 * (np.sqrt(1 + ratio**2) - ratio)
+    # u and Δt u̇ at the half step: u̇ changes by −Δt (2ξ u̇ + u), then u by Δt u̇
+    kick = np.array([[1, 0], [-(at_limit**2), 1 - 2 * ratio * at_limit]])
+    step = np.array([[1, 1], [0, 1]]) @ kick
+    assert np.abs(np.linalg.eigvals(step)).max() == pytest.approx(1)
 
 
 @pytest.mark.parametrize(("scheme", "divisor"), [("central_difference", 24), ("average_acceleration", 12)])
