@@ -43,6 +43,10 @@ PAUSE_OF_KERNELS = 2**34
 #: Largest number of steps between two pauses of lanes in kernels: a step takes a microsecond, however few the lanes.
 STEPS_OF_KERNELS = 2**17
 
+#: Least number of steps between two pauses for which short runs have a program of their own, which saves the time to
+#: pass their progress between calls. Longer steps take so long that this time does not count.
+SHORT_STEPS = 2**13
+
 #: Names of fields that are labels and change nothing in a march.
 LABELS = ("title", "source", "doi")
 
@@ -251,7 +255,7 @@ class Program:
             most = PAUSE_OF_KERNELS if in_kernels else PAUSE_OF_LANES if self._lanes else PAUSE
             pause = max(1, int(most / (lanes * unknowns**1.5)))
             pause = min(pause, STEPS_OF_KERNELS) if in_kernels else pause
-        if samples < room and steps <= pause:
+        if samples < room and max(steps, SHORT_STEPS) <= pause:
             counts = np.array([steps, every, 0])
             stored, result = _whole(self.form, self.numbers, counts, begin, room, each_step, lane_steps)
             place = (slice(None),) * self._lanes + (slice(samples + 1),)

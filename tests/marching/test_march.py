@@ -173,6 +173,17 @@ def test_step_size_and_count_share_one_compilation(caplog):
     assert sum("XLA compilation of jit(_whole)" in message for message in caplog.messages) == 1
 
 
+def test_short_and_long_runs_of_many_unknowns_share_one_program(caplog):
+    """A long run has to pause, which the program of a run in one call cannot."""
+    chain = study.Problem(lambda u: 4.0 * u, u0=np.ones(200))
+    with jax.log_compiles():
+        for steps in (10, 10_000):
+            study.run(chain, "central_difference", dt=0.01, steps=steps, observe=["effort"])
+    programs = ("jit(_whole)", "jit(_stretch)")
+    compiled = [name for message in caplog.messages for name in programs if f"XLA compilation of {name}" in message]
+    assert compiled == ["jit(_stretch)"]
+
+
 def test_labels_and_samples_share_one_compilation(caplog):
     """Other parameters need another compiled program; other titles, sources or numbers of samples do not."""
 
