@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from docs.scheme_page import Library, Subject
 
 #: Title of the problem whose steps follow from linear theory.
-LINEAR = "undamped linear oscillator (phase and amplitude)"
+LINEAR = "undamped linear oscillator"
 #: Allowed errors of the displacement, and the one at which schemes are compared.
 ERRORS = (0.1, 0.01, 0.001)
 COMPARED = 0.01
@@ -148,8 +148,9 @@ def _steps(subject: "Subject", library: "Library") -> str:
     return (
         "Steps per period, and in brackets forces per period, for an error of the displacement:\n\n"
         + table(head, rows, numbers_from=len(head))
-        + f"\n\nThe first row is linear theory after {PERIODS} periods. Steps finer than these keep the error too. The "
-        f"last column names the {_kind(subject.scheme)} scheme with the fewest forces; of schemes that need at most a "
+        + f"\n\nThe first row is linear theory over {PERIODS} periods, for the worse of two starts, at rest and "
+        "through zero. Steps finer than these keep the error too. The last column names the "
+        f"{_kind(subject.scheme)} scheme with the fewest forces; of schemes that need at most a "
         "tenth more, the one with the smallest error. A dash means that no step tried keeps the error. "
         f"{runs if len(rows) > 1 else _not_run(subject)} {{doc}}`/decisions` compares all schemes."
     )
@@ -242,11 +243,6 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
             )
 
 
-def _error(subject: "Subject") -> float:
-    """Error of a motion after one period of ``STEPS`` steps, relative to its amplitude, in linear theory."""
-    return math.hypot(2 * math.pi * subject.theory.elongation_of_rule, subject.theory.decay_of_rule)
-
-
 def _dominates(other: "Subject", subject: "Subject") -> bool:
     """Whether ``other`` is a scheme of the same kind as ``subject`` and better.
 
@@ -262,7 +258,7 @@ def _dominates(other: "Subject", subject: "Subject") -> bool:
         and (not math.isinf(b.limit) or a.at_infinity <= b.at_infinity + ROUND_OFF)
         # only a scheme that also keeps the amplitude can dominate a scheme that keeps it
         and (abs(b.decay_of_rule) > ROUND_OFF or abs(a.decay_of_rule) <= ROUND_OFF)
-        and _error(other) < BETTER * _error(subject)
+        and a.error_of_rule < BETTER * b.error_of_rule
     )
 
 
@@ -279,10 +275,10 @@ def _alternative(subject: "Subject", library: "Library") -> str:
         loses_more = subject.name in lost and not lost.get(name, set()) <= lost[subject.name]
         if not loses_more and _dominates(other, subject):
             distance = abs(other.theory.at_infinity - theory.at_infinity) if math.isinf(theory.limit) else 0.0
-            better.append((distance, _error(other), name))
+            better.append((distance, other.theory.error_of_rule, name))
     if not better:
         reasons = [
-            f"has as large an error at {STEPS} steps a period",
+            f"has more than {percent(BETTER)} of its error of the displacement over a period of {STEPS} steps",
             "is worse in order, stability or damping of high frequencies",
         ]
         if subject.name in lost:
@@ -291,9 +287,9 @@ def _alternative(subject: "Subject", library: "Library") -> str:
         return f"none in linear theory: {others} {', '.join(reasons[:-1])} or {reasons[-1]}"
     best = library.subject(min(better)[2])
     return (
-        f"{_link(best.name, library)}: in linear theory, for as few forces, the error of a motion after a period of "
-        f"{STEPS} steps is {percent(_error(best))} of its amplitude instead of {percent(_error(subject))}. Order, "
-        "stability and damping of high frequencies are no worse."
+        f"{_link(best.name, library)}: in linear theory, for as few forces, the error of the displacement over a "
+        f"period of {STEPS} steps is {percent(best.theory.error_of_rule)} of its amplitude instead of "
+        f"{percent(theory.error_of_rule)}. Order, stability and damping of high frequencies are no worse."
     )
 
 

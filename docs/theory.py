@@ -41,8 +41,10 @@ class Theory(NamedTuple):
     least_radius
         Smallest spectral radius below a stability limit; NaN for a scheme without a limit or without stable steps.
     error
-        Error after :data:`PERIODS` periods, relative to the amplitude, for each number of steps per period in
-        :data:`TRIED`; NaN where nothing oscillates.
+        Error of the displacement over :data:`PERIODS` periods for each number of steps per period in :data:`TRIED`; NaN
+        where nothing oscillates.
+    error_of_rule
+        Error of the displacement over one period of :data:`STEPS` steps.
     forces
         Forces that a step evaluates at :data:`STEPS` steps per period of the undamped linear oscillator.
     """
@@ -55,6 +57,7 @@ class Theory(NamedTuple):
     at_infinity: float
     least_radius: float
     error: np.ndarray
+    error_of_rule: float
     forces: float
 
 
@@ -72,15 +75,20 @@ def _forces(scheme: study.Scheme) -> float:
     return counted.per_step + counted.per_iteration * run.newton_iterations.item() / STEPS
 
 
-def _error(scheme: study.Scheme) -> np.ndarray:
-    """Error of phase and amplitude for each number in ``TRIED``, or the growth of the largest root if it is larger."""
-    theory = study.LinearTheory(scheme, 1 / TRIED)
+def error_of_displacement(scheme: study.Scheme, steps: np.ndarray, periods: int) -> np.ndarray:
+    """Largest error of the displacement over a number of periods, relative to the amplitude, for each number of steps.
+
+    The larger one of two starts, at rest and through zero, counts, or the growth of the largest root if it is larger.
+    """
+    theory = study.LinearTheory(scheme, 1 / steps)
     motion = theory.motion()
-    delay = 2 * np.pi * PERIODS * motion.period_elongation / (1 + motion.period_elongation)
-    amplitude = (1 - motion.amplitude_decay) ** PERIODS
+    delay = 2 * np.pi * periods * motion.period_elongation / (1 + motion.period_elongation)
+    amplitude = (1 - motion.amplitude_decay) ** periods
     # clipped to half a period, where the error is largest: with a larger delay the error would fall again
-    error = abs(amplitude * np.exp(1j * np.clip(delay, -np.pi, np.pi)) - 1)
-    growth = PERIODS * TRIED * (theory.spectral_radius - 1)  # to first order: a power of the radius would overflow
+    turned = amplitude * np.exp(-1j * np.clip(delay, -np.pi, np.pi))
+    factors = theory.displacement_factors()
+    error = np.maximum(abs(factors - 1), abs(factors * turned - 1)).max(axis=0)  # at the begin and at the end
+    growth = periods * steps * (theory.spectral_radius - 1)  # to first order: a power of the radius would overflow
     return np.maximum(error, growth)
 
 
@@ -102,6 +110,7 @@ def theory_of(scheme: study.Scheme) -> Theory:
         limit,
         np.nan if np.isfinite(limit) else at_infinity * (at_infinity > _NO_RADIUS),
         float(least_radius),
-        _error(scheme),
+        error_of_displacement(scheme, TRIED, PERIODS),
+        error_of_displacement(scheme, np.array([STEPS]), 1).item(),
         _forces(scheme),
     )

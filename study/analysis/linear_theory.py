@@ -19,7 +19,7 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 from jax.flatten_util import ravel_pytree
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 
 from study.algebra.jit import jit
 from study.algebra.scalars import is_number
@@ -38,6 +38,9 @@ PointsLike = Float[Any, "points"]
 
 #: Values of displacement and velocity for each step size, shape (2, points).
 Pairs = Float[np.ndarray, "2 points"]
+
+#: Complex numbers for two starts and each step size, shape (2, points).
+ComplexPairs = Complex[np.ndarray, "2 points"]
 
 #: Exponents of growth, shape (2, 2): a row for each start (u₀ or u̇₀), one column for displacement, one for velocity.
 Growth = Float[np.ndarray, "2 2"]
@@ -307,6 +310,29 @@ class LinearTheory:
             algorithmic_damping=-logarithm.real / np.abs(logarithm),
             amplitude_decay=-np.expm1(2 * np.pi * logarithm.real / logarithm.imag),
         )
+
+    def displacement_factors(self) -> ComplexPairs:
+        r"""Factors of the displacement of the principal motion from two starts, of shape (2, points).
+
+        The displacement of the principal motion after n steps, from :math:`u = 1` and :math:`\dot u = 0` and from
+        :math:`u = 0` and :math:`\dot u = \omega` without damping, is the real part of
+
+        .. math::
+
+            a_1 \lambda^n, \quad -i a_2 \lambda^n,
+
+        which are cosine and sine if the factors a are one. They are NaN where the principal roots are real.
+        """
+        roots = np.exp(self._principal_logarithm())
+        known = np.isfinite(roots)
+        matrices, states = self.matrices[known], self._at_step_sizes(_initial_states, self._dt_over_period)[known]
+        left, _, right = np.linalg.svd(matrices - roots[known, None, None] * np.eye(matrices.shape[-1]))
+        # the eigenvectors of λ, which the matrix minus λ maps to zero from either side
+        rows, columns = left[..., -1].conj(), right[:, -1].conj()
+        parts = np.einsum("pj,psj->sp", rows, states) * columns[:, 0] / np.einsum("pj,pj->p", rows, columns)
+        factors = np.full((2, len(roots)), complex(np.nan, np.nan))
+        factors[:, known] = 2 * parts * [[1], [1j]]
+        return factors
 
     def order(self) -> float:
         r"""Order of accuracy: the order with which the principal roots approach the exact roots, minus one.
