@@ -15,7 +15,7 @@ from docs.theory import PERIODS, ROUND_OFF, STEPS, TRIED
 from paper.measures.orders import lost as loses_order
 from paper.measures.outcomes import fewest_steps, most_steps
 from paper.tables.decision import steps_of
-from study.runs.needs import NO_VALUE, TIED, cost
+from study.runs.needs import NO_VALUE, TIED, WHOLE_MOTION, cost
 from study.sizes import unbroken
 from study.words import listed, number, percent
 
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 #: Title of the problem whose steps follow from linear theory.
 LINEAR = "undamped linear oscillator"
+#: Mark of a step that keeps the displacement, but not the whole motion.
+PARTLY = "\u00a0*"
 #: Allowed errors of the displacement, and the one at which schemes are compared.
 ERRORS = (0.1, 0.01, 0.001)
 COMPARED = 0.01
@@ -71,17 +73,19 @@ def _problems(library: "Library") -> Iterator[xr.Dataset]:
     """The needs of schemes for an error of the displacement, by problem."""
     data = library.data["needs"]
     if data.scheme.size:
-        displacement = data.sel(quantity="displacement", condition="practice")
-        for place in np.flatnonzero((displacement.verdict != NO_VALUE).any(["scheme", "allowed_error"])):
+        displacement = data.sel(quantity="displacement")
+        for place in np.flatnonzero((displacement.verdict != NO_VALUE).any(["scheme", "allowed_error", "condition"])):
             yield displacement.isel(problem=place)
 
 
 def _table_of_runs(needed: xr.Dataset) -> pd.DataFrame:
-    kept = needed.isel(scheme=np.flatnonzero(needed.step_size > 0))
+    whole, needed = needed.sel(condition="whole_motion"), needed.sel(condition="practice")
+    partial = needed.assign(partly=(whole.verdict != NO_VALUE) & (whole.step_size != needed.step_size))
+    kept = partial.isel(scheme=np.flatnonzero(needed.step_size > 0))
     rows = [
         [
             "explicit" if row.explicit == 1 else "implicit",
-            steps_of(row),
+            steps_of(row) + (PARTLY if row.partly else ""),
             row.force_evaluations * row.time_scale,
             cost(row),
             row.error,
@@ -97,7 +101,7 @@ def tried(library: "Library") -> dict[str, set[str]]:
     """Names of the schemes that ran on each problem, by title."""
     schemes = {LINEAR: {*library.schemes}}
     for problem in _problems(library):
-        ran = (problem.verdict != NO_VALUE).any("allowed_error").values
+        ran = (problem.verdict != NO_VALUE).any(["allowed_error", "condition"]).values
         schemes[problem.problem_title.item()] = {*problem.scheme.values[ran]}
     return schemes
 
@@ -140,10 +144,15 @@ def _steps(subject: "Subject", library: "Library") -> str:
             least = f"[{library.schemes[best.index[0]].title}]({best.index[0]}.md): {first.steps} ({first.forces:,.0f})"
         rows.append([title, *cells, least])
     head = ["problem", *(f"{100 * error:g} %" for error in ERRORS), f"cheapest for {100 * COMPARED:g} %"]
+    bounds = " or ".join(
+        f"the error of the {name} exceeds {percent(bound)}"
+        for name, bound in WHOLE_MOTION.items()
+        if name != "displacement"
+    )
     runs = (
         "The other rows are results of runs. On the hardening and the softening spring the error is the largest over a "
         "hundred periods, in which the phase error grows. ≤ marks the coarsest step that was tried, and † marks the "
-        "finest."
+        f"finest. {PARTLY.strip()} marks a step that keeps the displacement, while at it or at a finer step {bounds}."
     )
     return (
         "Steps per period, and in brackets forces per period, for an error of the displacement:\n\n"

@@ -128,10 +128,12 @@ def _kinks(*needed, first_order=0):
 def test_the_verdict_follows_the_data():
     names = {name: study.schemes[name] for name in ("central_difference", "rk4")}
 
-    def verdict_of(name, first_order=0, needed=(32, 16)):
+    def verdict_of(name, first_order=0, needed=(32, 16), **others):
         kinks = _kinks(*needed, first_order=first_order)
         errors = [np.where(COUNTS < least, 0.02, 0.005) for least in needed]
-        made_up = runs([*errors, errors[0]], problem="yield").isel(scheme=[0, 1]).assign_coords(scheme=list(names))
+        made_up = (
+            runs([*errors, errors[0]], problem="yield", **others).isel(scheme=[0, 1]).assign_coords(scheme=list(names))
+        )
         data = of_problems([needs(made_up, [0.1, 0.01, 0.001])]).assign_coords(explicit=("scheme", [1, 1]))
         library = Library(Empty({"kinks": kinks, "needs": data}), names, {})
         return verdict(library.subject(name), library)
@@ -139,6 +141,8 @@ def test_the_verdict_follows_the_data():
     cheaper = verdict_of("central_difference")
     assert "within 1\u00a0% on the yielding thing" in cheaper and "first order only" not in cheaper
     assert "| yielding thing | ≤\u00a08 (8) | 32 (32) | – | this one |" in cheaper
+    partly = verdict_of("central_difference", velocity=np.where(np.tile(COUNTS, 3) < 64, 0.8, 0.0))
+    assert "| ≤\u00a08\u00a0* (8) | 32\u00a0* (32) | – |" in partly and "the velocity exceeds 75\u00a0%" in partly
     dearer = verdict_of("rk4", needed=(32, 64))
     assert "[Central difference](central_difference.md): 32 (32) |" in dearer
     dearer = verdict_of("central_difference", first_order=1, needed=(100, 16))
