@@ -92,6 +92,16 @@ def error_of_displacement(scheme: study.Scheme, steps: np.ndarray, periods: int)
     return np.maximum(error, growth)
 
 
+def _least_radius(scheme: study.Scheme, limit: float) -> float:
+    """Smallest spectral radius below a stability limit, on successively finer grids: two roots meet there in a cusp."""
+    omega = np.linspace(0, limit, 1001)[1:]
+    for _ in range(3):
+        radius = study.LinearTheory(scheme, omega / (2 * np.pi)).spectral_radius
+        place = int(radius.argmin())
+        omega = np.linspace(omega[max(place - 1, 0)], omega[min(place + 1, len(omega) - 1)], 1001)
+    return float(radius.min())
+
+
 def theory_of(scheme: study.Scheme) -> Theory:
     """Linear theory of a scheme."""
     linear = study.LinearTheory(scheme, PARTS).dataset()
@@ -100,8 +110,8 @@ def theory_of(scheme: study.Scheme) -> Theory:
     if limit is None:
         limit = linear.stability_limit.item()
     least_radius = np.nan
-    if 0 < limit < np.inf:  # fine steps: the radius falls steeply next to the limit
-        least_radius = study.LinearTheory(scheme, np.linspace(0, limit, 1001)[1:] / (2 * np.pi)).spectral_radius.min()
+    if 0 < limit < np.inf:
+        least_radius = _least_radius(scheme, limit)
     return Theory(
         linear,
         float(rule.period_elongation[0]),
@@ -109,7 +119,7 @@ def theory_of(scheme: study.Scheme) -> Theory:
         study.LinearTheory(scheme, PARTS, damping_ratio=DAMPED).order(),
         limit,
         np.nan if np.isfinite(limit) else at_infinity * (at_infinity > _NO_RADIUS),
-        float(least_radius),
+        least_radius,
         error_of_displacement(scheme, TRIED, PERIODS),
         error_of_displacement(scheme, np.array([STEPS]), 1).item(),
         _forces(scheme),

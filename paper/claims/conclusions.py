@@ -102,12 +102,20 @@ def damped_schemes_are_unsuitable(energy_error):
     "39.5 %, 32.4 %",
     words="should never be used for practical purposes",
 )
-def newmark_should_never_be_used(energy_error):
+def newmark_should_never_be_used(energy_error, decisions):
     error = _cells(energy_error)
     smallest = by_name(error.sel(scheme="newmark_dissipative").min("steps_per_period"))
     others = error.sel(steps_per_period=error.steps_per_period.max()).drop_sel(scheme="newmark_dissipative").max()
     ours = f"{listed(smallest, energy_error)} %; {number(others.item(), '.2f')} %"
-    return Finding(ours, min(smallest.values()) > REASONABLE)
+    chosen = decisions.sel(filter="all", quantity="displacement", kind="implicit").scheme == "newmark_dissipative"
+    cases = [
+        f"{100 * error:g} % on the {title(problem, {'': decisions})}"
+        for problem in decisions.problem.values
+        for error in decisions.allowed_error.values
+        if chosen.sel(problem=problem, allowed_error=error)
+    ]
+    reason = when(cases, f"of implicit schemes it needs the fewest forces for an error of {', '.join(cases)}")
+    return Finding(ours, min(smallest.values()) > REASONABLE, reason)
 
 
 @claim(

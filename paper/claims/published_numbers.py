@@ -71,7 +71,7 @@ def largest_step(published_numbers: xr.Dataset) -> dict[str, float]:
 
 @claim(
     "structures",
-    "The step of an implicit scheme can far exceed the shortest time scale of a stiff problem.",
+    "The step of an implicit scheme can far exceed the shortest time scale of every stiff problem.",
     f"largest step with an error up to {REASONABLE:g} % on van der Pol's oscillator, over ε, of implicit schemes",
     whose=PRACTICE,
     requires={

@@ -123,8 +123,8 @@ def conserving_on_stiff_structures(structures):
 @claim(
     "structures",
     "A BN-stable method is unconditionally stable in the non-linear range.",
-    "most steps in a time scale at which a run of these on rotating structures fails or violates the balance of "
-    f"energies by more than {REASONABLE:g} %",
+    "most steps tried in a time scale, each twice the one before, at which a run of these on rotating structures "
+    f"fails or violates the balance of energies by more than {REASONABLE:g} %",
     whose="Burrage and Butcher (1979)",
     requires={
         "structures.lengths.problem": ["elastic_pendulum"],

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from typing_extensions import TypedDict
 
+from study.algebra.jit import short_runs
 from study.analysis.step_bound import largest_omega_step, modified_energy, orbit
 from study.declaration.experiment import experiment, progress
 from study.declaration.options import Count, Tolerance, section
@@ -47,6 +48,7 @@ class _StepBound(TypedDict):
 
 
 @experiment("stability/step_bound", section="step_bound", model=_StepBound)
+@short_runs()
 def step_bound(allowed_error: Tolerance, periods: int) -> xr.Dataset:
     """Compare the errors of energy and period with those of the modified energy, at the step bound of the energy.
 

@@ -68,6 +68,8 @@ def test_linear_theory_of_a_page():
     assert theory.error[TRIED > 300] == pytest.approx(delay[TRIED > 300], rel=1e-3, abs=1e-7)
     assert np.isnan(theory.least_radius)
     assert theory_of(study.schemes["rk4"]).least_radius == pytest.approx(0.5, abs=1e-3)
+    # by the refined roots of the printed formulas
+    assert theory_of(study.schemes["chung_lee"]).least_radius == pytest.approx(0.5, abs=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -104,8 +104,14 @@ def test_verdicts(finding, verdict):
 def test_a_claim_follows_the_data():
     assert comparisons.newmark_is_worst(energy_error(newmark_dissipative=99.0)).holds
     assert not comparisons.newmark_is_worst(energy_error(houbolt=99.0)).holds
-    assert conclusions.newmark_should_never_be_used(energy_error(newmark_dissipative=10.1)).holds
-    assert not conclusions.newmark_should_never_be_used(energy_error(newmark_dissipative=9.9)).holds
+    chosen = xr.DataArray([["bathe", "newmark_dissipative"]], dims=("problem", "allowed_error"))
+    coords = {"problem": ["yielding"], "allowed_error": [0.01, 0.1]}
+    both = chosen.expand_dims(filter=["all"], quantity=["displacement"], kind=["implicit"]).assign_coords(coords)
+    of_1996, elsewhere = energy_error(newmark_dissipative=10.1), both.to_dataset(name="scheme")
+    claimed = conclusions.newmark_should_never_be_used(of_1996, elsewhere)
+    assert claimed.holds and claimed.qualification.endswith("for an error of 10 % on the yielding")
+    claimed = conclusions.newmark_should_never_be_used(energy_error(newmark_dissipative=9.9), elsewhere)
+    assert not claimed.holds
 
 
 def test_the_start_of_houbolt_is_decided_by_the_digit():
