@@ -315,13 +315,13 @@ class LinearTheory:
         r"""Factors of the displacement of the principal motion from two starts, of shape (2, points).
 
         The displacement of the principal motion after n steps, from :math:`u = 1` and :math:`\dot u = 0` and from
-        :math:`u = 0` and :math:`\dot u = \omega` without damping, is the real part of
+        :math:`u = 0` and :math:`\dot u = \omega`, is the real part of
 
         .. math::
 
-            a_1 \lambda^n, \quad -i a_2 \lambda^n,
+            a_1 \lambda^n, \quad -i a_2 \lambda^n
 
-        which are cosine and sine if the factors a are one. They are NaN where the principal roots are real.
+        Both factors a are one for the exact motion without damping. They are NaN where the principal roots are real.
         """
         roots = np.exp(self._principal_logarithm())
         known = np.isfinite(roots)
