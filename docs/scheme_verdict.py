@@ -144,15 +144,12 @@ def _steps(subject: "Subject", library: "Library") -> str:
             least = f"[{library.schemes[best.index[0]].title}]({best.index[0]}.md): {first.steps} ({first.forces:,.0f})"
         rows.append([title, *cells, least])
     head = ["problem", *(f"{100 * error:g} %" for error in ERRORS), f"cheapest for {100 * COMPARED:g} %"]
-    bounds = " or ".join(
-        f"the error of the {name} exceeds {percent(bound)}"
-        for name, bound in WHOLE_MOTION.items()
-        if name != "displacement"
-    )
+    bounds = [f"{100 * bound:g}\u00a0% ({name})" for name, bound in WHOLE_MOTION.items() if name != "displacement"]
     runs = (
         "The other rows are results of runs. On the hardening and the softening spring the error is the largest over a "
         "hundred periods, in which the phase error grows. ≤ marks the coarsest step that was tried, and † marks the "
-        f"finest. {PARTLY.strip()} marks a step that keeps the displacement, while at it or at a finer step {bounds}."
+        f"finest. {PARTLY.strip()} marks a step that keeps the displacement, while at it or at a finer step "
+        f"another error exceeds its bound: {listed(bounds)}."
     )
     return (
         "Steps per period, and in brackets forces per period, for an error of the displacement:\n\n"

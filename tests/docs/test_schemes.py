@@ -144,7 +144,10 @@ def test_the_verdict_follows_the_data():
     assert "within 1\u00a0% on the yielding thing" in cheaper and "first order only" not in cheaper
     assert "| yielding thing | ≤\u00a08 (8) | 32 (32) | – | this one |" in cheaper
     partly = verdict_of("central_difference", velocity=np.where(np.tile(COUNTS, 3) < 64, 0.8, 0.0))
-    assert "| ≤\u00a08\u00a0* (8) | 32\u00a0* (32) | – |" in partly and "the velocity exceeds 75\u00a0%" in partly
+    assert (
+        "| ≤\u00a08\u00a0* (8) | 32\u00a0* (32) | – |" in partly
+        and "exceeds its bound: 75\u00a0% (velocity), 125" in partly
+    )
     dearer = verdict_of("rk4", needed=(32, 64))
     assert "[Central difference](central_difference.md): 32 (32) |" in dearer
     dearer = verdict_of("central_difference", first_order=1, needed=(100, 16))
