@@ -134,8 +134,8 @@ class EnergyMomentum(OneStep):
         \bar p &= p(u_m) + \frac{V(u_1) - V(u_0) - p(u_m)^T (u_1 - u_0)}{|u_1 - u_0|^2}\,(u_1 - u_0)
 
     Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off. With a strain energy,
-    linear and angular momentum are constant too. The second formula changes the angular momentum by O(Δt³) a step, and
-    its tangent is full. For one unknown both formulas are p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo
+    linear and angular momentum are constant too. The second formula changes them by O(Δt³) a step, and its tangent
+    is full. For one unknown both formulas are p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo
     and Tarnow for a spring. For linear systems it is the trapezoidal rule, unconditionally stable. Needs the problem's
     potential. Carries u, u̇ and a guess of ü; one force and one potential per Newton iteration, and one potential per
     step. A potential counts as a force.
