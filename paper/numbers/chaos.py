@@ -53,7 +53,7 @@ def of_chaos(chaos: xr.Dataset) -> dict:
     return {
         "ueda_printed": f"{ueda.printed_exponent.item():.4f}",
         "ueda_steps": span(fewest[np.isfinite(fewest)], ".0f") if np.isfinite(fewest).any() else None,
-        "ueda_never": listed(ueda.scheme_title.values[~np.isfinite(fewest)]) or None,
+        "ueda_never": listed(ueda.scheme_title.values[~np.isfinite(fewest)]) if not np.isfinite(fewest).all() else None,
         "ueda_periods": f"{ueda.periods.item():,}",
         "ueda_mean_square": f"{exact.mean_square.item():.4g}",
         "ueda_mean_square_uncertainty": number(exact.mean_square_uncertainty.item(), ".0e"),

@@ -12,6 +12,8 @@ import xarray as xr
 from jaxtyping import Float
 
 from study.algebra.jit import jit
+from study.algebra.scalars import is_number
+from study.marching.arguments import resolve
 from study.mechanics.definition import Problem
 from study.mechanics.internal_force import switches
 from study.observer.outcome import OutcomeObserver
@@ -25,6 +27,8 @@ from study.scheme.newmark import Newmark
 LARGEST = 0.5
 #: Ratio of neighbouring distances from rest between which a turning point is sought, and their largest number.
 GROWTH, DISTANCES = 1.002, 20_000
+#: Largest rise of a potential between the two farthest places, over its rise beyond the motion, of one with a limit.
+FLAT = 1e-9
 #: Values at points of an orbit.
 _Points = Float[np.ndarray, "points"]
 #: Numbers of points of an orbit that are tried in turn, and the relative difference of two periods that is accepted.
@@ -79,7 +83,7 @@ def modified_energy(scheme: Scheme) -> ModifiedEnergy:
     raise ValueError(
         f"no step bound is known for '{scheme.title}': it holds for Newmark's methods with gamma = 0.5, such as "
         "central_difference and average_acceleration, and for implicit_midpoint. A scheme that dissipates conserves no "
-        "modified energy, and its error grows with the number of periods."
+        "modified energy, and the modified energies of other schemes are not computed here."
     )
 
 
@@ -97,6 +101,8 @@ class Orbit(NamedTuple):
         Period T.
     period_by_energy, acceleration_by_energy
         Derivatives with respect to the energy of T, and of the integral S of M ü² over a period.
+    separatrix_distance
+        Energy that is missing to the lower one of the two barriers, over the height of the energy above rest.
     """
 
     u: _Points
@@ -107,6 +113,7 @@ class Orbit(NamedTuple):
     period: float
     period_by_energy: float
     acceleration_by_energy: float
+    separatrix_distance: float
 
     @property
     def highest_frequency(self) -> float:
@@ -153,11 +160,16 @@ def _integrals(problem: Problem, energy, mass, ends, cosine, sine) -> tuple:
     return jax.jvp(integrals, (energy,), (jnp.ones(()),), has_aux=True)
 
 
+def _places(rest: float, scale: float) -> _Points:
+    """Displacements beyond rest, in the direction of ``scale``."""
+    return rest + scale * GROWTH ** np.arange(-DISTANCES / 4, 3 * DISTANCES / 4)
+
+
 def _turning_point(problem: Problem, energy: float, rest: float, scale: float) -> float:
     """Nearest displacement beyond rest, in the direction of ``scale``, at which the potential reaches the energy."""
     from scipy import optimize  # here, as this import takes a third of the time of importing the study
 
-    places = rest + scale * GROWTH ** np.arange(-DISTANCES / 4, 3 * DISTANCES / 4)
+    places = _places(rest, scale)
     height = np.asarray(_at(problem, places)[0]) - energy
     beyond = np.nonzero(~(height < 0))[0]
     if not len(beyond) or not np.isfinite(height[beyond[0]]):
@@ -166,6 +178,22 @@ def _turning_point(problem: Problem, energy: float, rest: float, scale: float) -
     return optimize.brentq(
         lambda u: float(_at(problem, np.float64(u))[0]) - energy, inner, places[beyond[0]], xtol=1e-15 * abs(scale)
     )
+
+
+def _barrier(problem: Problem, end: float, rest: float, scale: float) -> float:
+    """Height of the potential at the barrier beyond a turning point, or its limit far away, or infinity."""
+    from scipy import optimize  # here, as this import takes a third of the time of importing the study
+
+    places = _places(rest, scale)
+    stored, force, _ = map(np.asarray, _at(problem, places))
+    known = (np.abs(places - rest) > abs(end - rest)) & np.logical_and.accumulate(np.isfinite(stored))
+    falls = np.flatnonzero(known & ~(force * np.sign(scale) > 0))
+    if not len(falls):
+        rise = np.diff(stored[known])
+        return float(stored[known][-1]) if known[-1] and rise[-1] <= FLAT * rise.sum() else math.inf
+    inner = places[falls[0] - 1] if known[falls[0] - 1] else end
+    top = optimize.brentq(lambda u: float(_at(problem, np.float64(u))[1]), inner, places[falls[0]])
+    return float(_at(problem, np.float64(top))[0])
 
 
 @partial(jit, compiler=eqx.filter_jit)
@@ -220,13 +248,15 @@ def orbit(problem: Problem) -> Orbit:
         )
         if points == POINTS[0]:
             _check_tangent(problem, np.asarray(u))
-        if abs(period - before) <= CONVERGED * period:
+        if math.isfinite(period) and abs(period - before) <= CONVERGED * period:
             places = np.concatenate([[float(problem.u0), ends[0], rest, ends[1]], u])
             fastest = math.sqrt(2 / mass * (at_start - float(well.rest)))
             v = np.concatenate([[abs(float(problem.v0)), 0.0, fastest, 0.0], v])
             forces = np.concatenate([_at(problem, places[:4])[1], forces])
             tangent = np.asarray(_at(problem, places)[2])
-            return Orbit(places, v, forces, tangent, mass, float(period), *map(float, by_energy))
+            barrier = min(_barrier(problem, end, rest, side * scale) for end, side in zip(ends, (-1, 1), strict=True))
+            distance = (barrier - at_start) / (at_start - float(well.rest))
+            return Orbit(places, v, forces, tangent, mass, float(period), *map(float, by_energy), distance)
         before = float(period)
     raise ValueError(
         f"the period of '{problem.title}' does not converge: the motion is too near to a separatrix, where any step "
@@ -263,7 +293,8 @@ def step_bound(
     number of unknowns.
 
     The bound excludes motions with a load or damping, forces whose tangent jumps, and schemes that dissipate. Near a
-    separatrix C_T grows without bound. A step that keeps the energy may therefore be far too long for the period there.
+    separatrix C_T grows without bound. A step that keeps the energy may therefore be far too long for the period there:
+    ``separatrix_distance`` tells how near the motion is.
 
     Parameters
     ----------
@@ -281,13 +312,16 @@ def step_bound(
     xarray.Dataset
         ``coefficient`` C, ``step_size`` in s and ``omega_step``, the step √(error/C) times ω, of shape (quantity).
         No step is larger than ½/ω, beyond which the term of Δt² no longer describes a run, or than the stability
-        limit. ``period``, ``highest_frequency`` ω, and ``convex_coefficient``, the bound on C of the energy for a
-        tangent that is nowhere negative.
+        limit. ``period``, ``highest_frequency`` ω, ``convex_coefficient``, the bound on C of the energy for a tangent
+        that is nowhere negative, and ``separatrix_distance``, the energy that is missing to the lower barrier of the
+        potential over the energy above rest, infinite without a barrier.
 
     Raises
     ------
     KeyError
         If there is no problem or scheme of that name.
+    TypeError
+        If the problem or the scheme is of another kind.
     ValueError
         If the problem is not a free oscillator of one unknown with a potential, rests, does not oscillate, is too near
         to a separatrix, or has a force or a tangent that jumps; if the scheme has no modified energy; or if
@@ -298,10 +332,10 @@ def step_bound(
     E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, chapter IX.
     """
     for name, value in (("allowed_error", allowed_error), ("periods", periods)):
-        if not (value > 0 and math.isfinite(value)):
+        if not (is_number(value) and 0 < value < math.inf):
             raise ValueError(f"{name} must be a positive number, not {value!r}.")
-    problem = problems[problem] if isinstance(problem, str) else problem
-    scheme = schemes[scheme] if isinstance(scheme, str) else scheme
+    problem = resolve(problem, problems, Problem)
+    scheme = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
     modified, motion = modified_energy(scheme), orbit(problem)
     coefficients, omega = motion.coefficients(modified, periods), motion.highest_frequency
     omega_step = largest_omega_step(coefficients, allowed_error, scheme)
@@ -323,6 +357,11 @@ def step_bound(
                 (),
                 omega,
                 {"long_name": "largest circular frequency of the tangent along the motion", "units": "s-1"},
+            ),
+            "separatrix_distance": (
+                (),
+                motion.separatrix_distance,
+                {"long_name": "energy missing to the lower barrier over the energy above rest", "units": "1"},
             ),
             "convex_coefficient": (
                 (),

@@ -69,14 +69,16 @@ def step_bound(allowed_error: Tolerance, periods: int) -> xr.Dataset:
     motions = [(name, u0) for name, (_, _, starts) in POTENTIALS.items() for u0 in starts]
     shape, chosen = (len(SCHEMES), len(motions)), [schemes[name] for name in SCHEMES]
     coefficient, measured = np.full((*shape, 2), np.nan), np.full((*shape, 2), np.nan)
-    omega_step, period = np.full(shape, np.nan), np.full(len(motions), np.nan)
+    omega_step, (period, distance) = np.full(shape, np.nan), np.full((2, len(motions)), np.nan)
     for name, (title, potential, starts) in POTENTIALS.items():
         progress(f"step bounds for {title}")
         there = [k for k, (potential_name, _) in enumerate(motions) if potential_name == name]
         definition = Problem(potential=potential, u0=starts[0], title=title)
         rest_at = OutcomeObserver.of(definition).rest_at
         orbits = [orbit(replace(definition, u0=u0)) for u0 in starts]
-        period[there], omega = ([getattr(one, field) for one in orbits] for field in ("period", "highest_frequency"))
+        period[there], distance[there], omega = (
+            [getattr(one, field) for one in orbits] for field in ("period", "separatrix_distance", "highest_frequency")
+        )
         initial = np.array([float(definition.stored_energy(u0)) for u0 in starts])
         height = np.array([np.max(one.v) ** 2 / 2 for one in orbits])
         for s, scheme in enumerate(chosen):
@@ -124,6 +126,11 @@ def step_bound(allowed_error: Tolerance, periods: int) -> xr.Dataset:
             "potential_title": ("motion", [POTENTIALS[name][0] for name, _ in motions], {"long_name": "potential"}),
             "u0": ("motion", [u0 for _, u0 in motions], {"long_name": "initial displacement", "units": "1"}),
             "period": ("motion", period, {"long_name": "exact period", "units": "s"}),
+            "separatrix_distance": (
+                "motion",
+                distance,
+                {"long_name": "energy missing to the lower barrier over the energy above rest", "units": "1"},
+            ),
             "quantity": ("quantity", ["energy", "period"], {"long_name": "quantity whose error is measured"}),
             "allowed_error": ((), allowed_error, {"long_name": "allowed error of the energy", "units": "1"}),
             "periods": ((), periods, {"long_name": "length of the runs in periods", "units": "1"}),

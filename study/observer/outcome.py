@@ -28,11 +28,11 @@ FARTHEST = 1e6
 def _refusal(problem: Problem) -> str | None:
     """One sentence on why the outcome of runs of the problem is undefined; None if it is defined."""
     if np.ndim(problem.u0):
-        return f"the outcome of '{problem.title}' is undefined: it has more than one unknown."
+        return f"'{problem.title}' has more than one unknown, and what is asked for is defined for one."
     if problem.damping is not None or problem.load is not None:
-        return f"the outcome of '{problem.title}' is undefined: damping or a load change its energy."
+        return f"'{problem.title}' is no free motion: damping or a load change its energy."
     if problem.potential is None:
-        return f"the outcome of '{problem.title}' needs Problem(potential=...), which it was made without."
+        return f"'{problem.title}' needs Problem(potential=...), which it was made without."
     return None
 
 

@@ -108,11 +108,32 @@ def test_a_convex_chain_of_many_unknowns_keeps_the_bound_of_the_energy(scheme, c
 
 
 @pytest.mark.parametrize(
+    "potential, u0, distance",
+    [
+        (lambda u: 1 - jnp.cos(u), 2.5, 1 / np.tan(1.25) ** 2),
+        (lambda u: u**4 / 4 - u**2 / 2, 1.4, 0.0196 / 0.2304),
+        (lambda u: jnp.expm1(-u) ** 2, -0.5, 1 / np.expm1(0.5) ** 2 - 1),
+        (lambda u: jnp.logaddexp(u, -u), 3.0, np.inf),
+        (lambda u: u**2 / 2 + 1 / u, 2.0, np.inf),
+    ],
+    ids=["pendulum", "double well", "limit far away", "none", "wall"],
+)
+def test_the_distance_to_a_separatrix(potential, u0, distance):
+    bound = step_bound(study.Problem(potential=potential, u0=u0), "central_difference")
+    assert bound.separatrix_distance.item() == pytest.approx(distance, rel=1e-9)
+
+
+@pytest.mark.parametrize(
     "arguments, sentence",
     [
         ((PENDULUM, "rk4"), "no step bound is known for 'Runge-Kutta"),
         ((PENDULUM, study.Newmark(beta=0.3025, gamma=0.6)), "with gamma = 0.5"),
         ((PENDULUM, "central_difference", -0.01), "error must be a positive number, not -0.01"),
+        ((PENDULUM, "central_difference", "1%"), "error must be a positive number, not '1%'"),
+        (
+            (study.Problem(potential=lambda u: 1 - jnp.cos(u), u0=np.pi), "central_difference"),
+            "too near to a separatrix",
+        ),
         ((PENDULUM, "central_difference", 0.01, 0), "periods must be a positive number, not 0"),
         ((study.Problem(potential=lambda u: u**2, u0=0.0, title="own"), "central_difference"), "'own' rests"),
         (
