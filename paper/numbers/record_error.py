@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 
 from paper.measures.record_error import ONE_CURVE, RANGE, SCHEME, order, over_period, predicted, scatter
-from paper.numbers.spectrum import share_with
 from paper.products import numbers
+from paper.wording import share_with
 from study.words import listed, number, span
 
 #: Origin of the stochastic records, as the dataset states it.

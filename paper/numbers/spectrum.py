@@ -4,24 +4,11 @@ import xarray as xr
 
 from paper.measures.spectrum import LONG, beyond_at_the_spacing, beyond_between
 from paper.products import numbers
+from paper.wording import with_interval
 from study.words import number, percent, span
 
 #: Period in s at which the oscillator, not the record, limits the step.
 SHORT = 0.2
-
-
-def with_interval(beyond: xr.DataArray) -> str:
-    """A share in percent with its exact interval of 95 % confidence, by Clopper and Pearson."""
-    from scipy.stats import binomtest  # here, as few numbers of the text need it
-
-    return share_with(
-        beyond.mean().item(), *binomtest(int(beyond.sum()), beyond.size).proportion_ci(0.95, method="exact")
-    )
-
-
-def share_with(share: float, low: float, high: float) -> str:
-    """A share in percent with its interval of 95 % confidence."""
-    return f"{percent(share)} (95 % interval {percent(low)} to {percent(high)})"
 
 
 @numbers(

@@ -13,7 +13,8 @@ from paper.measures.what_moves import (
     without_drift,
 )
 from paper.products import numbers
-from study.words import listed, number, percent, span
+from paper.wording import with_interval
+from study.words import listed, number, span
 
 #: Changes of the answer for a single record that count, and that are large.
 NOTICED, LARGE = 0.01, 0.05
@@ -21,6 +22,13 @@ NOTICED, LARGE = 0.01, 0.05
 
 def _spacings(ratio: float) -> str:
     return "the spacing" if ratio == 1 else f"{number(ratio, 3)} times the spacing"
+
+
+def _most(changes: xr.DataArray, beyond: float) -> str:
+    """Largest share, over the periods, of the records whose answer changes by more than ``beyond``, with its period."""
+    shares = (changes > beyond).where(changes.notnull()).mean("record")
+    period = shares.period[shares.argmax("period")].item()
+    return f"{with_interval(changes.sel(period=period).dropna('record') > beyond)} at {period:g} s"
 
 
 @numbers(moves="what_moves")
@@ -51,16 +59,15 @@ def of_what_moves(moves: xr.Dataset) -> dict:
         for count in CHOSEN:
             entries[f"moves_{short}_choice_{count}"] = span(100 * choice_spread(quantity, count), ".0f")
         single = record_changes(quantity).sel(variant="spacing")
-        beyond = (single > NOTICED).where(single.notnull())
-        large = (single > LARGE).where(single.notnull())
-        entries[f"moves_{short}_single"] = percent(float(beyond.mean()))
+        entries[f"moves_{short}_single"] = _most(single, NOTICED)
         entries[f"moves_{short}_worst"] = number(100 * float(single.where(np.isfinite(single)).max()), 3)
-        entries[f"moves_{short}_large"] = span(100 * large.mean("record"), ".0f")
+        entries[f"moves_{short}_large"] = _most(single, LARGE)
         coarsest = coarsest_step(quantity)
         entries[f"moves_{short}_coarsest"] = _spacings(coarsest) if np.isfinite(coarsest) else None
-        smaller.append(abs(change.sel(variant="spacing")).max() < abs(change.sel(variant="damping")).min())
-        chosen = min(choice_spread(quantity, count).min().item() for count in CHOSEN)
-        most.append(100 * chosen > abs(change.sel(variant=["spacing", "damping", "strength"])).max())
+        known = abs(change).dropna("period")
+        smaller.append((known.sel(variant="spacing") < known.sel(variant="damping")).all())
+        chosen = xr.concat([choice_spread(quantity, count) for count in CHOSEN], "choice").min("choice")
+        most.append((100 * chosen > known.sel(variant=["spacing", "damping", "strength"]).max("variant")).all())
     entries["moves_step_is_least"] = bool(np.all(smaller))
     entries["moves_choice_is_most"] = bool(np.all(most))
     return entries
