@@ -54,7 +54,9 @@ def point_source(seed: int, spacing: float, corner: float, kappa: float, duratio
 
 
 def files_in(folder: str | Path) -> list[Path]:
-    """Files of a folder with records in alphabetical order; hidden files and subfolders are left out.
+    """Files of a folder with records in alphabetical order.
+
+    Subfolders, hidden files and texts in Markdown, such as the terms of the records, are left out.
 
     Raises
     ------
@@ -63,7 +65,8 @@ def files_in(folder: str | Path) -> list[Path]:
     """
     if not Path(folder).is_dir():
         raise ValueError(f"there is no folder '{folder}'.")
-    files = sorted(path for path in Path(folder).iterdir() if path.is_file() and not path.name.startswith("."))
+    visible = [path for path in Path(folder).iterdir() if path.is_file() and not path.name.startswith(".")]
+    files = sorted(path for path in visible if path.suffix != ".md")
     if not files:
         raise ValueError(f"the folder '{folder}' holds no file, and must hold records of acceleration.")
     return files

@@ -27,6 +27,7 @@ def test_a_coarse_record_is_the_fine_one_without_what_its_samples_would_alias():
 
 def test_a_folder_without_records_is_refused(tmp_path):
     (tmp_path / ".hidden").touch()
+    (tmp_path / "README.md").write_text("terms of use")
     (tmp_path / "folder").mkdir()
     for folder, sentence in ((tmp_path, "holds no file"), (tmp_path / "none", "there is no folder")):
         with pytest.raises(ValueError, match=sentence):
