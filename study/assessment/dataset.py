@@ -19,9 +19,12 @@ from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 from study.sizes import Limit
 
-#: Timing of a recommended step: number of timed runs, time in s that a timed run should take, and largest number of
-#: steps of a timed run.
+#: Timing of a recommended step: least number of timed runs, time in s that a timed run should take, and largest number
+#: of steps of a timed run.
 REPEATS, ENOUGH, MOST_TIMED = 5, 0.003, 20_000
+#: Ratio of two times that nearly agree, number of runs that must nearly agree with the shortest one, and time in s from
+#: which on no run is added for this.
+NEARLY, AGREEING, PATIENCE = 1.1, 3, 1.0
 
 #: Outcomes of a run; the last one marks steps that were not tried.
 ENDS = (*STATUSES, "not_tried")
@@ -51,8 +54,8 @@ ATTRIBUTES = {
     "steps_tried": {"long_name": "steps tried from a twentieth of the recommended one up to it", "units": "1"},
     "largest_error": {"long_name": "largest error of the steps tried", "units": "1"},
     "verdict": flags("how the search for the step ended", VERDICTS, np.int8),
-    "seconds": {"long_name": "shortest of five times of all steps of the recommended run", "units": "s"},
-    "seconds_spread": {"long_name": "interquartile range of the five times", "units": "s"},
+    "seconds": {"long_name": "shortest time of all steps of the recommended run in repeated runs", "units": "s"},
+    "seconds_spread": {"long_name": "interquartile range of the times of these runs", "units": "s"},
     "force_evaluations": {"long_name": "internal forces evaluated in the recommended run", "units": "1"},
     "seconds_per_step": {"long_name": "time of a step", "units": "s"},
     "scheme": {"long_name": "time integration scheme"},
@@ -77,7 +80,9 @@ class Assessed(NamedTuple):
 def times_of_steps(problem: Problem, scheme: Scheme, steps_by_dt: dict[float, int]) -> dict[float, tuple]:
     """Shortest time in s of all steps of a run, and the interquartile range of the repeated runs, by step size.
 
-    Other work on the machine only lengthens a run, so that the shortest one is nearest to the time of the scheme.
+    Other work on the machine only lengthens a run, so that the shortest one is nearest to the time of the scheme. Runs
+    are repeated until ``AGREEING`` of them nearly take the shortest time, as long as they take less than ``PATIENCE``
+    seconds together.
 
     ``steps_by_dt`` maps each step size to the number of steps of its run. A timed run has this number, but at most
     ``MOST_TIMED``. If they take less than ``ENOUGH`` seconds, it has more steps, unless one of these fails. Its time is
@@ -85,16 +90,26 @@ def times_of_steps(problem: Problem, scheme: Scheme, steps_by_dt: dict[float, in
     that time if it exceeds twice the overhead.
     """
     timed = Timed(problem, scheme, ())
-    call = min(timed.run(max(steps_by_dt), 1)[0] for _ in range(REPEATS))
+
+    def repeated(dt: float, steps: int) -> list[tuple[float, bool]]:
+        runs = list[tuple[float, bool]]()
+        while len(runs) < REPEATS or (
+            sum(seconds <= NEARLY * min(runs)[0] for seconds, _ in runs) < AGREEING
+            and sum(seconds for seconds, _ in runs) < PATIENCE
+        ):
+            runs.append(timed.run(dt, steps))
+        return runs
+
+    call, _ = min(repeated(max(steps_by_dt), 1))
     times = {}
     for dt, steps in sorted(steps_by_dt.items(), reverse=True):
         first = min(steps, MOST_TIMED)
         once = max(timed.run(dt, first)[0] - call, ENOUGH * first / MOST_TIMED)
         timed_steps = max(first, int(first * ENOUGH / once))
-        runs = [timed.run(dt, timed_steps) for _ in range(REPEATS)]
+        runs = repeated(dt, timed_steps)
         # steps beyond the wanted number may fail; the run is then timed without them
         if not all(completed for _, completed in runs):
-            timed_steps, runs = first, [timed.run(dt, first) for _ in range(REPEATS)]
+            timed_steps, runs = first, repeated(dt, first)
         shortest, low, high = np.quantile([seconds for seconds, _ in runs], [0.0, 0.25, 0.75])
         less = call if shortest > 2 * call else 0.0
         times[dt] = float((shortest - less) * steps / timed_steps), float((high - low) * steps / timed_steps)
