@@ -256,7 +256,7 @@ def orbit(problem: Problem) -> Orbit:
             tangent = np.asarray(_at(problem, places)[2])
             barrier = min(_barrier(problem, end, rest, side * scale) for end, side in zip(ends, (-1, 1), strict=True))
             distance = (barrier - at_start) / (at_start - float(well.rest))
-            return Orbit(places, v, forces, tangent, mass, float(period), *map(float, by_energy), distance)
+            return Orbit(places, v, forces, tangent, mass, float(period), *map(float, (*by_energy, distance)))
         before = float(period)
     raise ValueError(
         f"the period of '{problem.title}' does not converge: the motion is too near to a separatrix, where any step "
