@@ -139,7 +139,7 @@ def _steps(subject: "Subject", library: "Library") -> str:
         ]
         best = _best(tables[COMPARED], _kind(subject.scheme))
         least = "–" if best.empty else "this one"
-        if not best.empty and name not in best.index:
+        if not best.empty and name != best.index[0]:
             first = best.iloc[0]
             least = f"[{library.schemes[best.index[0]].title}]({best.index[0]}.md): {first.steps} ({first.forces:,.0f})"
         rows.append([title, *cells, least])

@@ -48,7 +48,7 @@ def chang_on_stiffening(later_schemes):
     return _stiffening(later_schemes, "chang")
 
 
-@_claim_of_model("KR-α")
+@_claim_of_model("KR-α with ρ∞ = 1")
 def kr_on_stiffening(later_schemes):
     return _stiffening(later_schemes, "kr_alpha")
 
