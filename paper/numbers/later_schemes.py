@@ -17,7 +17,7 @@ STATED = {
         Verdict.NOT_REPRODUCED,
         "CR is unconditionally stable for non-linear structures too.",
         "Chang's method is unconditionally stable for non-linear structures too.",
-        "KR-α is unconditionally stable for non-linear structures too.",
+        "KR-α with ρ∞ = 1 is unconditionally stable for non-linear structures too.",
     ),
     "model_overshoots": (
         Verdict.REPRODUCED,
