@@ -35,6 +35,9 @@ LEVEL = 0.1
 DAMPS = 0.01
 #: Spectral radius, at infinite frequency or close to the stability limit, below which modes count as damped.
 RADIUS = 0.9
+#: Difference of two spectral radii at infinite frequency below which they count as equal: several roots may meet there,
+#: and are then known to a root of round-off only.
+SAME_RADIUS = 1e-3
 #: Share of the schemes above which the text speaks of most schemes.
 MOST = 0.5
 #: Fraction of the error of a scheme below which the error of another scheme counts as smaller.
@@ -216,6 +219,13 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
         yield "small errors, as its order is 1"
     elif scheme.order_with_damping == 1:
         yield "small errors with damping or load, where its order is 1"
+    partly = [
+        title
+        for title, tables in library.needs.items()
+        if any(subject.name in frame.index and PARTLY in frame.steps[subject.name] for frame in tables.values())
+    ]
+    if partly:
+        yield f"velocity, acceleration and energy on the {listed(partly)} at the steps marked {PARTLY.strip()} below"
     atlas, kinks, structures = data["stability/atlas"], data["kinks"], data["structures"]
     circumstances = data["order_under_reality"]
     if subject.name in circumstances.scheme.values:
@@ -261,7 +271,7 @@ def _dominates(other: "Subject", subject: "Subject") -> bool:
         and s.order >= t.order
         and s.order_with_damping >= t.order_with_damping
         and a.limit >= b.limit
-        and (not math.isinf(b.limit) or a.at_infinity <= b.at_infinity + ROUND_OFF)
+        and (not math.isinf(b.limit) or a.at_infinity <= b.at_infinity + SAME_RADIUS)
         # only a scheme that also keeps the amplitude can dominate a scheme that keeps it
         and (abs(b.decay_of_rule) > ROUND_OFF or abs(a.decay_of_rule) <= ROUND_OFF)
         and a.error_of_rule < BETTER * b.error_of_rule
@@ -285,7 +295,7 @@ def _alternative(subject: "Subject", library: "Library") -> str:
     if not better:
         reasons = [
             f"has more than {percent(BETTER)} of its error of the displacement over a period of {STEPS} steps",
-            "is worse in order, stability or damping of high frequencies",
+            "is worse in order, stability, damping of high frequencies or conservation of the amplitude",
         ]
         if subject.name in lost:
             reasons.append("loses the balance of energies on a structure where this one keeps it")

@@ -7,7 +7,7 @@ from paper.products import numbers
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
 from paper.tables.models import ERROR, answers
 from paper.tables.whole_motion import ERROR as WHOLE
-from study.runs.needs import WHOLE_MOTION
+from study.runs.needs import NO_VALUE, WHOLE_MOTION
 from study.sizes import fewest
 from study.words import listed
 
@@ -58,6 +58,18 @@ def of_work(work: xr.Dataset) -> dict:
         "work_loosest": f"{np.log10(spring.tolerance.max().item()):.0f}",
         "work_tightest": f"{np.log10(spring.tolerance.min().item()):.0f}",
     }
+
+
+def _partly(decisions: xr.Dataset, needs: xr.Dataset) -> list[str]:
+    """Kinds of models for which the step of a scheme in the short table does not keep the whole motion."""
+    models = list[str]()
+    for model, decided in answers(decisions).items():
+        here = needs.sel(problem=decided.problem.item(), quantity=decided.quantity.item())
+        here = here.sel(allowed_error=ERROR, method="nearest").sel(scheme=[*filter(None, decided.scheme.values)])
+        alone, whole = (here.sel(condition=condition) for condition in ("practice", "whole_motion"))
+        if ((whole.verdict != NO_VALUE) & (whole.step_size != alone.step_size)).any():
+            models.append(model)
+    return models
 
 
 def _starts(decisions: xr.Dataset) -> dict[str, str | None]:
@@ -113,6 +125,7 @@ def of_decisions(decisions: xr.Dataset, needs: xr.Dataset, softening: xr.Dataset
         "whole_error": f"{100 * WHOLE:g}",
         "models_kinds": len(answers(decisions)),
         "models_error": f"{100 * ERROR:g}",
+        "models_partly": listed(partly) if (partly := _partly(decisions, needs)) else None,
         "candidates": needs.sizes["scheme"],
         "models_candidates": int(needs.in_codes.sum()),
     }
