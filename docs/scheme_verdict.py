@@ -15,7 +15,7 @@ from docs.theory import PERIODS, ROUND_OFF, STEPS, TRIED
 from paper.measures.orders import lost as loses_order
 from paper.measures.outcomes import fewest_steps, most_steps
 from paper.tables.decision import steps_of
-from study.runs.needs import NO_VALUE, TIED, WHOLE_MOTION, cost
+from study.runs.needs import NO_VALUE, TIED, WHOLE_MOTION, cost, keeps_part
 from study.sizes import unbroken
 from study.words import listed, number, percent
 
@@ -82,9 +82,8 @@ def _problems(library: "Library") -> Iterator[xr.Dataset]:
 
 
 def _table_of_runs(needed: xr.Dataset) -> pd.DataFrame:
-    whole, needed = needed.sel(condition="whole_motion"), needed.sel(condition="practice")
-    partial = needed.assign(partly=(whole.verdict != NO_VALUE) & (whole.step_size != needed.step_size))
-    kept = partial.isel(scheme=np.flatnonzero(needed.step_size > 0))
+    needed = needed.assign(partly=keeps_part(needed)).sel(condition="practice")
+    kept = needed.isel(scheme=np.flatnonzero(needed.step_size > 0))
     rows = [
         [
             "explicit" if row.explicit == 1 else "implicit",

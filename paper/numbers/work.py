@@ -7,7 +7,7 @@ from paper.products import numbers
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
 from paper.tables.models import ERROR, answers
 from paper.tables.whole_motion import ERROR as WHOLE
-from study.runs.needs import NO_VALUE, WHOLE_MOTION
+from study.runs.needs import WHOLE_MOTION, keeps_part
 from study.sizes import fewest
 from study.words import listed
 
@@ -66,8 +66,7 @@ def _partly(decisions: xr.Dataset, needs: xr.Dataset) -> list[str]:
     for model, decided in answers(decisions).items():
         here = needs.sel(problem=decided.problem.item(), quantity=decided.quantity.item())
         here = here.sel(allowed_error=ERROR, method="nearest").sel(scheme=[*filter(None, decided.scheme.values)])
-        alone, whole = (here.sel(condition=condition) for condition in ("practice", "whole_motion"))
-        if ((whole.verdict != NO_VALUE) & (whole.step_size != alone.step_size)).any():
+        if keeps_part(here).any():
             models.append(model)
     return models
 

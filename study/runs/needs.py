@@ -288,3 +288,12 @@ def dominated(measures: xr.DataArray, scheme: str, equal: float = 1e-6) -> list[
         return bool(((other < numbers) | close).all() and ((other < numbers) & ~close).any())
 
     return [name for name in measures.scheme.values if name != scheme and better(measures.sel(scheme=name).values)]
+
+
+def keeps_part(needed: xr.Dataset) -> xr.DataArray:
+    """Whether a step keeps its quantity, while the whole motion needs another step, or none that was tried keeps it.
+
+    ``needed`` has the dimension ``condition`` of :func:`needs`, and the result has its other dimensions.
+    """
+    alone, whole = (needed.sel(condition=condition) for condition in ("practice", "whole_motion"))
+    return (alone.step_size > 0) & (whole.verdict != NO_VALUE) & (whole.step_size != alone.step_size)
