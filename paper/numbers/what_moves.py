@@ -25,8 +25,13 @@ def _spacings(ratio: float) -> str:
 
 
 def _most(changes: xr.DataArray, beyond: float) -> str:
-    """Largest share, over the periods, of the records whose answer changes by more than ``beyond``, with its period."""
+    """Largest share, over the periods, of the records whose answer changes by more than ``beyond``, with its period.
+
+    It is "none" if no record has an answer.
+    """
     shares = (changes > beyond).where(changes.notnull()).mean("record")
+    if shares.isnull().all():
+        return "none"
     period = shares.period[shares.argmax("period")].item()
     return f"{with_interval(changes.sel(period=period).dropna('record') > beyond)} at {period:g} s"
 
@@ -65,9 +70,11 @@ def of_what_moves(moves: xr.Dataset) -> dict:
         coarsest = coarsest_step(quantity)
         entries[f"moves_{short}_coarsest"] = _spacings(coarsest) if np.isfinite(coarsest) else None
         known = abs(change).dropna("period")
-        smaller.append((known.sel(variant="spacing") < known.sel(variant="damping")).all())
+        smaller.append(known.size and (known.sel(variant="spacing") < known.sel(variant="damping")).all())
         chosen = xr.concat([choice_spread(quantity, count) for count in CHOSEN], "choice").min("choice")
-        most.append((100 * chosen > known.sel(variant=["spacing", "damping", "strength"]).max("variant")).all())
+        most.append(
+            known.size and (100 * chosen > known.sel(variant=["spacing", "damping", "strength"]).max("variant")).all()
+        )
     entries["moves_step_is_least"] = bool(np.all(smaller))
     entries["moves_choice_is_most"] = bool(np.all(most))
     return entries
