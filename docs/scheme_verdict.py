@@ -224,7 +224,7 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
         if any(subject.name in frame.index and PARTLY in frame.steps[subject.name] for frame in tables.values())
     ]
     if partly:
-        yield f"velocity, acceleration and energy on the {listed(partly)} at the steps marked {PARTLY.strip()} below"
+        yield f"velocity, acceleration or energy on the {listed(partly)} at the steps marked {PARTLY.strip()} below"
     atlas, kinks, structures = data["stability/atlas"], data["kinks"], data["structures"]
     circumstances = data["order_under_reality"]
     if subject.name in circumstances.scheme.values:

@@ -99,7 +99,7 @@ def error_of_displacement(scheme: study.Scheme, steps: np.ndarray, periods: int)
     # clipped to half a period, where the error is largest: with a larger delay the error would fall again
     turned = amplitude * np.exp(-1j * np.clip(delay, -np.pi, np.pi))
     factors = theory.displacement_factors()
-    error = np.maximum(abs(factors - 1), abs(factors * turned - 1)).max(axis=0)  # at the begin and at the end
+    error = np.maximum(abs(factors - 1), abs(factors * turned - 1)).max(axis=0)  # at the beginning and at the end
     growth = periods * steps * (theory.spectral_radius - 1)  # to first order: a power of the radius would overflow
     return np.maximum(error, growth)
 

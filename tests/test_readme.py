@@ -209,6 +209,9 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     answers = " ".join((PROJECT / "docs" / "pages" / "answers.md").read_text().split())
     partly = f"wrong at some of the steps for these kinds: {n['models_partly']}."
     assert partly in words and partly in answers
+    assert n["moves_step_is_least"] and f"over records every {n['moves_spacing']} ms the spacing moved" in words
+    assert f"with {n['moves_scheme']} and a yielding mass of 0.2 to 2 s" in words
+    assert n["moves_periods"].startswith("0.2, ") and n["moves_periods"].endswith(" and 2")
     assert n["model_is_a_bound"] and "does not become stiffer than the model" in words
     law = "From {known} to {extrapolated} periods of two springs from rest, the next finer step tried "
     law += "(up to {finer} % finer) keeps an error of {allowed} % in {cases_kept} of {cases} cases, "

@@ -294,7 +294,7 @@ def step_bound(
 
     The bound excludes motions with a load or damping, forces whose tangent jumps, and schemes that dissipate. Near a
     separatrix C_T grows without bound. A step that keeps the energy may therefore be far too long for the period there:
-    ``separatrix_distance`` tells how near the motion is.
+    ``separatrix_distance`` measures how near the motion is.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ FARTHEST = 1e6
 def _refusal(problem: Problem) -> str | None:
     """One sentence on why the outcome of runs of the problem is undefined; None if it is defined."""
     if np.ndim(problem.u0):
-        return f"'{problem.title}' has more than one unknown, and what is asked for is defined for one."
+        return f"'{problem.title}' has more than one unknown; outcomes and step bounds are defined for one."
     if problem.damping is not None or problem.load is not None:
         return f"'{problem.title}' is no free motion: damping or a load change its energy."
     if problem.potential is None:

@@ -147,7 +147,7 @@ def test_the_verdict_follows_the_data():
     assert (
         "| ≤\u00a08\u00a0* (8) | 32\u00a0* (32) | – |" in partly
         and "exceeds its bound: 75\u00a0% (velocity), 125" in partly
-        and "velocity, acceleration and energy on the yielding thing at the steps marked *" in partly
+        and "velocity, acceleration or energy on the yielding thing at the steps marked *" in partly
     )
     dearer = verdict_of("rk4", needed=(32, 64))
     assert "[Central difference](central_difference.md): 32 (32) |" in dearer
