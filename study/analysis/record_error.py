@@ -6,7 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from study.algebra.scalars import is_number
 from study.analysis.step_bound import modified_energy
+from study.marching.arguments import resolve
 from study.mechanics.ground import GroundMotion
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
@@ -77,13 +79,22 @@ def record_error(
     ------
     KeyError
         If there is no scheme of that name.
+    TypeError
+        If ``ground`` is not a record.
     ValueError
-        If the error of the period of the scheme is not known here, a number is not positive, or the step is not stable.
+        If the error of the period of the scheme is not known here, a number is not positive, the step is not stable, or
+        the record is zero at all times.
     """
-    for name, value in (("dt", dt), ("period", period), ("damping", damping)):
-        if not (np.all(np.asarray(value) > 0) and np.all(np.isfinite(value))):
-            raise ValueError(f"{name} must be positive, not {value!r}.")
-    scheme = schemes[scheme] if isinstance(scheme, str) else scheme
+    if not isinstance(ground, GroundMotion):
+        raise TypeError(f"ground must be a record, such as study.GroundMotion.read(path), not {ground!r}.")
+    if not np.any(ground.acceleration):
+        raise ValueError(f"'{ground.title}' is zero at all times, so that a relative error has no meaning.")
+    for name, value in (("dt", dt), ("damping", damping)):
+        if not (is_number(value) and 0 < value < math.inf):
+            raise ValueError(f"{name} must be a positive number, not {value!r}.")
+    if not all(is_number(value) and 0 < value < math.inf for value in np.ravel(period)):
+        raise ValueError(f"period must be a positive number or an array of them, not {period!r}.")
+    scheme = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
     modified, limit = modified_energy(scheme), scheme.stability_limit
     omega = 2 * np.pi / np.asarray(period, float)
     if limit is not None and np.max(omega) * dt >= limit:

@@ -36,6 +36,9 @@ POINTS, CONVERGED = tuple(2**n for n in range(9, 17)), 1e-8
 #: Distance from a kink, relative to the size of the orbit, at which the force and the tangent on either side of it are
 #: compared, and their relative difference from which on they jump.
 BESIDE, JUMP = 1e-9, 1e-3
+#: Factor to a larger distance from a kink, the power of the distance below which a change of the tangent means that its
+#: slope is infinite at the kink, and the relative change from which on it is more than round-off.
+FARTHER, LINEAR, CHANGE = 1e3, 0.97, 1e-9
 
 
 class ModifiedEnergy(NamedTuple):
@@ -81,8 +84,8 @@ def modified_energy(scheme: Scheme) -> ModifiedEnergy:
         case ImplicitMidpoint():
             return ModifiedEnergy(-1 / 24, -1 / 24, -1 / 12)
     raise ValueError(
-        f"no step bound is known for '{scheme.title}': it holds for Newmark's methods with gamma = 0.5, such as "
-        "central_difference and average_acceleration, and for implicit_midpoint. A scheme that dissipates conserves no "
+        f"the error of '{scheme.title}' is not known without a run: it is for Newmark's methods with gamma = 0.5, "
+        "such as central_difference, and for implicit_midpoint. A scheme that dissipates conserves no "
         "modified energy, and the modified energies of other schemes are not computed here."
     )
 
@@ -202,20 +205,27 @@ def _switches(problem: Problem, places):
 
 
 def _check_tangent(problem: Problem, places: _Points) -> None:
-    """Refuse a force or a tangent that jumps between two of the ordered places of an orbit."""
+    """Refuse a force or a tangent that jumps, or a tangent with an infinite slope, between two ordered places."""
     from scipy import optimize  # here, as this import takes a third of the time of importing the study
 
     for i, number in np.argwhere(np.diff(np.sign(_switches(problem, places)), axis=0)):
         kink = optimize.brentq(
             lambda u, number=number: float(_switches(problem, np.full(1, u))[0, number]), *places[i : i + 2]
         )
-        beside = kink + BESIDE * np.ptp(places) * np.array([-1, 1])
-        for values, values_beside in zip(_at(problem, places)[1:], _at(problem, beside)[1:], strict=True):
-            if abs(values_beside[1] - values_beside[0]) > JUMP * np.abs(values).max():
-                raise ValueError(
-                    f"the force of '{problem.title}' or its tangent jumps at u = {kink:.6g}, and no step bound is "
-                    "known there; study.assess finds the step by runs."
-                )
+        beside = kink + BESIDE * np.ptp(places) * np.array([-FARTHER, -1, 0, 1, FARTHER])
+        largest, values = (np.array(_at(problem, there)[1:]) for there in (places, beside))
+        largest = np.abs(largest).max(axis=1)
+        near, far = (np.abs(values[1, [2 - k, 2 + k]] - values[1, 2]).max() for k in (1, 2))
+        if (np.abs(values[:, 3] - values[:, 1]) > JUMP * largest).any():
+            reason = "the force of '{}' or its tangent jumps"
+        elif CHANGE * largest[1] < far < near * FARTHER**LINEAR:
+            reason = "the tangent of '{}' has an infinite slope"
+        else:
+            continue
+        raise ValueError(
+            f"{reason.format(problem.title)} at u = {kink:.6g}, and no step bound is known there; study.assess finds "
+            "the step by runs."
+        )
 
 
 @jax.enable_x64(True)
@@ -230,7 +240,8 @@ def orbit(problem: Problem) -> Orbit:
     ------
     ValueError
         If the problem has several unknowns, damping, a load or no potential, if it does not oscillate or rests, if its
-        force or tangent jumps, or if the motion is so near to a separatrix that the period does not converge.
+        force or tangent jumps or its tangent has an infinite slope, or if the motion is so near to a separatrix that
+        the period does not converge.
     """
     well = OutcomeObserver.of(problem)
     rest, mass = float(well.rest_at), float(problem.momentum(1.0))
@@ -292,9 +303,9 @@ def step_bound(
     :math:`0 \le p' \le \omega^2 M`, C_E is at most ¼ for central difference and 1/6 for average acceleration, with any
     number of unknowns.
 
-    The bound excludes motions with a load or damping, forces whose tangent jumps, and schemes that dissipate. Near a
-    separatrix C_T grows without bound. A step that keeps the energy may therefore be far too long for the period there:
-    ``separatrix_distance`` measures how near the motion is.
+    The bound excludes motions with a load or damping, forces whose tangent jumps or has an infinite slope, and schemes
+    that dissipate. Near a separatrix C_T grows without bound. A step that keeps the energy may therefore be far too
+    long for the period there: ``separatrix_distance`` measures how near the motion is.
 
     Parameters
     ----------
@@ -324,8 +335,8 @@ def step_bound(
         If the problem or the scheme is of another kind.
     ValueError
         If the problem is not a free oscillator of one unknown with a potential, rests, does not oscillate, is too near
-        to a separatrix, or has a force or a tangent that jumps; if the scheme has no modified energy; or if
-        ``allowed_error`` or ``periods`` is not positive.
+        to a separatrix, or has a force or a tangent that jumps or a tangent with an infinite slope, as where a Hertz
+        contact closes; if the scheme has no modified energy; or if ``allowed_error`` or ``periods`` is not positive.
 
     References
     ----------

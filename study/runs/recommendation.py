@@ -124,7 +124,8 @@ def recommend(
     KeyError
         If the assessment has no such quantity.
     TypeError, ValueError
-        If an argument is invalid, ``allowed_error`` is not one that was assessed, or ``duration`` exceeds that of the
+        If an argument is invalid, a name is that of a problem and of a file, ``allowed_error`` is not one that was
+        assessed, or ``duration`` exceeds that of the
         runs and the law does not hold for the problem.
 
     Examples
@@ -166,14 +167,26 @@ def recommend(
 
 def _opened(name: str, folder: Path) -> xr.Dataset:
     """The dataset that a name or a file stands for: an assessment, or else the needs on a problem of the study."""
-    named = [folder / "assessment" / f"{name}.nc", folder / f"{name}.nc", Path(f"{name}.nc")]
-    for file in [Path(name), folder / name] if name.endswith(".nc") else named:
-        if file.exists():
-            return io.read(file)
     if name.endswith(".nc"):
+        for file in (Path(name), folder / name):
+            if file.exists():
+                return io.read(file)
         raise FileNotFoundError(f"there is no file '{name}'; `study assess --output {name}` writes it.")
+    if (configured := folder / "assessment" / f"{name}.nc").exists():
+        return io.read(configured)
+    own = next(filter(Path.exists, [folder / f"{name}.nc", Path(f"{name}.nc")]), None)
+    if own and not (folder / "needs.nc").exists():
+        return io.read(own)
     needed = io.open_dataset("needs", folder)
-    if name in needed.problem.values:
+    is_problem = name in needed.problem.values
+    if own and is_problem:
+        raise ValueError(
+            f"{name!r} is a problem of the study and the file '{own}'. Give '{own}' for the file, or "
+            f"study.open_dataset('needs').sel(problem={name!r}) for the problem."
+        )
+    if own:
+        return io.read(own)
+    if is_problem:
         return needed.sel(problem=name)
     raise UnknownName(
         f"there is no assessment and no problem {name!r} in '{folder}'; "

@@ -40,12 +40,21 @@ def test_power_that_the_steps_mistake_for_that_of_the_oscillator_is_its_error():
 @pytest.mark.parametrize(
     "arguments, message",
     [
-        ({"scheme": "rk4"}, "no step bound is known"),
-        ({"dt": 0.0}, "dt must be positive"),
-        ({"damping": -1}, "damping"),
+        ({"scheme": "rk4"}, "the error of 'Runge-Kutta.*' is not known without a run"),
+        ({"dt": 0.0}, "dt must be a positive number, not 0.0"),
+        ({"dt": "10 ms"}, "dt must be a positive number, not '10 ms'"),
+        ({"damping": -1}, "damping must be a positive number"),
+        ({"period": [0.5, 0.0]}, "period must be a positive number or an array of them"),
+        ({"ground": study.GroundMotion(np.zeros(100), 0.01, title="silence")}, "'silence' is zero at all times"),
         ({"scheme": "central_difference", "dt": 0.32}, "dt must be below 0.3183 s, the stability limit"),
     ],
 )
 def test_what_is_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
-        study.record_error(study.GroundMotion.el_centro(), **{"dt": 0.01, "period": 1.0} | arguments)
+        study.record_error(**{"ground": study.GroundMotion.el_centro(), "dt": 0.01, "period": 1.0} | arguments)
+
+
+@pytest.mark.parametrize("ground", ["record.AT2", np.ones(100)])
+def test_a_record_is_a_ground_motion(ground):
+    with pytest.raises(TypeError, match="ground must be a record, such as study.GroundMotion.read"):
+        study.record_error(ground, 0.01, 1.0)

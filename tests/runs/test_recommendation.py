@@ -1,5 +1,7 @@
 """Recommendations from made-up needs, and from a made-up assessment with known step sizes and computing times."""
 
+import shutil
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -106,6 +108,16 @@ def test_a_name_stands_for_the_dataset_of_that_name(assessed, tmp_path):
     small_results.write_to(tmp_path)
     by_name = study.recommend("mine", allowed_error=0.1, quantity="energy", folder=tmp_path)
     pd.testing.assert_frame_equal(by_name, study.recommend(assessed, allowed_error=0.1, quantity="energy"))
+
+
+def test_a_name_of_a_problem_and_of_a_file_is_refused(assessed, tmp_path, monkeypatch):
+    small_results.write_to(tmp_path)
+    shutil.copy(tmp_path / "assessment" / "mine.nc", tmp_path / "softening.nc")
+    with pytest.raises(ValueError, match=r"'softening' is a problem of the study and the file '.*softening\.nc'"):
+        study.recommend("softening", allowed_error=0.1, folder=tmp_path)
+    monkeypatch.chdir(tmp_path)
+    by_file = study.recommend("softening.nc", allowed_error=0.1, quantity="energy")
+    pd.testing.assert_frame_equal(by_file, study.recommend(assessed, allowed_error=0.1, quantity="energy"))
 
 
 def test_a_problem_of_the_study_has_the_decisions_as_its_first_rows(tmp_path):
