@@ -125,8 +125,7 @@ def recommend(
         If the assessment has no such quantity.
     TypeError, ValueError
         If an argument is invalid, a name is that of a problem and of a file, ``allowed_error`` is not one that was
-        assessed, or ``duration`` exceeds that of the
-        runs and the law does not hold for the problem.
+        assessed, or ``duration`` exceeds that of the runs and the law does not hold for the problem.
 
     Examples
     --------
