@@ -7,7 +7,7 @@ from paper.measures.kinks import GAINED, LOST, REMEMBER, at_equal_forces
 from paper.measures.spectrum import LONG, beyond_at_the_spacing, beyond_between
 from paper.requirements import fourfold
 from paper.terms import MATTERS, RULE, SECOND_ORDER, UNNOTICED
-from paper.wording import listed, number
+from paper.wording import listed, number, with_interval
 
 
 @claim(
@@ -69,19 +69,18 @@ def twenty_steps_for_the_peak(spectrum):
 @claim(
     "materials",
     "Under a record, a finer step gives a smaller error.",
-    "runs of average acceleration at long periods whose peak drift is beyond the allowed error, in percent: with the "
+    "runs of average acceleration at long periods whose peak drift is beyond the allowed error: with the "
     "spacing as step; with finer steps that do not divide it, down to half of it",
     whose=PRACTICE,
     requires={"spectrum.schemes": ["average_acceleration"], "spectrum.periods": [LONG]},
 )
 def finer_is_better_under_a_record(spectrum):
     at_the_spacing, finer = (
-        100 * beyond(spectrum, "average_acceleration").mean().item()
-        for beyond in (beyond_at_the_spacing, beyond_between)
+        beyond(spectrum, "average_acceleration") for beyond in (beyond_at_the_spacing, beyond_between)
     )
-    better = finer <= at_the_spacing
+    better = bool(finer.mean() <= at_the_spacing.mean())
     reason = when(not better, "steps that do not divide the spacing miss samples")
-    return Finding(f"{number(at_the_spacing, '.2g')}; {number(finer, '.2g')}", better, reason)
+    return Finding(f"{with_interval(at_the_spacing)}; {with_interval(finer)}", better, reason)
 
 
 @claim(

@@ -1,8 +1,9 @@
 """Claims on the step under records of ground motion, decided by our runs."""
 
 from paper.claims.ledger import PRACTICE, Finding, claim, when
-from paper.measures.record_error import ONE_CURVE, SCHEME, over_period, predicted, scatter
+from paper.measures.record_error import ONE_CURVE, SCHEME, over_period, predicted, scatter, share_of_runs
 from paper.measures.what_moves import QUANTITIES, choice_spread, median_changes, without_drift
+from paper.wording import share_with
 from study.words import listed, number
 
 #: Factor within which a prediction agrees with most runs, and share of these runs.
@@ -35,9 +36,10 @@ def power_above_decides(record_error):
 def period_and_load_decide(record_error):
     average = record_error.sel(scheme=SCHEME)
     ratio = average.error.sel(load="samples") / predicted(average)
-    share = float(((ratio > 1 / FACTOR) & (ratio < FACTOR)).sum() / ratio.notnull().sum())
+    share, low, high = share_of_runs(((ratio > 1 / FACTOR) & (ratio < FACTOR)).where(ratio.notnull()))
     holds = share >= MOST_RUNS
-    return Finding(f"{100 * share:.3g} %", holds, when(not holds, "the prediction is that of a long motion"))
+    reason = when(not holds, "the prediction is that of a long motion")
+    return Finding(share_with(share, low, high), holds, reason)
 
 
 @claim(

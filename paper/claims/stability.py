@@ -72,7 +72,7 @@ def damping_against_chaos(atlas):
     part = by_name(100 * chaotic.mean(["problem", "amplitude", "step_size_over_period"]))
     where = [p for p in near.problem.values if chaotic.sel(problem=p).any()]
     reason = when(where, f"some end chaotic, on {joined(where, atlas)}")
-    return Finding(listed(part, atlas), not where, reason)
+    return Finding(f"{listed(part, atlas)}, of {chaotic.isel(scheme=0).size} runs each", not where, reason)
 
 
 @claim(

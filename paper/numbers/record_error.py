@@ -3,7 +3,16 @@
 import numpy as np
 import xarray as xr
 
-from paper.measures.record_error import ONE_CURVE, RANGE, SCHEME, order, over_period, predicted, scatter
+from paper.measures.record_error import (
+    ONE_CURVE,
+    RANGE,
+    SCHEME,
+    order,
+    over_period,
+    predicted,
+    scatter,
+    share_of_runs,
+)
 from paper.products import numbers
 from paper.wording import share_with
 from study.words import listed, number, span
@@ -18,8 +27,6 @@ _STOCHASTIC = "Boore (2003)"
 )
 def of_record_error(errors: xr.Dataset) -> dict:
     """Ratios of measured and predicted errors, scatter about three predictors, shares of runs, and orders."""
-    from scipy.stats import t as student  # here, as few numbers of the text need it
-
     average = errors.sel(scheme=SCHEME)
     law = predicted(average)
     ratio = average.error.sel(load="samples") / law
@@ -33,12 +40,7 @@ def of_record_error(errors: xr.Dataset) -> dict:
     }
 
     def within(error):
-        """Share of the runs within the prediction, with Student's interval of its mean over the records."""
-        kept = (error <= law).where(runs)
-        record_means = kept.mean(["period", "ratio"]).values
-        half = student.ppf(0.975, len(record_means) - 1) * record_means.std(ddof=1) / np.sqrt(len(record_means))
-        mean = kept.mean().item()
-        return share_with(mean, max(mean - half, 0), min(mean + half, 1))
+        return share_with(*share_of_runs((error <= law).where(runs)))
 
     entries = {
         "record_error_records": errors.sizes["record"],

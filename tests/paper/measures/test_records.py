@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 import xarray as xr
+from scipy import stats
 
 from paper.claims import records
-from paper.measures.record_error import order, predicted, scatter
+from paper.measures.record_error import order, predicted, scatter, share_of_runs
 from paper.measures.what_moves import choice_spread, coarsest_step, median_changes, record_changes
 from paper.numbers.what_moves import of_what_moves
 
@@ -52,6 +53,15 @@ def test_a_prediction_holds_within_a_factor_of_two():
     tripled = _errors(load=0.1).assign(error=lambda ds: 3 * ds.error)
     assert not records.period_and_load_decide(tripled).holds
     assert not records.power_above_decides(_errors(load=0.1)).holds
+
+
+def test_the_interval_of_a_share_is_that_of_the_mean_over_the_records():
+    kept = xr.DataArray(
+        np.repeat([[1.0, 1.0, 0.0, 1.0]] * 3 + [[1.0, 0.0, 0.0, 1.0]], 2, axis=0), dims=("record", "ratio")
+    )
+    interval = stats.ttest_1samp(kept.mean("ratio"), 0.0).confidence_interval(0.95)
+    assert share_of_runs(kept) == pytest.approx((11 / 16, *interval))
+    assert share_of_runs(kept.where(kept == 1, 1.0)) == (1.0, 1.0, 1.0)
 
 
 def _moves(step):
