@@ -20,6 +20,7 @@ from docs.decisions import by_model
 from paper import products
 from paper.claims import ledger
 from study.analysis.duration import step_exponent
+from study.sizes import least_number
 from tests.snippets import blocks, run_examples
 
 PROJECT = Path(__file__).parent.parent
@@ -209,8 +210,13 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     answers = " ".join((PROJECT / "docs" / "pages" / "answers.md").read_text().split())
     partly = f"wrong at some of the steps for these kinds: {n['models_partly']}."
     assert partly in words and partly in answers
-    assert n["moves_step_is_least"] and f"over records every {n['moves_spacing']} ms the spacing moved" in words
-    assert f"with {n['moves_scheme']} and a yielding mass of 0.2 to 2 s" in words
+    assert n["moves_step_is_least"]
+    moved = f"For a median over records every {n['moves_spacing']} ms the spacing is fine enough: "
+    assert f"{moved}with {n['moves_scheme']} and a yielding mass of 0.2 to 2 s" in words
+    runs = study.open_dataset("runs/softening", results).sel(scheme="central_difference", quantity="displacement")
+    from_rest = runs.error.sel(periods=100).swap_dims(size="steps_per_period").dropna("steps_per_period")
+    (stated,) = _stated(r"Central difference: (\d+) steps, ωΔt = 0\.015")
+    assert least_number(from_rest <= 0.01, "steps_per_period") < stated
     assert n["moves_periods"].startswith("0.2, ") and n["moves_periods"].endswith(" and 2")
     assert n["model_is_a_bound"] and "does not become stiffer than the model" in words
     law = "From {known} to {extrapolated} periods of two springs from rest, the next finer step tried "

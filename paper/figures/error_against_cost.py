@@ -19,8 +19,14 @@ SCHEMES = {
     "rk4": ("#009E73", "v"),
     "kahan_li8": ("#E69F00", "P"),
 }
-#: General solvers of the figure, with their markers. The Taylor method of heyoka evaluates no force.
-GENERAL = {"scipy_dop853": "o", "cvode_adams": "s", "tsit5": "v", "heyoka": "D"}
+#: General solvers of the figure, with their markers and the distances in points of their names from their last points,
+#: to the left of it if negative. The Taylor method of heyoka evaluates no force.
+GENERAL = {
+    "scipy_dop853": ("o", (-3, 4)),
+    "cvode_adams": ("s", (-4, -7)),
+    "tsit5": ("v", (5, -2.5)),
+    "heyoka": ("D", (-4, -7)),
+}
 NO_FORCE = "heyoka"
 #: Largest and smallest error drawn: at larger errors the motion is lost, and smaller ones are round-off.
 TOP, BOTTOM = 1.0, 1e-10
@@ -31,17 +37,17 @@ _COSTS = {
 }
 
 
-def _name(axes: Axes, solver: str, places: list[tuple[float, float]], on_left: bool) -> None:
-    """Write the name of a solver next to its last point, below it on the left or on its right."""
-    offset, side = ((-4, -7), "right") if on_left else ((5, -2.5), "left")
+def _name(axes: Axes, solver: str, places: list[tuple[float, float]], offset: tuple[float, float]) -> None:
+    """Write the name of a solver next to its last point, over the curves."""
+    side = "right" if offset[0] < 0 else "left"
     for place in places[-1:]:
-        name = axes.annotate(SOLVERS[solver], place, offset, textcoords="offset points", ha=side, color="0.3", zorder=1)
+        name = axes.annotate(SOLVERS[solver], place, offset, textcoords="offset points", ha=side, color="0.3", zorder=3)
         name.set_bbox({"fc": "white", "ec": "none", "pad": 0.4, "alpha": 0.8})
 
 
 @figure(
     "Error of the displacement over 100 periods of the softening spring against time and evaluations of the force. "
-    "Lines: six schemes at equal steps. Grey: general solvers, a point for each tolerance.",
+    "Lines: six schemes at equal steps. Grey: general solvers that could take their place, a point for each tolerance.",
     data="work_precision",
     requires={
         "work_precision.schemes.problems": [PROBLEM],
@@ -56,14 +62,15 @@ def draw(data: xr.Dataset) -> Figure:
     data = data.sel(problem=PROBLEM, periods=PERIODS)
     picture, (row,) = panels(1, 2, PAGE, 8.0, sharey=True)
     for place, (axes, (label, (scheme_cost, solver_cost))) in enumerate(zip(row, _COSTS.items(), strict=True)):
-        for solver, marker in GENERAL.items():
+        for solver, (marker, offset) in GENERAL.items():
             if solver == NO_FORCE and place:
                 continue
             runs = data.sel(solver=solver).sortby("tolerance", ascending=False)
             known = runs.solver_displacement_error.where(runs.solver_displacement_error < TOP)
-            axes.plot(runs[solver_cost], known, color="0.6", marker=marker, ls="", ms=4, label=SOLVERS[solver])
+            look = {"color": "0.6", "marker": marker, "ls": ":", "lw": 0.8, "ms": 4, "label": SOLVERS[solver]}
+            axes.plot(runs[solver_cost], known, **look)
             drawn = [at for at in zip(runs[solver_cost].values, known.values, strict=True) if at[1] > BOTTOM]
-            _name(axes, solver, drawn, on_left=solver != "tsit5")
+            _name(axes, solver, drawn, offset)
         for scheme, (colour, marker) in ((name, SCHEMES[name]) for name in SCHEMES if name in data.scheme):
             runs = data.sel(scheme=scheme).sortby("steps_per_period", ascending=False)
             # a small error at a step that is coarser than one whose motion is lost is an accident
