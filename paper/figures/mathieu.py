@@ -36,7 +36,7 @@ def draw(mathieu: xr.Dataset) -> Figure:
     plane.set(xlabel="stiffness δ", ylabel="amplitude ε", ylim=(0, None))
     shift.set(xlabel="steps per period", ylabel="shift of the tongue (%)")
     steps = mathieu.steps_per_period.values
-    shift.set_xticks(steps, [f"{one:g}" for one in steps])
+    shift.set_xticks(steps, [f"{number:g}" for number in steps])
     shift.set_xticks([], minor=True)
     letter(plane, 0, f"tongue {last.tongue.item()}, {np.min(steps)} steps per period")
     letter(shift, 1, f"tongue {last.tongue.item()}, ε = {widest.epsilon.item():g}")

@@ -45,6 +45,6 @@ def draw(mesh: xr.Dataset) -> Figure:
         ax.set(xscale="log", yscale="log")
         whole_decades(ax)
         letter(ax, index, title)
-    handles = [one for ax in (ratios, errors) for one in ax.get_legend_handles_labels()[0]]
+    handles = [handle for ax in (ratios, errors) for handle in ax.get_legend_handles_labels()[0]]
     legend_below(picture, columns=3, handles=handles)
     return picture

@@ -9,7 +9,9 @@ from paper.products import discover, page
 from study.words import document, text_of
 
 #: The tables by name; the ledger has a separate page.
-_TABLES = {one.name: one for one in discover(["tables"]) if one.kind == "table" and one.name != "claims"}
+_TABLES = {
+    product.name: product for product in discover(["tables"]) if product.kind == "table" and product.name != "claims"
+}
 _FILES: dict[str, Any] = {name: f"tables/{name}.csv" for name in _TABLES}
 
 
@@ -31,4 +33,4 @@ def _section(name: str, frame: pd.DataFrame) -> str:
 def tables(**frames: pd.DataFrame) -> str:
     """The page: links to the tables, then all tables."""
     links = "".join(f'<li><a href="#{name}">{_title(name)}</a></li>' for name in frames)
-    return document("Tables", [f"<nav><ul>{links}</ul></nav>", *(_section(*one) for one in frames.items())], STYLE)
+    return document("Tables", [f"<nav><ul>{links}</ul></nav>", *(_section(*frame) for frame in frames.items())], STYLE)

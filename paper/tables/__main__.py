@@ -13,7 +13,7 @@ from study.words import printed
 def main(results: Path, folder: Path) -> None:
     """Write all tables from a folder of results."""
     read = reader(results)
-    for product in (one for one in discover(["tables"]) if one.kind == "table"):
+    for product in (product for product in discover(["tables"]) if product.kind == "table"):
         frame = content_of(product, read).map(lambda cell: printed(str(cell))).rename(columns=printed)
         write(frame.to_csv(index=False), folder / f"{product.name}.csv")
         write(tex(product, frame), folder / f"{product.name}.tex")

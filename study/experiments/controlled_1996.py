@@ -91,5 +91,5 @@ def _between(tolerances: np.ndarray, steps: np.ndarray, wanted: np.ndarray) -> n
     ratio = tolerances[1] / tolerances[0]
     nearest = [tolerances[np.argmin(abs(steps - number))] for number in wanted]
     each = -(-LANES // len(nearest))
-    around = np.concatenate([one * np.logspace(-1, 1, each, base=ratio) for one in nearest])
+    around = np.concatenate([tolerance * np.logspace(-1, 1, each, base=ratio) for tolerance in nearest])
     return around[:LANES]

@@ -24,7 +24,7 @@ def scheme_coordinates(names: Sequence[str]) -> dict:
     The properties are title, family, place in the family, order of accuracy, whether the energy is kept, kind (explicit
     or implicit), and source.
     """
-    families = [[name for name, s in schemes.items() if s.family == schemes[one].family] for one in names]
+    families = [[name for name, s in schemes.items() if s.family == schemes[member].family] for member in names]
     chosen = [schemes[name] for name in names]
     return {
         "scheme": ("scheme", list(names), {"long_name": "time integration scheme"}),
@@ -58,12 +58,12 @@ def forces_coordinates(names: Sequence[str]) -> dict:
     return {
         "forces_per_step": (
             "scheme",
-            [one.per_step for one in counted],
+            [forces.per_step for forces in counted],
             {"long_name": "forces that a step evaluates in addition to Newton's iterations", "units": "1"},
         ),
         "forces_per_iteration": (
             "scheme",
-            [one.per_iteration for one in counted],
+            [forces.per_iteration for forces in counted],
             {"long_name": "forces that one Newton iteration evaluates", "units": "1"},
         ),
     }

@@ -42,7 +42,8 @@ def _fine_steps(problem: str, steps: int) -> int:
 
 
 @experiment(
-    "estimates", reads=lambda options: [f"reference/{one}" for one in options["problems"] if one in approximate_periods]
+    "estimates",
+    reads=lambda options: [f"reference/{problem}" for problem in options["problems"] if problem in approximate_periods],
 )
 def estimates(problems: Problems, schemes: Schemes, estimators: Estimators, steps_per_period: Counts) -> xr.Dataset:
     """Measure estimates of the error of a step over one period, next to the true error.
@@ -87,8 +88,8 @@ def estimates(problems: Problems, schemes: Schemes, estimators: Estimators, step
                         middle = (ds.t.values[1:] - dt / 2) / period
                         ratio[at[:3]] = np.interp(PHASES, middle, ds.estimate.values[1:] / state_error)
     closed = [
-        [linear_ratio(schemes_by_name[one], name, PHASES, max(steps_per_period)) for name in estimators]
-        for one in schemes
+        [linear_ratio(schemes_by_name[scheme], name, PHASES, max(steps_per_period)) for name in estimators]
+        for scheme in schemes
     ]
     dims = ("problem", "scheme", "estimator", "steps_per_period")
     largest = "largest in a period after its first tenth"

@@ -110,7 +110,7 @@ def kinks(
             if np.isfinite(spacing[p]):
                 dividing = np.rint(scale / spacing[p] * np.array(steps_per_spacing)).astype(int)
                 samples = math.gcd(samples_per_period, *dividing.tolist())  # steps of all sizes end there
-                dividing_error[p, s] = [_compared(known, scheme, one, samples)[1] for one in dividing.tolist()]
+                dividing_error[p, s] = [_compared(known, scheme, steps, samples)[1] for steps in dividing.tolist()]
                 dividing_order[p, s] = _order(dividing, dividing_error[p, s], uncertainty)
     dims, dividing_dims = ("problem", "scheme", "steps_per_period"), ("problem", "scheme", "steps_per_spacing")
     error_attributes = {"long_name": "largest error of the displacement over its size", "units": "1"}

@@ -305,7 +305,7 @@ def later_schemes(
             ),
             "fourth_order_error": (
                 ("of_fourth_order", "force_evaluations"),
-                [one[displacement] for one in fourth],
+                [errors[displacement] for errors in fourth],
                 error,
             ),
         },

@@ -102,7 +102,7 @@ def order_under_reality(
                 order[s, c, q], how = _order(counts, error[s, c, q])
                 status[s, c, q] = STATUSES.index(how)
     dims = ("scheme", "circumstance", "quantity")
-    titles = [one.title for one in circumstances.values()]
+    titles = [circumstance.title for circumstance in circumstances.values()]
     return xr.Dataset(
         {
             "error": ((*dims, "steps"), error, {"long_name": "error at the end over the motion", "units": "1"}),

@@ -76,8 +76,8 @@ def published_numbers(
         steps (problem, scheme, tolerance). Variables with controlled steps are NaN for problems that are not
         ``controlled``, and for schemes that need equal steps.
     """
-    names = [one["problem"] for one in coarsest]
-    steps = np.array([one["steps"] for one in coarsest])[:, None] * FINER ** np.arange(refinements)
+    names = [case["problem"] for case in coarsest]
+    steps = np.array([case["steps"] for case in coarsest])[:, None] * FINER ** np.arange(refinements)
     error = np.full((len(names), len(schemes), refinements), np.nan)
     status = np.full(error.shape, STATUSES_OR_NOT_RUN.index("not_run"), np.int8)
     for (p, s, k), _ in np.ndenumerate(error):
@@ -101,7 +101,7 @@ def published_numbers(
             "controlled_steps": (control_dims, control[1], {"long_name": "number of controlled steps", "units": "1"}),
             "duration": (
                 "problem",
-                [one.time for one in points],
+                [point.time for point in points],
                 {"long_name": "time of the displacement", "units": "s"},
             ),
         },
@@ -109,7 +109,7 @@ def published_numbers(
             **coordinates.problem_coordinates(names),
             **coordinates.scheme_coordinates(schemes),
             "tolerance": ("tolerance", list(tolerances), {"long_name": "tolerance of the control", "units": "1"}),
-            "known_from": ("problem", [one.source for one in points], {"long_name": "source of the displacement"}),
+            "known_from": ("problem", [point.source for point in points], {"long_name": "source of the displacement"}),
         },
         attrs={"title": "Errors at displacements that sources print or that are exact"},
     )

@@ -23,7 +23,7 @@ from study.observer.peak import Peak
 from study.problem.inelastic import DAMPING_RATIO, yielding_oscillator
 
 #: Steps over the spacing of a record: first those that divide it, then those that pass over samples.
-RATIOS = [Fraction(one) for one in "1/4 1/2 1 2/5 3/5 3/4 5/6 4/3 2 5/2 4".split()]
+RATIOS = [Fraction(text) for text in "1/4 1/2 1 2/5 3/5 3/4 5/6 4/3 2 5/2 4".split()]
 #: Smallest step in s, and largest step times the circular frequency of the oscillator.
 SMALLEST, LARGEST = 0.002, 0.7
 #: Largest distance from a sample, over the spacing, of the end of a step that counts as at the sample.
@@ -137,7 +137,7 @@ def record_error(schemes: Schemes) -> xr.Dataset:
     exact = io.open_dataset("reference/record_error")
     spacings, periods = exact.spacing.values, exact.period.values
     grounds = [GroundMotion(one[np.isfinite(one)], dt) for one, dt in zip(exact.ground.values, spacings, strict=True)]
-    ratios = np.array([float(one) for one in RATIOS])
+    ratios = np.array([float(ratio) for ratio in RATIOS])
     sizes = ratios * spacings[:, None]
     progress("means of the records over steps")
     means = [
@@ -146,7 +146,7 @@ def record_error(schemes: Schemes) -> xr.Dataset:
         for ground, of_record in zip(grounds, sizes, strict=True)
         for dt in of_record
     ]
-    rows = [*(one.acceleration for one in grounds), *means]
+    rows = [*(ground.acceleration for ground in grounds), *means]
     lines = np.zeros((len(rows), max(map(len, rows)), 2))
     for row, samples in zip(lines, rows, strict=True):
         # after the last sample the lines are zero
@@ -182,7 +182,7 @@ def record_error(schemes: Schemes) -> xr.Dataset:
             "known_spacing": np.tile(spacings[record], 3),
             "period": np.tile(periods[period_number], 3),
         }
-        duration = np.array([one.duration for one in grounds])[record]
+        duration = np.array([ground.duration for ground in grounds])[record]
         ds = sweep(
             problem,
             scheme,
@@ -236,7 +236,7 @@ def record_error(schemes: Schemes) -> xr.Dataset:
             "ratio": ("ratio", ratios, {"long_name": "step over the spacing of the record", "units": "1"}),
             "divides": (
                 "ratio",
-                [int(one.numerator == 1) for one in RATIOS],
+                [int(ratio.numerator == 1) for ratio in RATIOS],
                 {"long_name": "1 if the step divides the spacing of the record", "units": "1"},
             ),
             "load": ("load", ["samples", "averages"], {"long_name": "load of a step"}),

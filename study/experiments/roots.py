@@ -119,7 +119,7 @@ def roots(
     """
     progress(f"roots of the effective equation of {problem}")
     definition = problems_by_name[problem]
-    step_sizes, predictors = (np.linspace(one["first"], one["last"], int(one["count"])) for one in (dt, predictor))
+    step_sizes, predictors = (np.linspace(grid["first"], grid["last"], int(grid["count"])) for grid in (dt, predictor))
     kappa = np.array([effective_coefficient(schemes_by_name[name]) for name in schemes])
     roots_by_scheme = [np.asarray(_newton(definition, k * paper_step_size**2, predictors, predictors)) for k in kappa]
     return xr.Dataset(

@@ -35,7 +35,7 @@ def sensitivity(problem: Spring, schemes: Schemes, dt: Size, duration: Size, per
     progress(f"sensitivity of {problem}")
     u0 = float(problems_by_name[problem].u0) + perturbation * np.array(STARTS)
     runs = [sweep(problem, scheme, dt=dt, steps=round(duration / dt), u0=u0).u for scheme in schemes]
-    u = np.stack([one.values for one in runs])
+    u = np.stack([history.values for history in runs])
     distance = np.abs(u - u[:, :1])
     parted = distance > APART
     return xr.Dataset(

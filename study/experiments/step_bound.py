@@ -77,13 +77,14 @@ def step_bound(allowed_error: Tolerance, periods: int) -> xr.Dataset:
         rest_at = OutcomeObserver.of(definition).rest_at
         orbits = [orbit(replace(definition, u0=u0)) for u0 in starts]
         period[there], distance[there], omega = (
-            [getattr(one, field) for one in orbits] for field in ("period", "separatrix_distance", "highest_frequency")
+            [getattr(motion, field) for motion in orbits]
+            for field in ("period", "separatrix_distance", "highest_frequency")
         )
         initial = np.array([float(definition.stored_energy(u0)) for u0 in starts])
-        height = np.array([np.max(one.v) ** 2 / 2 for one in orbits])
+        height = np.array([np.max(motion.v) ** 2 / 2 for motion in orbits])
         for s, scheme in enumerate(chosen):
             modified = modified_energy(scheme)
-            coefficient[s, there] = [one.coefficients(modified, periods)[:2] for one in orbits]
+            coefficient[s, there] = [motion.coefficients(modified, periods)[:2] for motion in orbits]
             omega_step[s, there] = largest_omega_step(coefficient[s, there, 0], allowed_error, scheme)
             step = omega_step[s, there] / omega
             runs = sweep(

@@ -60,7 +60,9 @@ def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> 
         initial = np.array([definition.energy(value, 0.0) for value in motions.u0.values])
         over_height = np.abs(initial) / (initial - well.rest)
         step = values / motions.highest_frequency.values[:, None]
-        u0, period = (np.broadcast_to(one.values[:, None], step.shape) for one in (motions.u0, motions.period))
+        u0, period = (
+            np.broadcast_to(variable.values[:, None], step.shape) for variable in (motions.u0, motions.period)
+        )
         for s, scheme in enumerate(schemes):
             progress(f"highest frequency and step of {scheme} on {problem}")
             runs = sweep(

@@ -53,14 +53,12 @@ def step_window(
     """
     progress(f"a window of steps on {problem}")
     parts = np.linspace(step_size_over_period["first"], step_size_over_period["last"], step_size_over_period["count"])
-    part, start = (one.ravel() for one in np.meshgrid(parts, np.array(STARTS), indexing="ij"))
+    part, start = (values.ravel() for values in np.meshgrid(parts, np.array(STARTS), indexing="ij"))
     u0 = float(problems_by_name[problem].u0) + perturbation * start
     dt, steps = approximate_periods[problem] * part, np.round(periods / part).astype(int)
     runs = [sweep(problem, scheme, dt=dt, steps=steps, u0=u0, observe=_LargestGain()) for scheme in schemes]
     dims, shape = ("scheme", "step_size_over_period", "start"), (len(schemes), len(parts), len(STARTS))
-    largest, status = (
-        np.stack([one[name].values for one in runs]).reshape(shape) for name in ("largest_gain", "status")
-    )
+    largest, status = (np.stack([ds[name].values for ds in runs]).reshape(shape) for name in ("largest_gain", "status"))
     return xr.Dataset(
         {
             "largest_gain": (

@@ -195,12 +195,13 @@ def what_moves(
         point_source(10_000 + n, spacing, corner, kappa, duration)
         for n, (corner, kappa) in enumerate(zip(corners, kappas, strict=True))
     ]
-    oscillators = _Oscillators(scheme, np.stack([one.acceleration for one in grounds]), spacing)
+    oscillators = _Oscillators(scheme, np.stack([ground.acceleration for ground in grounds]), spacing)
     shape = (len(VARIANTS), len(periods), records)
     variant_index, period_index, record = np.indices(shape)
-    ratio = np.array([one.ratio or 1 / parts for one in VARIANTS.values()])[variant_index]
+    ratio = np.array([variant.ratio or 1 / parts for variant in VARIANTS.values()])[variant_index]
     damping, strength = (
-        np.array([getattr(one, name) for one in VARIANTS.values()])[variant_index] for name in ("damping", "strength")
+        np.array([getattr(variant, name) for variant in VARIANTS.values()])[variant_index]
+        for name in ("damping", "strength")
     )
     period = np.asarray(periods, float)[period_index]
     progress("intensities of the records")
@@ -248,14 +249,14 @@ def what_moves(
         },
         coords={
             "variant": ("variant", list(VARIANTS), {"long_name": "what differs from the reference"}),
-            "variant_title": ("variant", [one.title for one in VARIANTS.values()], {"long_name": "title"}),
+            "variant_title": ("variant", [variant.title for variant in VARIANTS.values()], {"long_name": "title"}),
             "ratio": (
                 "variant",
-                [one.ratio or 1 / parts for one in VARIANTS.values()],
+                [variant.ratio or 1 / parts for variant in VARIANTS.values()],
                 {"long_name": "step over the spacing of the records", "units": "1"},
             ),
             "period": ("period", periods, {"long_name": "period of small motions", "units": "s"}),
-            "record": ("record", [one.title for one in grounds], {"long_name": "record"}),
+            "record": ("record", [ground.title for ground in grounds], {"long_name": "record"}),
             "scheme": ((), scheme, {"long_name": "time integration scheme"}),
             "spacing": ((), spacing, {"long_name": "time between two samples of the records", "units": "s"}),
             "intensity": ((), intensity, {"long_name": "elastic force over strength of the drifts", "units": "1"}),
