@@ -19,13 +19,13 @@ SCHEMES = {
     "rk4": ("#009E73", "v"),
     "kahan_li8": ("#E69F00", "P"),
 }
-#: General solvers of the figure, with their markers and the distances in points of their names from their last points,
-#: to the left of it if negative. The Taylor method of heyoka evaluates no force.
-GENERAL = {
-    "scipy_dop853": ("o", (-3, 4)),
-    "cvode_adams": ("s", (-4, -7)),
-    "tsit5": ("v", (5, -2.5)),
-    "heyoka": ("D", (-4, -7)),
+#: General solvers of the figure, with their markers, and in each panel the distance in points of the name from the last
+#: point, to the left of it if negative. The Taylor method of heyoka evaluates no force.
+GENERAL: dict[str, tuple[str, list[tuple[float, float]]]] = {
+    "scipy_dop853": ("o", [(-3, 4), (-4, -7)]),
+    "cvode_adams": ("s", [(-4, -7), (-4, -7)]),
+    "tsit5": ("v", [(5, -2.5), (5, -2.5)]),
+    "heyoka": ("D", [(-4, -7)]),
 }
 NO_FORCE = "heyoka"
 #: Largest and smallest error drawn: at larger errors the motion is lost, and smaller ones are round-off.
@@ -62,7 +62,7 @@ def draw(data: xr.Dataset) -> Figure:
     data = data.sel(problem=PROBLEM, periods=PERIODS)
     picture, (row,) = panels(1, 2, PAGE, 8.0, sharey=True)
     for place, (axes, (label, (scheme_cost, solver_cost))) in enumerate(zip(row, _COSTS.items(), strict=True)):
-        for solver, (marker, offset) in GENERAL.items():
+        for solver, (marker, offsets) in GENERAL.items():
             if solver == NO_FORCE and place:
                 continue
             runs = data.sel(solver=solver).sortby("tolerance", ascending=False)
@@ -70,7 +70,7 @@ def draw(data: xr.Dataset) -> Figure:
             look = {"color": "0.6", "marker": marker, "ls": ":", "lw": 0.8, "ms": 4, "label": SOLVERS[solver]}
             axes.plot(runs[solver_cost], known, **look)
             drawn = [at for at in zip(runs[solver_cost].values, known.values, strict=True) if at[1] > BOTTOM]
-            _name(axes, solver, drawn, offset)
+            _name(axes, solver, drawn, offsets[place])
         for scheme, (colour, marker) in ((name, SCHEMES[name]) for name in SCHEMES if name in data.scheme):
             runs = data.sel(scheme=scheme).sortby("steps_per_period", ascending=False)
             # a small error at a step that is coarser than one whose motion is lost is an accident
