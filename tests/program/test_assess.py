@@ -447,6 +447,7 @@ def test_a_cheap_program_confirms_its_steps_by_many(tmp_path, monkeypatch):
     model = program(_scattered, tmp_path, ["a", "b"])
     dear = study.assess(model, allowed_errors=[0.1])
     monkeypatch.setattr(search, "MOST_CONFIRMING", MOST_CONFIRMING)
+    monkeypatch.setattr(search, "CHEAP", 1e3)  # cheap on a busy machine too
     ds = study.assess(model, allowed_errors=[0.1])
     for step in ds.recommended_step_size.values.ravel():
         fresh = step * 2.0 ** -np.random.default_rng(7).random(200)
