@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from study.runs.needs import CONDITIONS, VERDICTS, decisions, dominated, keeps, needs, of_problems, ranked
+from study.runs.needs import CONDITIONS, VERDICTS, decisions, dominated, keeps, keeps_part, needs, of_problems, ranked
 from tests.runs.made_up import runs, with_kinds
 
 NAN = np.nan
@@ -85,6 +85,13 @@ def test_conditions_choose_among_the_steps():
     other_start = runs(FINE)
     other_start.largest_error.loc[{"quantity": "velocity"}] = np.array([0.8, 0.8, 0.8, 0.1])[:, None]
     assert _steps(needs(other_start, [0.1]), "whole_motion")[:, 0].tolist() == [64] * 3
+
+
+def test_a_step_keeps_a_part_if_the_whole_motion_needs_another_one_or_has_none():
+    needed = needs(runs(FINE, velocity=[[0.8, 0.8, 0.1, 0.1], [0.0] * 4, [0.8] * 4]), [0.1])
+    assert keeps_part(needed).sel(quantity="displacement").values.ravel().tolist() == [True, False, True]
+    records = runs(FINE, problem="records").isel(quantity=[0]).assign_coords(quantity=["peak drift"])
+    assert not keeps_part(needs(records, [0.1])).any()
 
 
 @pytest.fixture(scope="module")
