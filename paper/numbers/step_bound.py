@@ -13,7 +13,7 @@ from study.words import at_most, span
 @numbers(bound="stability/step_bound", rule="stability/step_rule", requires={"step_rule.schemes": SCHEMES})
 def of_step_bound(bound: xr.Dataset, rule: xr.Dataset) -> dict:
     """Numbers of potentials and motions, of confirmed predictions, and the steps that keep the allowed error."""
-    over = over_convex(bound, rule)
+    over, described = over_convex(bound, rule)
     bound = bound.sel(scheme=SCHEMES)
     close = confirmed(bound)
     periods = bound.coefficient.sel(quantity="period")
@@ -30,9 +30,9 @@ def of_step_bound(bound: xr.Dataset, rule: xr.Dataset) -> dict:
         "bound_period_confirmed": int(close.sel(quantity="period").sum()),
         "bound_exceptions": ", ".join(exceptions(bound, ~close.all(["scheme", "quantity"]))) or "none",
         "bound_step": f"{LARGEST_STEP:g}",
-        "bound_convex_runs": f"{over.size:,}",
-        "bound_convex_beyond": int((over > 1 + CONFIRMED).sum()),
-        "bound_convex_most": f"{over.max().item():.2g}",
+        "bound_convex_runs": f"{int(described.sum()):,}",
+        "bound_convex_most": f"{over.where(described).max().item():.2f}",
+        "bound_convex_beyond": f"{over.where(~described).max().item():.2g}" if (~described).any() else None,
         "bound_period_ratio": span(ratio, ".3g"),
         "bound_most_energy": at_most(100 * bound.error.sel(quantity="energy").max().item(), 2),
     }

@@ -25,7 +25,7 @@ POTENTIALS: dict[str, tuple[str, Callable, tuple[float, ...]]] = {
     "cubic": ("cubic hardening", lambda u: u**2 / 2 + u**4 / 4, (0.1, 0.5, 1, 3, 10)),
     "power_5": ("fifth power", lambda u: u**6 / 6, (0.5, 5)),
     "power_11": ("linear and 11th power", lambda u: u**2 / 2 + u**12 / 12, (0.5, 0.8, 1, 1.5, 2)),
-    "tanh": ("tanh softening", lambda u: jnp.logaddexp(u, -u) - jnp.log(2.0), (0.5, 1, 3, 5, 10)),
+    "tanh": ("tanh softening", lambda u: jnp.logaddexp(u, -u) - jnp.log(2.0), (0.5, 1, 3, 10, 100)),
     "pendulum": ("pendulum", lambda u: 2 * jnp.sin(u / 2) ** 2, (0.5, 1.5, 2.5, 2.9671, 3.1067, 3.1241)),
     "cubic_softening": ("cubic softening", lambda u: u**2 / 2 - u**4 / 4, (0.3, 0.5, 0.9, 0.97, 0.99, 0.999)),
     "double_well": ("double well", lambda u: u**4 / 4 - u**2 / 2, (1.1, 1.3, 1.4, 1.41, 1.42, 2)),
@@ -76,16 +76,16 @@ def step_bound(allowed_error: Tolerance, periods: int) -> xr.Dataset:
         definition = Problem(potential=potential, u0=starts[0], title=title)
         rest_at = OutcomeObserver.of(definition).rest_at
         orbits = [orbit(replace(definition, u0=u0)) for u0 in starts]
-        period[there], distance[there], omega = (
-            [getattr(motion, field) for motion in orbits]
-            for field in ("period", "separatrix_distance", "highest_frequency")
+        period[there], distance[there], omega, described = (
+            np.array([getattr(motion, field) for motion in orbits])
+            for field in ("period", "separatrix_distance", "highest_frequency", "described_up_to")
         )
         initial = np.array([float(definition.stored_energy(u0)) for u0 in starts])
         height = np.array([np.max(motion.v) ** 2 / 2 for motion in orbits])
         for s, scheme in enumerate(chosen):
             modified = modified_energy(scheme)
             coefficient[s, there] = [motion.coefficients(modified, periods)[:2] for motion in orbits]
-            omega_step[s, there] = largest_omega_step(coefficient[s, there, 0], allowed_error, scheme)
+            omega_step[s, there] = largest_omega_step(coefficient[s, there, 0], allowed_error, scheme, described)
             step = omega_step[s, there] / omega
             runs = sweep(
                 definition,

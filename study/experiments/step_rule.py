@@ -1,12 +1,14 @@
 """Errors of energy and period at all amplitudes, by the step size times the highest frequency of the motion."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 from typing_extensions import TypedDict
 
 from study import io
+from study.analysis.step_bound import orbit
 from study.declaration.experiment import experiment, progress
 from study.declaration.options import Count, PowersOfTen, Schemes, section
 from study.experiments import coordinates
@@ -43,7 +45,9 @@ def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> 
     Returns
     -------
     xarray.Dataset
-        ``energy_error`` and ``period_error`` of shape (scheme, problem, amplitude, omega_step).
+        ``energy_error`` and ``period_error`` of shape (scheme, problem, amplitude, omega_step). ``described_up_to``,
+        the largest ω Δt at which the bound of the energy by its modified energy holds (:func:`study.step_bound`), of
+        shape (problem, amplitude).
 
     Raises
     ------
@@ -53,12 +57,13 @@ def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> 
     exact, values = io.open_dataset("reference/amplitudes"), _values(omega_steps)
     problems = exact.problem.values.tolist()
     shape = (len(schemes), len(problems), exact.sizes["amplitude"], len(values))
-    energy, elongation = np.full(shape, np.nan), np.full(shape, np.nan)
+    energy, elongation, described = np.full(shape, np.nan), np.full(shape, np.nan), np.empty(shape[1:3])
     for p, problem in enumerate(problems):
         definition, motions = problems_by_name[problem], exact.sel(problem=problem)
         well = OutcomeObserver.of(definition)
         initial = np.array([definition.energy(value, 0.0) for value in motions.u0.values])
         over_height = np.abs(initial) / (initial - well.rest)
+        described[p] = [orbit(replace(definition, u0=value)).described_up_to for value in motions.u0.values.tolist()]
         step = values / motions.highest_frequency.values[:, None]
         u0, period = (
             np.broadcast_to(variable.values[:, None], step.shape) for variable in (motions.u0, motions.period)
@@ -88,6 +93,11 @@ def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> 
                 dims,
                 elongation,
                 {"long_name": f"relative error of the mean period, {failed} or has no period", "units": "1"},
+            ),
+            "described_up_to": (
+                ("problem", "amplitude"),
+                described,
+                {"long_name": "largest ω Δt at which the bound of the energy holds", "units": "1"},
             ),
         },
         coords={
