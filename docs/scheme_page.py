@@ -18,7 +18,7 @@ from docs.scheme_curves import linear_theory
 from docs.text import definitions, described, index_entries
 from docs.theory import PARTS, STEPS, Theory, theory_of
 from study.analysis.forces import forces_of
-from study.words import number
+from study.words import number, up_to
 
 #: Fields of a scheme that are labels, not parameters.
 _LABELS = {"title", "source", "doi", "stability_limit"}
@@ -87,8 +87,8 @@ def stability(theory: Theory) -> str:
         return "unconditionally, for linear systems"
     if theory.limit == 0:
         return "at no step size without damping"
-    limit = number(theory.limit / (2 * math.pi))
-    return f"without damping for ωΔt ≤ {number(theory.limit, 4)}, which is Δt ≤ {limit} T"
+    limit = up_to(theory.limit / (2 * math.pi))
+    return f"without damping for ωΔt ≤ {up_to(theory.limit, 4)}, which is Δt ≤ {limit} T"
 
 
 def high_frequencies(theory: Theory) -> str:

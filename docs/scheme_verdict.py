@@ -17,7 +17,7 @@ from paper.measures.outcomes import fewest_steps, most_steps
 from paper.tables.decision import steps_of
 from study.runs.needs import NO_VALUE, TIED, WHOLE_MOTION, cost, keeps_part
 from study.sizes import unbroken
-from study.words import listed, number, percent
+from study.words import listed, number, percent, up_to
 
 if TYPE_CHECKING:
     from docs.scheme_page import Library, Subject
@@ -205,7 +205,7 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
         growth = number(-100 * theory.decay_of_rule, 2)
         yield f"long undamped motions, which grow at any step: at {STEPS} per period by {growth}\u00a0% per period"
     elif math.isfinite(theory.limit):
-        yield f"structures with ωΔt above {number(theory.limit, 3)} in any mode, where it is unstable without damping"
+        yield f"structures with ωΔt above {up_to(theory.limit)} in any mode, where it is unstable without damping"
     elif theory.at_infinity > 1 - ROUND_OFF:
         yield "modes that are excited and that the step does not resolve, which it does not damp (ρ∞ = 1)"
     if abs(theory.decay_of_rule) > DAMPS and theory.limit > 0:

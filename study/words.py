@@ -51,6 +51,14 @@ def at_most(value: float, digits: int = 1) -> str:
     return number(math.ceil(value / unit * (1 - 1e-9)) * unit, digits)
 
 
+def up_to(value: float, digits: int = 3) -> str:
+    """The largest number with ``digits`` significant digits that is not above a value, for limits that must be kept."""
+    if not 0 < value < math.inf:
+        return number(value, digits)
+    unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
+    return number(math.floor(value / unit * (1 + 1e-7)) * unit, digits)
+
+
 def typed(value: float, digits: int = 3) -> str:
     """A number with ``digits`` significant digits as Python and CSV files write it, or a dash for NaN."""
     return "–" if math.isnan(value) else f"{float(f'{value:.{digits}g}'):g}"

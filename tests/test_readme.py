@@ -21,6 +21,7 @@ from paper import products
 from paper.claims import ledger
 from study.analysis.duration import step_exponent
 from study.sizes import least_number
+from study.words import up_to
 from tests.snippets import blocks, run_examples
 
 PROJECT = Path(__file__).parent.parent
@@ -81,7 +82,7 @@ def test_the_texts_state_how_limits_depend_on_damping():
     for text in (README, answers):
         pattern = r"of Noh-Bathe falls with damping: to ([\d.]+) at 5 % of critical and ([\d.]+) at 50 %"
         (falls,) = re.findall(pattern, " ".join(text.split()))
-        assert [float(one) for one in falls] == [round(limit("noh_bathe", ratio), 1) for ratio in (0.05, 0.5)]
+        assert [*falls] == [up_to(limit("noh_bathe", ratio)) for ratio in (0.05, 0.5)]
     for scheme in ("fox_goodwin", "central_difference"):
         assert limit(scheme, 0.5) == pytest.approx(study.schemes[scheme].stability_limit)
     assert "limit is 2 (√(1 + ξ²) − ξ)" in answers

@@ -1,8 +1,9 @@
 """How numbers are printed, for the paper and the site alike."""
 
+import numpy as np
 import pytest
 
-from study.words import at_most, measured, printed, printed_unit
+from study.words import at_most, measured, printed, printed_unit, up_to
 
 
 @pytest.mark.parametrize(
@@ -47,3 +48,10 @@ def test_a_value_is_printed_up_to_its_uncertainty(value, uncertainty, expected):
 )
 def test_a_bound_is_rounded_up(value, digits, printed):
     assert at_most(value, digits).replace("\u00a0", " ") == printed
+
+
+@pytest.mark.parametrize(
+    ("value", "printed"), [(3.745029, "3.74"), (2 * (1 - 1e-9), "2"), (np.sqrt(6), "2.44"), (np.inf, "∞"), (0.0, "0")]
+)
+def test_a_limit_is_rounded_down(value, printed):
+    assert up_to(value) == printed

@@ -9,7 +9,7 @@ import xarray as xr
 from paper.products import table
 from paper.requirements import contained
 from study.runs.needs import DECIDED, NO_VALUE
-from study.words import number, step_size
+from study.words import number, step_size, up_to
 
 NO_BREAK = "\u00a0"
 #: Mark of the coarsest step that was tried, before a number of steps, and of the finest, after it.
@@ -65,7 +65,7 @@ def answer(need: xr.Dataset, limits: Mapping[str, float]) -> dict[str, str]:
         forces_of(need),
         times,
         number(omega_step, digits),
-        f"{limit:.3g}" if np.isfinite(limit) else "",
+        up_to(limit) if np.isfinite(limit) else "",
     )
     return dict(zip(COLUMNS, cells, strict=True))
 

@@ -9,6 +9,8 @@ from paper.products import table
 
 #: Δt/T at which the table gives elongation and damping. Δt/T at which it gives the overshoot.
 FINE, COARSE = 1 / 20, 10.0
+#: Factor above one within round-off; limits are rounded down.
+EXACT = 1 + 1e-7
 
 
 def _number(value: float, form: str) -> str:
@@ -38,7 +40,7 @@ def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
                     "Order": f"{free.linear_order.item():.1f}",
                     f"ξ = {damped:g}": f"{resisted.linear_order.item():.1f}",
                     "Re-derived": _number(free.order_rederived.item(), ".1f"),
-                    "Ω crit": "∞" if np.isinf(limit) else f"{limit:.3f}",
+                    "Ω crit": "∞" if np.isinf(limit) else f"{np.floor(1000 * limit * EXACT) / 1000:.3f}",
                     "ρ∞": f"{free.infinite_frequency_radius.item():.2f}" if np.isinf(limit) else "–",
                     "Elongation %": _number(100 * fine.period_elongation.item(), ".3f"),
                     "Damping %": _number(100 * fine.algorithmic_damping.item(), ".3f"),

@@ -18,7 +18,7 @@ from study.marching.arguments import resolve
 from study.scheme.base import Scheme
 from study.scheme.contract import check_attributes
 from study.scheme.named import schemes
-from study.words import document, number
+from study.words import document, number, up_to
 
 #: Default schemes for comparison.
 COMPARED = ("average_acceleration", "central_difference", "generalized_alpha", "rk4")
@@ -128,7 +128,7 @@ def scheme_page(assessed: SchemeAssessment) -> str:
             str(row.scheme_title.values),
             f"{row.claimed_order.item():g}",
             f"{row.linear_order.item():.2f}",
-            number(row.stability_limit.item()),
+            up_to(row.stability_limit.item()),
             number(row.infinite_frequency_radius.where(np.isinf(row.stability_limit)).item()),
         )
         for row in (linear.sel(scheme=name) for name in linear.scheme.values)
