@@ -60,7 +60,8 @@ def record_error(
     the Fourier transform of the record, linear between its samples, and :math:`A_{\Delta t}` that of straight lines
     between its values at the steps. At steps that divide the spacing of the record, both are equal. At other steps,
     their difference at the frequency f of the oscillator is the power of the record near :math:`1/\Delta t \pm f`,
-    which the steps cannot distinguish from f.
+    which the steps cannot distinguish from f. Both terms are those of a long motion. The dataset ``record_error``
+    compares them with runs of oscillators with 5 % of critical damping.
 
     Parameters
     ----------
