@@ -96,7 +96,9 @@ def test_the_texts_state_how_limits_depend_on_damping():
 
 def test_the_readme_states_the_law_of_the_energy():
     """The largest error of the energy over (ωΔt)² is ¼ and 1/6 for convex potentials."""
-    (printed,) = re.findall(r"ωΔt = ([\d.]+) with central difference and ([\d.]+) with average acceleration", README)
+    (printed,) = re.findall(
+        r"ωΔt = ([\d.]+) with central difference and ([\d.]+) with average acceleration", " ".join(README.split())
+    )
     for scheme, omega_step in zip(("central_difference", "average_acceleration"), printed, strict=True):
         bound = study.step_bound(study.Problem(potential=jnp.cosh, u0=1.0), scheme).convex_coefficient.item()
         assert float(omega_step) == pytest.approx(np.sqrt(0.01 / bound), abs=0.005)
