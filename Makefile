@@ -1,9 +1,9 @@
 # make                installs everything and makes the study
 # make CLUSTER=slurm  makes the study on a cluster
 # make site           makes the pages of the site
-# make test           installs everything and runs the tests of the code
+# make test           installs everything and runs the quick tests of the code
 # make test-pipeline  runs the tests that need Snakemake, a small study or a browser
-# make test-all       runs all tests, also those of every scheme
+# make test-all       runs all tests, also slow ones and those of every scheme
 # make coverage       measures the coverage of the tests
 # make check          checks style, format and types
 # make benchmark      measures speed
@@ -44,7 +44,7 @@ study site: .venv/ready
 	$(BIN)/snakemake $(OPTIONS) $(filter site,$@) --configfile $(CONFIG)
 
 test: .venv/ready
-	$(BIN)/pytest -n auto -m "not pipeline and not exhaustive" tests study
+	$(BIN)/pytest -n auto -m "not pipeline and not exhaustive and not slow" tests study
 
 test-pipeline: .venv/ready
 	$(BIN)/pytest -n auto -m "pipeline and not exhaustive"

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import study
 from paper.published import printed_energy_errors
 from study.analysis.forces import forces_of
@@ -41,6 +43,7 @@ def test_every_scheme_explains_itself(scheme):
     )
 
 
+@pytest.mark.slow
 def test_the_text_of_a_scheme_states_its_order_and_its_number_of_forces(scheme):
     text = " ".join((type(scheme).__doc__ or "").split())
     counted = forces_of(scheme)

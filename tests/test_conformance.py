@@ -20,6 +20,7 @@ def verdicts(runner, chosen):
     return [judge(case, partial(runner, case)) for case in chosen]
 
 
+@pytest.mark.slow
 def test_the_study_passes():
     """Run all cases of levels A to D and G. Cases of E and F compile a program each; they run for four schemes only.
 
@@ -37,6 +38,7 @@ def test_the_study_passes():
     assert stored["kit"] == VERSION
 
 
+@pytest.mark.slow
 def test_diffrax_has_average_acceleration_as_the_trapezoidal_rule():
     """The runner of diffrax passes the case of average acceleration on unequal steps."""
     pytest.importorskip("diffrax")

@@ -34,6 +34,7 @@ def usual_rules():
         yield
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "place",
     [pytest.param(place, marks=() if place == "driven.py:driven" else pytest.mark.exhaustive) for place in PROBLEMS],
@@ -50,6 +51,7 @@ def test_a_problem_is_assessed(place):
     assert (ds.verdict <= 1).any()
 
 
+@pytest.mark.slow
 def test_the_scheme_of_the_examples_has_its_order():
     """A change of the interface of schemes after which the one of the examples no longer works."""
     heun = load(f"{FOLDER / 'scheme.py'}:heun", (study.Scheme,))
@@ -73,6 +75,7 @@ def test_the_parts_of_a_snakefile_are_the_ensemble(tmp_path):
     assert share in (tmp_path / "shares.txt").read_text()
 
 
+@pytest.mark.slow
 def test_ensembles_of_yielding_oscillators():
     """The drift is much larger at the largest intensity than at the smallest; lanes agree with single runs."""
     analysis = load(f"{FOLDER / 'intensities.py'}:analysis", (FunctionType,))()
@@ -93,6 +96,7 @@ def test_every_example_is_tested():
     assert {path.name for path in FOLDER.glob("*.py")} == {place.split(":")[0] for place in PROBLEMS} | others
 
 
+@pytest.mark.slow
 def test_the_plate_bends_like_a_beam():
     """The first frequency of a plate, whose elements bend too stiffly, is that of a beam to 3 %."""
     plate = load(f"{FOLDER / 'plate.py'}:cantilever", (FunctionType,))(40, 4)

@@ -92,6 +92,7 @@ def _read(path: Path, failures, reads) -> None:
             failures.put(f"reader: {error!r}")
 
 
+@pytest.mark.slow
 def test_two_writers_and_three_readers_never_meet_half_a_file(tmp_path):
     """A dataset that a reader can open while it is written."""
     path, spawn = tmp_path / "one.nc", multiprocessing.get_context("spawn")
@@ -197,6 +198,7 @@ def test_tables_are_read_as_texts(tmp_path):
     assert io.read(tmp_path / "claims.csv").to_dict("records") == [{"a": "1.0", "b": ""}]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", [lambda path: path.unlink(), lambda path: path.write_bytes(b"CDF")])
 def test_parts_that_cannot_be_read_are_not_gathered(dataset, tmp_path, damage):
     parts = [tmp_path / "one.nc", tmp_path / "two.nc"]

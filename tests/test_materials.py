@@ -31,6 +31,7 @@ def _along(material, path, history=None):
     return np.array(forces), history
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REMEMBER)
 @settings(max_examples=40, deadline=None)
 @given(path=paths)
@@ -43,6 +44,7 @@ def test_a_committed_state_gives_its_force_again(name, path):
         assert float(one) == pytest.approx(float(other), abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REMEMBER)
 @settings(max_examples=40, deadline=None)
 @given(path=paths, parts=st.integers(2, 7))
@@ -55,6 +57,7 @@ def test_a_way_in_parts_is_the_way_at_once(name, path, parts):
     assert _along(material, between)[0][parts - 1 :: parts] == pytest.approx(_along(material, path)[0], abs=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["elastoplastic", "friction"])
 def test_a_cycle_dissipates_the_area_of_its_parallelogram(name):
     material, amplitude = REMEMBER[name], 1.5
@@ -93,6 +96,7 @@ def test_the_force_is_the_slope_of_the_stored_energy_while_elastic(name):
     assert float(slope) == pytest.approx(_along(material, [0.995], plastic)[0][0], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_damper_and_a_gap():
     damper, stop = materials.viscous_damper(coefficient=3.0, exponent=0.5), materials.gap(stiffness=10.0, opening=0.2)
     v = jnp.asarray([-4.0, 0.0, 9.0])
@@ -227,6 +231,7 @@ def test_a_constant_may_be_bound_by_a_default():
     assert study.Problem(lambda u, k=3.0: k * u, u0=1.0).arguments == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [1.0, 0.5, -1.0])
 def test_a_stored_energy_is_compared_with_the_force_after_a_reversal(factor):
     spring = materials.elements(

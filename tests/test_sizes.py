@@ -1,6 +1,7 @@
 """The rule for the size that keeps an error, against its definition written out."""
 
 import numpy as np
+import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,6 +18,7 @@ def test_the_fewest_forces_are_those_below_which_nothing_fails():
     assert np.isnan(fewest(failed, forces, 0.01, "run"))
 
 
+@pytest.mark.slow
 @given(st.lists(st.booleans(), min_size=1, max_size=8), st.randoms())
 def test_a_size_counts_only_if_all_finer_ones_keep_the_error(kept, random):
     """Steps in any order: the largest step and the least number of steps are those before the first failure."""

@@ -96,6 +96,7 @@ def test_the_long_description_has_no_link_to_a_file(wheel):
     assert "\nDescription-Content-Type: text/markdown\n" in text and "\nimport study\n" in text
 
 
+@pytest.mark.slow
 def test_the_core_runs_a_scheme_away_from_the_checkout(python, tmp_path):
     """A file of the package that the wheel lacks."""
     run = "study.run('softening', 'rk4', dt=0.05, steps=100, observe=['max_energy_error']).max_energy_error.item()"
@@ -117,6 +118,7 @@ def test_the_tests_of_the_conda_recipe_pass_with_the_wheel(python, tmp_path):
             _run(["sh", "-c", f"PATH='{python.parent}':$PATH; {command}"], tmp_path)
 
 
+@pytest.mark.slow
 def test_the_core_recommends_a_scheme_from_a_folder_of_results(python, tmp_path):
     results = small_results.write_to(tmp_path / "elsewhere")
     code = (

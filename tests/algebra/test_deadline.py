@@ -10,6 +10,7 @@ import study
 from study.algebra.deadline import deadline, until
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lanes", [0, 2])
 @pytest.mark.parametrize("steps", [{"dt": 1e-3, "steps": 10**9}, {"tolerance": 1e-4, "duration": 1e6, "steps": 10**9}])
 def test_a_run_is_given_up_soon_after_the_deadline(steps, lanes):

@@ -25,6 +25,7 @@ def _solve(matrix, rhs, symmetric=True):
     return elimination.solve(matrix, rhs, symmetric)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 @settings(max_examples=15, deadline=None)
 @given(seed=SEEDS, n=st.sampled_from([3, 6]))
@@ -35,6 +36,7 @@ def test_solve_undoes_times(make, form, seed, n):
     np.testing.assert_allclose(_solve(matrix, jnp.asarray(rhs), False), np.linalg.solve(full, rhs), atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 6, 7, 8, 13])
 def test_tridiagonal_elimination_of_any_length(make, n):
     """The loop eliminates four rows per iteration; lengths below four, multiples of four and others are tested."""
@@ -45,6 +47,7 @@ def test_tridiagonal_elimination_of_any_length(make, n):
         np.testing.assert_allclose(solution, np.linalg.solve(full, rhs), rtol=1e-12, atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("half_bandwidth", [2, 3, 7])
 @pytest.mark.parametrize("more", [1, 6, 8])
 def test_elimination_of_blocks(make, half_bandwidth, more):
@@ -103,6 +106,7 @@ def test_a_right_side_of_zeros_has_the_solution_zero(make):
     np.testing.assert_array_equal(_solve(make.matrix_free(full), jnp.zeros(6), True), np.zeros(6))
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(seed=SEEDS, n=st.sampled_from([1, 2, 4]), sides=st.sampled_from([None, 3]))
 def test_eliminate_takes_several_right_sides(seed, n, sides):

@@ -40,6 +40,7 @@ class Push:
         return self.force * jnp.ones_like(t)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spring", [Spring(), OfDictionary({"k": 4.0})])
 def test_an_object_without_a_hash_is_a_force_a_load_and_a_quantity(spring):
     """With k u = f + (k u₀ − f) cos ωt, also after the load has changed."""

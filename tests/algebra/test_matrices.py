@@ -33,6 +33,7 @@ def _sum_and_product(first, second, n):
     return [_columns(combine(first, second, n=n), n) for combine in (linear.add, linear.product)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 @settings(max_examples=20, deadline=None)
 @given(seed=SEEDS, n=st.sampled_from([1, 2, 9]))
@@ -43,6 +44,7 @@ def test_times_is_the_product_with_a_vector(make, form, seed, n):
     np.testing.assert_allclose(_times(matrix, jnp.asarray(x)), full @ x, atol=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("left", FORMS)
 @pytest.mark.parametrize("right", FORMS)
 def test_sums_and_products_of_any_two_forms(make, left, right):
@@ -59,6 +61,7 @@ def test_a_sum_of_many_forms(make):
     np.testing.assert_allclose(linear.add(*matrices, n=6), sum(wholes), atol=1e-13)
 
 
+@pytest.mark.slow
 def test_sums_and_products_keep_to_the_least_form(make):
     rng, n = np.random.default_rng(1), 8
     number, diagonal, three, five = (make.matrix(form, n, rng)[0] for form in FORMS[:4])

@@ -347,6 +347,7 @@ def kept_by_jax(u):
     return jax.checkpoint(branch)(u) / 3 + jax.jit(branch)(u) / 3 + scanned / 3
 
 
+@pytest.mark.slow
 def test_programs_follow_what_functions_read(request):
     """Every kind of run, and what is computed for it, uses the value that holds when it is called.
 

@@ -47,6 +47,7 @@ def test_lanes_are_solved_one_by_one(matrices):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("differentiate", [jax.jacfwd, jax.jacrev])
 def test_solutions_and_products_are_differentiated(matrices, differentiate):
     matrix, sparse_matrix = matrices
@@ -61,6 +62,7 @@ def test_solutions_and_products_are_differentiated(matrices, differentiate):
     np.testing.assert_allclose(product_slope, 3 * (matrix @ rhs), rtol=1e-11)  # d(f³ A b)/df
 
 
+@pytest.mark.slow
 def test_patterns_with_the_same_places_are_equal():
     (matrix, pattern), (_, other) = _random(20, True), _random(20, True, seed=1)
     assert pattern == Pattern(2 * matrix, True) and hash(pattern) == hash(Pattern(matrix, True))

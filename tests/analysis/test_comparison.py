@@ -66,6 +66,7 @@ def test_a_crossing_never_leaves_its_step():
         assert 6 <= period._crossing(problem, np.array(6.0), earlier, now) <= 7
 
 
+@pytest.mark.slow
 def test_interpolation_between_exact_steps_is_of_sixth_order():
     """With exact states the phase error is an interpolation error; halving the step size divides it by more than 50."""
     reference, problem = _harmonic(400)
@@ -87,6 +88,7 @@ def test_interpolation_between_exact_steps_is_of_sixth_order():
     assert errors[0] < 1e-8 and errors[0] / errors[1] > 50
 
 
+@pytest.mark.slow
 def test_a_motion_without_crossings_has_no_period():
     reference, _ = _harmonic(50)
     dt, observers = against(reference, 50, longest=50)

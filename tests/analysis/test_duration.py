@@ -14,6 +14,7 @@ def _exponent(name, *quantity):
     return step_exponent(scheme.order, scheme.order_of_loss, *quantity)
 
 
+@pytest.mark.slow
 def test_schemes_that_state_it_keep_the_energy(sampled_scheme):
     """The spectral radius at ωΔt = 1 is one exactly for the schemes that state that they keep the energy."""
     radius = study.LinearTheory(sampled_scheme, np.array([1 / (2 * np.pi)])).spectral_radius.item()
@@ -55,6 +56,7 @@ def test_a_linear_oscillator_keeps_the_delay():
     assert step_over(first, 0.5, 100, 50) == first
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme, coarse", [("central_difference", 480), ("bathe", 550), ("rk4", 90)])
 def test_a_step_of_400_periods_gives_the_step_of_1000(scheme, coarse):
     """The spring ü + u + u³ = 0 from rest at 1 moves as cn(√2 t) with m = ¼, here by its Fourier series."""

@@ -7,6 +7,7 @@ import study
 from study.analysis.effective_equation import effective_coefficient
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["average_acceleration", "newmark_dissipative", "hht_alpha_1996", "wilson_theta", "houbolt"]
 )

@@ -88,6 +88,7 @@ def _states_its_limit(scheme):
     assert scheme.stability_limit == pytest.approx(limit, rel=1e-6), said
 
 
+@pytest.mark.slow
 def test_a_scheme_states_the_stability_limit_of_linear_theory(scheme):
     _states_its_limit(scheme)
 
@@ -140,6 +141,7 @@ def test_the_dataset_of_central_difference_has_its_closed_forms():
     assert all({"long_name", "units"} <= set(variable.attrs) for variable in ds.variables.values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
     """The order of the principal roots is the claimed order of the scheme, unless ``expected`` states another order."""
@@ -176,6 +178,7 @@ def test_parameters_that_make_every_step_grow_are_warned_about(kind, parameters,
     assert stable.stability_limit != 0 < LinearTheory(stable, [0.1]).stability_limit()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 @pytest.mark.parametrize("name", ["hht_alpha", "wbz_alpha", "generalized_alpha"])
 def test_an_alpha_method_must_carry_its_acceleration(name, damping_ratio):
@@ -218,11 +221,13 @@ def _is_the_power_of_the_matrix(scheme, damping_ratio):
     np.testing.assert_allclose(ds.v[:21], np.stack(states)[:, 1], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_run_is_the_power_of_the_matrix(sampled_scheme):
     """On the linear oscillator n steps multiply the state by the n-th power of the amplification matrix."""
     _is_the_power_of_the_matrix(study.schemes[sampled_scheme], 0.0)
 
 
+@pytest.mark.slow
 def test_the_run_is_the_power_of_the_matrix_with_damping_too(state_kind):
     _is_the_power_of_the_matrix(study.schemes[state_kind], 0.1)
 
@@ -319,6 +324,7 @@ def test_a_scheme_that_grows_weakly_is_stable_at_no_step():
     assert study.LinearTheory(scope["heun"], np.logspace(-3, 0, 5)).stability_limit() == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name, from_u, from_v",
     [

@@ -9,6 +9,7 @@ from study.marching.run import sweep
 from study.observer.outcome import OutcomeObserver
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "problem, u0, scheme, dt, steps, outcome",
     [
@@ -49,6 +50,7 @@ def test_an_accurate_run_keeps_the_period_too():
         outcomes(runs.drop_vars("mean_period"), period)
 
 
+@pytest.mark.slow
 def test_a_motion_that_is_damped_out_of_chaos_was_not_chaotic():
     # at first neighbouring runs diverge; later most of the runs come to rest
     definition = study.problems["softening"]

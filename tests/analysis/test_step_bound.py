@@ -40,6 +40,7 @@ def test_linear_theory(scheme, energy, period):
     assert (ds.step_size * 2).values == pytest.approx(ds.omega_step.values)
 
 
+@pytest.mark.slow
 def test_a_potential_may_read_a_value_that_changes():
     """A compiled quadrature of the first stiffness is not used for the second."""
     stiffness = {"k": 1.0}
@@ -49,11 +50,13 @@ def test_a_potential_may_read_a_value_that_changes():
         assert step_bound(problem, "central_difference").period == pytest.approx(2 * np.pi / np.sqrt(k))
 
 
+@pytest.mark.slow
 def test_the_period_of_the_pendulum():
     exact = 4 * mpmath.ellipk(mpmath.sin(1.25) ** 2)
     assert step_bound(PENDULUM, "central_difference").period == pytest.approx(float(exact), rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("problem", [PENDULUM, MORSE, MOVING, CUBE], ids=lambda one: one.title)
 @pytest.mark.parametrize("scheme", [study.schemes["central_difference"], study.Newmark(beta=0.2, gamma=0.5)])
 def test_errors_of_runs_are_those_predicted(problem, scheme):
@@ -95,6 +98,7 @@ def test_from_rest_average_acceleration_delays_twice_as_much_as_central_differen
     assert (average / central).values[1:] == pytest.approx([2, 2], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_displacement_is_wrong_by_the_delay():
     """A reference with steps forty times as small; the error oscillates within a period by a hundredth of its end."""
     ds = step_bound(PENDULUM, "average_acceleration", allowed_error=0.1, periods=50)
@@ -105,6 +109,7 @@ def test_the_displacement_is_wrong_by_the_delay():
     assert (abs(coarse.values - fine.values).max() / 2.5).item() == pytest.approx(0.1, rel=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme, convex", [("central_difference", 1 / 4), ("average_acceleration", 1 / 6)])
 def test_a_convex_chain_of_many_unknowns_keeps_the_bound_of_the_energy(scheme, convex):
     """A chain of hardening springs whose highest frequency grows with the amplitude."""
@@ -124,6 +129,7 @@ def test_a_convex_chain_of_many_unknowns_keeps_the_bound_of_the_energy(scheme, c
     assert step_bound(PENDULUM, scheme).convex_coefficient == pytest.approx(convex)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "potential, u0, distance",
     [

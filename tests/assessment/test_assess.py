@@ -58,6 +58,7 @@ def _by_scipy(t):
     return solve_ivp(rate, (0, DURATION), [0.0, 0.0], method="DOP853", t_eval=t, rtol=1e-12, atol=1e-13).y
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("allowed", [0.05, 0.01])
 @pytest.mark.parametrize("scheme", ["average_acceleration", "rk4"])
 def test_a_recommended_step_keeps_its_error_against_another_solver(driven, assessed, scheme, allowed):
@@ -76,6 +77,7 @@ def test_a_recommended_step_keeps_its_error_against_another_solver(driven, asses
     assert row.largest_error <= allowed and error(4 / 3 * row.largest_step_size.item()) > allowed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reduce", ["peak", "final", "rms"])
 def test_a_reduced_quantity_is_compared_up_to_the_end_of_the_run(driven, reduce):
     """A run ends with the last whole step within the duration; the reference is reduced over the same time."""
@@ -106,6 +108,7 @@ def test_the_reference_is_as_uncertain_as_it_says(driven, assessed):
     assert assessed.attrs["reference"] == "heyoka" and assessed.attrs["witness"] == "CVODE Adams"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "problem, duration",
     [
@@ -215,6 +218,7 @@ def test_no_recommended_step_contradicts_the_largest_safe_one(assessed):
             assert beyond == ("beyond its largest step without failure" in answer(assessed, name, allowed))
 
 
+@pytest.mark.slow
 def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     """Over 20 periods, errors equal the distance from the exact motion; the energy error equals MaxEnergyError."""
     problem, steps = study.problems["hardening"], 20 * 32
@@ -238,6 +242,7 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     assert row.energy == pytest.approx(ds.max_energy_error.item(), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_free_oscillator_is_judged_by_period_phase_and_amplitude():
     """It alone assesses the quantities of free motion that an assessment adds by itself."""
     pendulum = study.Problem(jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=2.0, title="pendulum")

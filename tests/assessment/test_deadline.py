@@ -21,6 +21,7 @@ def test_an_error_of_a_solver_is_no_lack_of_time():
     assert deadline() == math.inf
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("route", [diffrax.trajectory, sundials.trajectory, taylor.trajectory])
 def test_a_route_gives_up_when_the_time_is_over(route):
     """A motion of three million periods, which no route finishes in half a second."""
@@ -30,6 +31,7 @@ def test_a_route_gives_up_when_the_time_is_over(route):
     assert 0.5 <= time.monotonic() - start < 40
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["hardening", "yielding"])
 def test_a_limit_on_the_time_changes_no_solution(name):
     """A solution in pieces that is restarted wrongly."""

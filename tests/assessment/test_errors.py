@@ -15,6 +15,7 @@ def _peak(problem, duration, function):
     return errors.target(study.Quantity(function, reduce="peak"), problem, exactly).until(np.array([duration]))[0]
 
 
+@pytest.mark.slow
 def test_a_peak_at_a_kink_of_the_ground_motion_is_not_rounded_off():
     # the ground acceleration rises from 0 to 1 m/s² in one second, and falls again: at its kink ü = −sin(ω)/ω
     omega = 0.1
@@ -23,12 +24,14 @@ def test_a_peak_at_a_kink_of_the_ground_motion_is_not_rounded_off():
     assert _peak(soft, 2.0, lambda a: a) == pytest.approx([np.sin(omega) / omega], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_peak_between_the_points_of_the_reference_is_found():
     # the components 0.5 cos t + sin t and 2 sin t have their peaks at different times
     two = study.Problem(lambda u: u, np.array([0.5, 0.0]), v0=np.array([1.0, 2.0]))
     assert _peak(two, 6.0, lambda u: u) == pytest.approx([np.hypot(0.5, 1.0), 2.0], rel=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dt", [0.03, 0.35])
 def test_errors_along_time_are_those_at_every_step(dt):
     """A step is shorter than an interval of the reference, or crosses up to four of its ends."""
@@ -46,6 +49,7 @@ def test_errors_along_time_are_those_at_every_step(dt):
         assert errors.error(target, ds, ends * dt) == pytest.approx(largest, rel=1e-5, abs=2e-9)  # of the quintics
 
 
+@pytest.mark.slow
 def test_each_lane_is_compared_with_the_reference_that_begins_where_it_begins():
     """The lanes start from 1, from 2 and from an impulse 3; the first reference is longer than the others."""
     begins, t = [(1.0, 0.0), (2.0, 0.0), (0.0, 3.0)], np.linspace(0.0, 8.0, 81)

@@ -23,6 +23,7 @@ def mapped():
     return map_of(frame, study.schemes["central_difference"], 2.0, 0.2, np.array([]))
 
 
+@pytest.mark.slow
 def test_no_step_beyond_the_stability_limit_counts_as_safe(mapped):
     limit = 2 / OMEGA
     beyond = mapped.map_step_size.values > limit

@@ -25,6 +25,7 @@ def like_programs(monkeypatch, tmp_path):
     monkeypatch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
 
 
+@pytest.mark.slow
 def test_steps_and_error_bar_are_those_of_the_certified_reference(damped_chain, like_programs, monkeypatch):
     """It alone compares the search of a program, and its uncertainty, with a certified reference."""
     ds = study.assess(damped_chain(), SCHEMES[0], **OPTIONS)
@@ -40,6 +41,7 @@ def test_steps_and_error_bar_are_those_of_the_certified_reference(damped_chain, 
     assert ds.attrs["reference"].startswith(("rk4", "nystrom4"))
 
 
+@pytest.mark.slow
 def test_quantities_that_are_reduced_are_single_numbers(damped_chain, like_programs):
     peak = {
         "peak": study.Quantity(lambda u: u[-1], reduce="peak"),
@@ -54,6 +56,7 @@ def test_what_there_is_no_time_for_is_said(damped_chain, like_programs):
         study.assess(damped_chain(), SCHEMES, seconds=0.0, **OPTIONS)
 
 
+@pytest.mark.slow
 def test_another_problem_of_the_same_title_has_other_runs(damped_chain, like_programs):
     heavier = replace(damped_chain(), mass=np.array([1.0, 2.0, 1.0, 1.0, 1.6]))
     problems = [damped_chain(), replace(damped_chain()), damped_chain(linear=True), heavier]
@@ -62,6 +65,7 @@ def test_another_problem_of_the_same_title_has_other_runs(damped_chain, like_pro
     assert first == same and len({first, *others}) == 3
 
 
+@pytest.mark.slow
 def test_unknowns_whose_force_is_not_linear_are_compared():
     """Both unknowns with stops are among the 256 compared ones. Of 1000 cubic springs, 256 unknowns are compared."""
     n, stops = 1000, [311, 737]

@@ -85,6 +85,7 @@ def test_the_command_writes_a_dataset_and_a_page_of_its_own(assessed):
     assert "integrator Newmark 0.5 0.25" in text and "frequencies up to ω = " in text
 
 
+@pytest.mark.slow
 def test_your_own_scheme_stands_before_the_best_and_its_curve_is_emphasised(assessed, undrawn):
     ds = xr.load_dataset(assessed[0].with_suffix(".nc")).assign_attrs(asked_for="newmark")
     # measured times, by which schemes are ranked, may have another order on a busy machine
@@ -100,6 +101,7 @@ def test_your_own_scheme_stands_before_the_best_and_its_curve_is_emphasised(asse
     assert emphasised(ds.assign_attrs(asked_for=""), tables)[0] == "rk4"
 
 
+@pytest.mark.slow
 def test_the_limit_of_stability_is_drawn_without_maps(model):
     swing = load(f"{model}:swing", (Problem,))
     ds = study.assess(swing, "central_difference", duration=12, allowed_errors=[0.05], maps=False)
@@ -107,12 +109,14 @@ def test_the_limit_of_stability_is_drawn_without_maps(model):
     assert "limit of stability" in page(ds) and "How it fails" not in page(ds)
 
 
+@pytest.mark.slow
 def test_the_answer_has_no_column_for_a_kind_without_a_scheme(assessed, undrawn):
     ds = xr.load_dataset(assessed[0].with_suffix(".nc"))
     assert 'best</th><th class="text">best of the other kind</th></tr>' in page(ds)
     assert '<th class="text">best</th></tr>' in page(ds.sel(scheme=["rk4"]))
 
 
+@pytest.mark.slow
 def test_the_limits_of_your_own_step_stand_below_the_answer(assessed, undrawn):
     """A page that states only for the best schemes that another quantity is wrong."""
     ds = xr.load_dataset(assessed[0].with_suffix(".nc")).assign_attrs(asked_for="newmark")
@@ -134,6 +138,7 @@ def test_what_decides_between_equal_times_is_named(assessed, counted):
     assert f"the number of {'evaluations' if counted else 'steps'} decides." in answer(ds, "displacement", 0.05)
 
 
+@pytest.mark.slow
 def test_a_scheme_has_one_colour_in_all_figures_of_a_page(assessed):
     """A colour that depends on which schemes a figure shows."""
     ds = xr.load_dataset(assessed[0].with_suffix(".nc"))
@@ -145,6 +150,7 @@ def test_a_scheme_has_one_colour_in_all_figures_of_a_page(assessed):
         assert [colour for colour in COLOURS[1:] if colour in drawn] == [COLOURS[place + 1]]
 
 
+@pytest.mark.slow
 def test_times_of_single_runs_are_points(assessed):
     """A line through measured times of single runs, which jumps to and fro."""
     ds = xr.load_dataset(assessed[0].with_suffix(".nc"))

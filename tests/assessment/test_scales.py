@@ -52,6 +52,7 @@ def test_the_error_of_a_final_value_is_relative_to_it(decaying):
         assert row[scale] == pytest.approx(difference / value, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_residual_drift_has_an_error_of_its_own_size():
     """A spring that yields once keeps u = 0.5 as its drift: k (u − 0.5) about which it swings with damping."""
     settled = study.Problem(lambda u: u - 0.05, 1.0, damping=0.4, title="settled")
@@ -75,6 +76,7 @@ def test_a_final_value_near_zero_gets_a_remark(decaying):
     assert remarks_on_scales(_targets(decaying, zero + 1e-5, quantities)) == []
 
 
+@pytest.mark.slow
 def test_components_of_different_units_have_errors_of_their_own_size():
     problem = study.Problem(stiffness=STIFFNESS, mass=np.diag(MASS), u0=[50.0, 0.0], v0=[0.0, 0.5], title="mixed")
     quantities = {scale: study.Quantity(lambda u: u, scale=scale) for scale in ("own", "each")}
@@ -118,6 +120,7 @@ def test_unfit_scales_are_refused():
         study.Quantity(lambda u: u, "x", scale=[1.0, 2.0]).scales(np.ones(3), np.ones(3))
 
 
+@pytest.mark.slow
 def test_a_final_value_is_compared_with_the_largest_value_of_its_own_component():
     """Two oscillators without coupling, of amplitudes 50 and 0.0081: final values are amplitude × cos ωt."""
     problem = study.Problem(stiffness=np.diag([1.0, 4.0]), u0=[50.0, 0.0081], title="apart")

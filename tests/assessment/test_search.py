@@ -100,6 +100,7 @@ def test_the_ends_of_a_search_are_said_as_such():
         assert neighbours[1].how == FINEST_FAILS
 
 
+@pytest.mark.slow
 @settings(max_examples=50, deadline=None)
 @given(
     order=st.floats(0.5, 4),

@@ -39,6 +39,7 @@ def test_the_interpolant_is_exact_for_polynomials_of_fifth_degree():
     np.testing.assert_allclose(v[:, 1], -polynomial.deriv()(times), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_load_that_acts_for_a_moment_is_not_stepped_over():
     """A solver whose steps pass over a load that acts for a millisecond."""
     # an impulse of one newton second within a millisecond on an oscillator in free motion
@@ -54,6 +55,7 @@ def test_a_load_that_acts_for_a_moment_is_not_stepped_over():
         assert reference.solution(route, grid, 1e-10).u[-1] == pytest.approx(exact, abs=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape, lasts", [("rectangle", 1e-3), ("table", 1e-5), ("smooth", 1e-5)])
 def test_the_certified_reference_contains_a_short_pulse(shape, lasts):
     """The impulse of one newton second at t = 3.3 on an oscillator that moves already; the peak is that of a blow."""
@@ -107,6 +109,7 @@ def test_the_grid_holds_all_kinks_and_no_point_next_to_one(shaken):
     assert np.diff(grid).min() > 0.05 * np.diff(grid).max()
 
 
+@pytest.mark.slow
 def test_both_routes_solve_a_kinked_load(shaken):
     reference = Reference(shaken, 2.0)
     assert _names(shaken, 2.0) == ["diffrax Dopri8", "CVODE Adams"]
@@ -125,6 +128,7 @@ def test_both_routes_solve_a_kinked_load(shaken):
         np.testing.assert_allclose(np.stack([u, v], axis=1), pieces, atol=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [1e2, 1e6])
 def test_contacts_are_stepped_on_and_interpolated_between(stiffness):
     """Both routes meet the exact motion, which is harmonic during contact with the stop and without contact."""
@@ -164,6 +168,7 @@ def test_stiff_problems_take_implicit_routes():
     assert _names(study.problems["stiff_soft"], 1e4) == ["diffrax Kvaerno5", "CVODE BDF"]
 
 
+@pytest.mark.slow
 def test_a_force_with_a_velocity_is_solved_by_diffrax():
     """A force with a velocity that goes to heyoka, which cannot translate it, or loses its velocity on the way."""
     drag = study.Problem(lambda u, v: 40 * u + 2 * v**3, 0.5, title="drag")
@@ -178,6 +183,7 @@ def _under_record(spring):
     return study.Problem(spring, 0.0, 1.0, damping=0.2, ground=load, title="with a history")
 
 
+@pytest.mark.slow
 def test_both_routes_reach_the_exact_motion_of_a_spring_that_yields():
     problem = _under_record(study.materials.elastoplastic(stiffness=40.0, yield_force=2.0, hardening=0.1))
     reference = Reference(problem, 4.0)
@@ -191,6 +197,7 @@ def test_both_routes_reach_the_exact_motion_of_a_spring_that_yields():
         np.testing.assert_allclose(np.gradient(solution.v, t)[50], solution.a[50], rtol=0.02)
 
 
+@pytest.mark.slow
 def test_both_routes_follow_elements_that_turn_back_apart_from_each_other():
     """Both routes agree with SciPy's solution of Bouc and Wen's rate equation, which needs no committed history."""
     k, bound = np.array([40.0, 25.0]), np.array([0.05, 0.04])

@@ -24,6 +24,7 @@ def assessed(duffing):
     return study.assess(duffing, schemes, duration=DURATION, allowed_errors=[ALLOWED], maps=False, controller="pi")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["average_acceleration", "dormand_prince6"])
 def test_fresh_tolerances_below_the_recommended_one_keep_the_error(duffing, assessed, scheme):
     """Errors refer to heyoka's trajectory at the times of each run, not to the assessment's interpolated reference."""
@@ -109,6 +110,7 @@ def test_programs_and_large_models_have_no_tolerances():
         study.assess(program, controller="pi")
 
 
+@pytest.mark.slow
 def test_an_unknown_controller_is_named(duffing):
     with pytest.raises(KeyError, match="controller"):
         study.assess(duffing, ["rk4"], duration=1.0, controller="pid")

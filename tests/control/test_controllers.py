@@ -80,6 +80,7 @@ def test_average_acceleration_keeps_the_energy_of_a_linear_oscillator_for_any_st
     assert ds.max_energy_error < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("h, H, stable", [(1, 1.55, True), (1, 1.57, False), (1.5, 1.5, True), (1.9, 2.1, True)])
 def test_central_difference_with_alternating_steps(h, H, stable):
     limits = H * (h + H) <= 4 or (h * (h + H) >= 4 and h * H <= 4)

@@ -35,6 +35,7 @@ def test_the_declared_use_of_the_force_at_the_end(name):
         assert scheme.force_at_end == pushed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name, estimator",
     [
@@ -99,6 +100,7 @@ def test_stops_on_both_sides_of_one_unknown_of_several():
     assert abs(ds.u[:, 1]).max() < 0.3 + np.sqrt(2 * 2.0 / 1e6) and abs(ds.u[:, 1]).max() > 0.3
 
 
+@pytest.mark.slow
 def test_a_smooth_motion_takes_the_steps_that_it_took(monkeypatch):
     """The numbers of steps are those of the estimate of Zienkiewicz and Xie alone, up to two percent."""
     duffing = study.Problem(lambda u: u + u**3, u0=1.0, v0=0.3, damping=0.1, load=lambda t: 0.5 * jnp.cos(1.3 * t))

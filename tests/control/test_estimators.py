@@ -28,6 +28,7 @@ def local_errors(ds):
     return np.abs(u[1:] - exact[0]), np.abs(v[1:] - exact[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["average_acceleration", "newmark_dissipative", "central_difference"])
 def test_zienkiewicz_and_xie_for_newmark(name):
     ds, beta = march(name, "zienkiewicz_xie"), schemes[name].beta  # type: ignore[attr-defined]
@@ -35,6 +36,7 @@ def test_zienkiewicz_and_xie_for_newmark(name):
     np.testing.assert_allclose(ds.estimate[1:], abs((beta - 1 / 6) * DT**2 * np.diff(acceleration)), atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["average_acceleration", "hht_alpha", "wbz_alpha", "generalized_alpha", "bathe"])
 def test_zienkiewicz_and_xie_where_the_motion_is_fast(name):
     """The estimate equals the local error of the displacement where u''' is large, and is small at turning points."""
@@ -54,6 +56,7 @@ def test_three_points_see_the_velocity():
     assert 0.9 < np.median(ratio) < 1.1 and np.all((ratio > 0.6) & (ratio < 1.4))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["average_acceleration", "rk4", "hht_alpha"])
 def test_step_doubling_is_the_error_of_the_finer_steps(name):
     ds = march(name, "step_doubling")
@@ -61,6 +64,7 @@ def test_step_doubling_is_the_error_of_the_finer_steps(name):
     np.testing.assert_allclose(ds.estimate[3:], np.maximum(u, v)[2:], rtol=0.12)
 
 
+@pytest.mark.slow
 def test_an_embedded_pair_estimates_the_error_of_its_lower_order():
     """The estimate falls with the fifth power of the step size; the error at the end falls with the tolerance."""
     coarse, fine = (march("dormand_prince6", "embedded_pair", dt).estimate.max() for dt in (0.4, 0.2))
@@ -73,6 +77,7 @@ def test_an_embedded_pair_estimates_the_error_of_its_lower_order():
     assert ends[0].attrs["estimator"] == "Embedded pair" and errors[1] < 1e-7 < errors[0] < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["average_acceleration", "hht_alpha", "wbz_alpha", "generalized_alpha"])
 def test_the_half_step_residual_falls_with_the_square_of_the_step(name):
     """The ratio of the largest residual to Δt² is the same at both step sizes; with average acceleration it is 1/8."""
@@ -94,6 +99,7 @@ def test_the_iterations_are_those_that_an_observer_counts():
     assert ds.estimate.sum() == ds.newton_iterations > 30
 
 
+@pytest.mark.slow
 def test_an_estimate_is_relative_to_the_motion():
     """Other units of displacement and time leave all steps of a linear structure the same.
 
@@ -124,6 +130,7 @@ def test_an_estimator_refuses_what_it_cannot_estimate():
         study.run("hardening", "rk4", tolerance=1e-3, duration=1.0, estimator="half_step_residual")
 
 
+@pytest.mark.slow
 def test_an_estimator_of_your_own():
     class Speed(study.Estimator):
         title, source, doi = "Speed", "", ""

@@ -35,6 +35,7 @@ def test_a_docstring_for_numpydoc():
     assert restructured(["α_m ≤ θ_{k−1}"]) == [r"α\ :sub:`m`\  ≤ θ\ :sub:`k−1`\ ", ""]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("folder", ["study", "reference"])
 def test_the_formulas_of_all_docstrings_become_mathml(folder):
     formulas = 0

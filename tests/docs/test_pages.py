@@ -68,6 +68,7 @@ def test_the_configuration_of_a_page_is_accepted(page, tmp_path):
 COMMANDS = [words for page in PAGES for words in commands(page.read_text())]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [

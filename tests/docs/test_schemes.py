@@ -58,6 +58,7 @@ def test_pages_of_named_schemes_and_of_ones_own_have_one_form(library):
     assert "ωΔt ≤ 2," in pages["central_difference"] and "unstable" in pages["central_difference"]
 
 
+@pytest.mark.slow
 def test_linear_theory_of_a_page():
     theory = theory_of(study.schemes["average_acceleration"])
     assert theory.linear.linear_order == pytest.approx(2, abs=0.05)
@@ -72,6 +73,7 @@ def test_linear_theory_of_a_page():
     assert theory_of(study.schemes["chung_lee"]).least_radius == pytest.approx(0.5, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["central_difference", "symplectic_euler", "fox_goodwin", "kr_alpha", "houbolt", "noh_bathe"]
 )

@@ -19,6 +19,7 @@ def many():
     return dataset.assign_attrs(source=study.io.SOURCE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["average_acceleration", "rk4"])
 def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, monkeypatch, scheme):
     """It alone compares a map of several tiles, gathered from files, with a whole one to the bit."""
@@ -39,6 +40,7 @@ def test_an_unknown_tile_is_refused():
         atlas("rk4", ["hardening"], GRID, 20, tile=-1, tiles=3)
 
 
+@pytest.mark.slow
 def test_a_map_shows_the_linear_limit_at_small_amplitude(springs):
     fine = {"first": -0.7, "last": -0.3, "count": 41}
     one = atlas("central_difference", ["hardening"], fine, 300, tile=0, tiles=6).squeeze()

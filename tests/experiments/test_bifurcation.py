@@ -1,12 +1,14 @@
 """Bifurcation diagrams over the step size."""
 
 import numpy as np
+import pytest
 
 import study
 from study.experiments.bifurcation import bifurcation
 from study.marching.result import UNBOUNDED
 
 
+@pytest.mark.slow
 def test_a_bifurcation_diagram_separates_order_from_chaos():
     ds = bifurcation("double_well", "average_acceleration", {"first": 1.0, "last": 2.6, "count": 5}, 600, 50, 1e-10)
     regular, chaotic = ds.isel(step_size=0), ds.isel(step_size=-1)

@@ -23,6 +23,7 @@ def _check_forces(controlled: xr.Dataset, of_step: int) -> None:
     assert (rest == rest[0]).all() and rest[0] > 1
 
 
+@pytest.mark.slow
 def test_control_reaches_the_exact_motion_of_a_bouncing_mass(reference, monkeypatch):
     """It alone compares controlled with equal steps, and counts the forces of an embedded pair."""
     monkeypatch.setattr(io, "open_dataset", lambda name: reference)

@@ -9,6 +9,7 @@ from study.experiments.estimates import estimates, true_errors
 SCHEMES = ["average_acceleration", "generalized_alpha"]
 
 
+@pytest.mark.slow
 def test_true_errors_under_a_load_are_those_of_the_closed_form():
     """The exact motion of the forced oscillator is known from any state and start time."""
     problem = study.Problem(lambda u: u, 0.3, 0.1, load=lambda t: t * t)

@@ -23,6 +23,7 @@ def test_motions_on_the_edges_of_theory_repeat(tongue):
         assert end[0] + end[3] == pytest.approx(2 * (-1) ** tongue, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_edges_of_central_difference_are_eigenvalues_of_its_difference_equation():
     """δ is an eigenvalue of −D² − 2ε cos 2t on a circle of N points, with D² the second difference and u(π) = ±u(0)."""
     steps, dt = 10, np.pi / 10
@@ -36,6 +37,7 @@ def test_the_edges_of_central_difference_are_eigenvalues_of_its_difference_equat
             np.testing.assert_allclose(ours[e, tongue - 1], np.linalg.eigvalsh(matrix)[which], rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme, frequency", [("central_difference", np.sin), ("average_acceleration", np.tan)])
 def test_narrow_tongues_are_where_the_numerical_frequency_resonates(scheme, frequency):
     """Free motion has the numerical frequency n at √δ = 2/Δt sin(nΔt/2), or with tan; ε moves the centre by its square.
@@ -56,6 +58,7 @@ def test_edges_approach_theory_with_the_order_of_the_scheme(scheme):
     np.testing.assert_allclose(np.log2(coarse / fine), study.schemes[scheme].order, atol=0.15)
 
 
+@pytest.mark.slow
 def test_long_runs_grow_within_the_edges_only():
     """The edges of a scheme that carries its acceleration, and a narrow tongue that its dissipation closes."""
     narrow, (lower, upper) = edges("hht_alpha", 10, 2, np.array([0.1, 0.8]))[:, 1]

@@ -7,6 +7,7 @@ from study.experiments.mesh import SCHEMES, mesh, panel
 from study.marching.run import run
 
 
+@pytest.mark.slow
 def test_the_frequencies_are_those_of_the_chain_in_closed_form():
     # masses 1 joined by springs n², fixed at one end: ωₖ = 2 n sin((2k − 1) π / (4n + 2))
     _, lowest, highest = panel(10, 1, 1.0)
@@ -16,6 +17,7 @@ def test_the_frequencies_are_those_of_the_chain_in_closed_form():
     assert panel(10, 3, 1.0)[1] == pytest.approx(lowest)
 
 
+@pytest.mark.slow
 def test_the_row_is_stiffer_and_the_springs_yield():
     """A panel that stays elastic, or whose stiff row is not stiffer."""
     soft, _, highest = panel(4, 3, 1.0)

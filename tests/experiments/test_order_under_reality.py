@@ -51,6 +51,7 @@ def test_what_does_not_apply_has_no_error(found):
     assert (found.observed_order.notnull() == (found.status == STATUSES.index("measured"))).all()
 
 
+@pytest.mark.slow
 def test_references_are_those_of_a_fine_run_of_another_method():
     """A reference that is wrong in one circumstance, which all orders of the table would share."""
     assert TOLERANCES["rtol"] < 1e-12
@@ -62,6 +63,7 @@ def test_references_are_those_of_a_fine_run_of_another_method():
         assert circumstance.errors(schemes["rk4"], [4096]).max() < allowed, name
 
 
+@pytest.mark.slow
 def test_newton_iterations_that_end_early_leave_another_error_and_the_order(found):
     implicit = found.sel(scheme=[name for name in SCHEMES if name != "rk4"], quantity="displacement")
     loose, plain = (implicit.sel(circumstance=name) for name in ("tolerance_0", "plain"))
@@ -80,6 +82,7 @@ def test_newton_iterations_that_end_early_leave_another_error_and_the_order(foun
     assert early < 110 < 200 <= full
 
 
+@pytest.mark.slow
 def test_a_lane_is_a_run_of_its_own():
     plain = circumstances_with([100.0])["plain"]
     ds, completed = plain.final(schemes["rk4"], [32, 64])

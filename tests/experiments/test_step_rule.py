@@ -25,6 +25,7 @@ def test_errors_are_those_of_a_run(springs):
     assert ds.energy_error.isel(omega_step=1).isnull().any()  # beyond the stability limit of two
 
 
+@pytest.mark.slow
 def test_the_energy_of_a_well_is_measured_from_its_bottom(springs):
     ds = step_rule(["rk4"], {"first": -1, "last": -0.5, "count": 2}, 10).sel(problem="double_well").isel(scheme=0)
     # the energy error is of fifth order, so that a step size √10 times as large makes it some 300 times as large

@@ -41,6 +41,7 @@ def test_collapse_scales_with_strength():
     assert static.item() == pytest.approx(0, abs=1e-12) and 0 < ds.hardening < ds.p_delta
 
 
+@pytest.mark.slow
 def test_the_load_is_the_record_between_its_samples_and_zero_after_it():
     samples = np.random.default_rng(0).normal(size=(3, 5))
     load = _Oscillators("average_acceleration", samples, 0.1).problem(jnp.array(1.0), 2.0, 1.0, 0.05, 1.0).load
@@ -50,6 +51,7 @@ def test_the_load_is_the_record_between_its_samples_and_zero_after_it():
     assert float(load(0.41)) == 0
 
 
+@pytest.mark.slow
 def test_the_records_of_the_full_study_leave_the_march_one_native_loop():
     """Would catch a table that makes the runs of the full study take twice as long."""
     config = Path(__file__).parents[2] / "config"

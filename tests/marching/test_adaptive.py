@@ -53,6 +53,7 @@ def test_a_scheme_without_a_shifted_acceleration_keeps_its_order(name, end):
     assert order(name, end, (1, 2)) == pytest.approx(schemes[name].order_with_damping, abs=0.15)
 
 
+@pytest.mark.slow
 def test_equal_steps_are_those_of_a_run_with_equal_steps():
     for name in ("hht_alpha", "rk4"):
         equal = study.run(DRIVEN, name, dt=0.05, steps=60)
@@ -67,6 +68,7 @@ def test_given_sizes_are_kept_up_to_a_stated_time():
     np.testing.assert_allclose(ds.step_size[1:], [0.1, 0.02, 0.3, 0.02, 0.1, 0.02, 0.24], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_error_falls_with_the_tolerance(end):
     for name in ("average_acceleration", "rk4", "bathe"):
         runs = [study.run(DRIVEN, name, tolerance=tolerance, duration=4.0) for tolerance in (1e-3, 1e-5)]
@@ -79,6 +81,7 @@ def test_the_error_falls_with_the_tolerance(end):
             assert (ds.estimate[1:] <= float(ds.attrs["tolerance"])).all()
 
 
+@pytest.mark.slow
 def test_steps_end_on_stated_times_and_on_the_samples_of_a_record():
     ds = study.run(DRIVEN, "average_acceleration", tolerance=1e-2, duration=4.0, times=[0.1, np.pi])
     assert np.isin([0.1, np.pi, 4.0], ds.t).all()
@@ -101,6 +104,7 @@ def peak_after(pulse):
     return np.abs(np.exp(-RATIO * OMEGA * t) / damped * (np.sin(damped * t) * c - np.cos(damped * t) * s)).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["average_acceleration", "generalized_alpha", "rk4"])
 @pytest.mark.parametrize(
     "pulse",
@@ -131,6 +135,7 @@ def test_no_step_of_a_lane_passes_over_its_own_pulse():
     np.testing.assert_allclose(ds.peak, wanted, rtol=0.02)
 
 
+@pytest.mark.slow
 def test_stated_times_are_joined_with_those_of_the_load():
     step = study.Problem(lambda u: u, 0.0, load=lambda t: jnp.where(t > 2.5, 1.0, 0.0))
     ds = study.run(step, "average_acceleration", tolerance=1e-3, duration=4.0, times=[1.25])
@@ -139,6 +144,7 @@ def test_stated_times_are_joined_with_those_of_the_load():
     assert len(beside) == 2 and beside[0] < 2.5 < beside[1]
 
 
+@pytest.mark.slow
 def test_a_lane_is_a_run():
     tolerances = [1e-4, 1e-3, 1e-2]
     lanes = study.run(DRIVEN, "hht_alpha", tolerance=tolerances, duration=4.0)
@@ -191,6 +197,7 @@ def test_a_motion_that_leaves_all_bounds_keeps_what_was_computed():
     assert ds.failed_at_step == ds.t.size == ds.steps + 1
 
 
+@pytest.mark.slow
 def test_a_step_that_shrinks_to_nothing_is_a_status():
     jump = study.Problem(lambda u: jnp.where(u > 0.5, 1.0, -1e6), u0=1.0)
     with pytest.warns(study.RunFailedWarning, match="shrank to nothing"):
@@ -234,6 +241,7 @@ def test_equal_steps_need_their_size_and_number():
         study.run(DRIVEN, "rk4", dt=0.1, steps=5, duration=3.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["average_acceleration", "rk4"])
 @pytest.mark.parametrize(
     "load, right",
@@ -271,6 +279,7 @@ def falling(energy: bool) -> study.Problem:
     return study.Problem(force, u0=2.0, potential=potential if energy else None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("energy", [True, False])
 def test_a_run_that_loses_much_of_a_constant_energy_gives_a_warning(energy):
     """The warning states the part of g h = 19.62 that the last state lacks; a lane and a tight tolerance lack less."""
@@ -286,6 +295,7 @@ def test_a_run_that_loses_much_of_a_constant_energy_gives_a_warning(energy):
         study.run(problem, "rk4", tolerance=[1e-5, 1e-2], observe=[], **options)
 
 
+@pytest.mark.slow
 def test_a_run_within_a_contact_or_at_rest_has_lost_no_energy():
     """The force of the last problem is too stiff for the points at which its work is integrated."""
     study.run(study.Problem(jnp.sin, u0=0.0), "rk4", tolerance=1e-2, duration=1.0)
@@ -294,6 +304,7 @@ def test_a_run_within_a_contact_or_at_rest_has_lost_no_energy():
     assert float(ds.u[-1]) < 0
 
 
+@pytest.mark.slow
 def test_a_pulse_that_begins_just_after_the_start_is_seen_whole():
     """The impulse of 0.1 on a mass at rest gives the velocity 0.1, also if the load is zero at t = 0 itself."""
     problem = study.Problem(lambda u: u, u0=0.0, load=lambda t: jnp.where((t > 0) & (t < 1e-6), 1e5, 0.0))

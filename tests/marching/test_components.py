@@ -82,6 +82,7 @@ def _check_lanes(monkeypatch, name, scheme, dt=0.02, tolerance=1e-9, **more):
         )
 
 
+@pytest.mark.slow
 def test_every_scheme_by_components_is_a_single_run(monkeypatch, sampled_scheme):
     """An operation of one scheme that is wrong for lanes of several unknowns only."""
     _check_lanes(monkeypatch, "dense with full damping and a load", sampled_scheme)
@@ -95,6 +96,7 @@ def test_every_kind_of_problem_by_components_is_a_single_run(monkeypatch, proble
     _check_lanes(monkeypatch, problem, scheme, dt=np.linspace(0.01, 0.02, 5))
 
 
+@pytest.mark.slow
 def test_components_keep_single_precision(monkeypatch):
     _problem("contact")  # is made in double precision
     with jax.enable_x64(False):
@@ -102,6 +104,7 @@ def test_components_keep_single_precision(monkeypatch):
         _check_lanes(monkeypatch, "contact", "average_acceleration", tolerance=1e-5, observe=observe)
 
 
+@pytest.mark.slow
 def test_every_observer_observes_components(caplog):
     """A single observer with an operation that has no rule would slow all lanes down."""
     problem = _problem("dense with full damping and a load")

@@ -15,6 +15,7 @@ from study.scheme.wrapper.linearised import Linearised
 from study.settings import cores
 
 
+@pytest.mark.slow
 def test_a_lane_of_an_ensemble_is_a_single_run(state_kind):
     u0, dt = np.linspace(0.5, 2.0, 7), np.linspace(0.001, 0.02, 7)
     observe = ["trajectory", "max_energy_error", "newton_iterations"]
@@ -26,6 +27,7 @@ def test_a_lane_of_an_ensemble_is_a_single_run(state_kind):
     assert lanes.t.dims == ("lane", "sample")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["average_acceleration", "houbolt"])
 def test_lanes_end_after_their_own_steps(scheme):
     steps, u0 = np.array([40, 3, 170, 1, 90]), np.linspace(0.5, 2.0, 5)
@@ -37,6 +39,7 @@ def test_lanes_end_after_their_own_steps(scheme):
             np.testing.assert_allclose(lanes[name][lane], one[name], rtol=1e-9, atol=1e-9, err_msg=name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("group, workers", [(1, "1"), (3, "2")])
 def test_neighbours_and_cores_change_no_bit(monkeypatch, group, workers):
     """The order of lanes, the size of the ensemble and the number of cores change no bit of a lane's results.
@@ -59,6 +62,7 @@ def test_neighbours_and_cores_change_no_bit(monkeypatch, group, workers):
             xr.testing.assert_identical(result(scheme, lanes), ds.isel(lane=lanes))
 
 
+@pytest.mark.slow
 def test_an_ensemble_on_an_accelerator_is_one_tile(monkeypatch):
     arguments = {"dt": 0.01, "u0": np.linspace(0.5, 2.0, 20), "steps": 50, "observe": ["max_energy_error"]}
     on_cpu = study.run("hardening", "rk4", **arguments)
@@ -67,6 +71,7 @@ def test_an_ensemble_on_an_accelerator_is_one_tile(monkeypatch):
     xr.testing.assert_allclose(study.run("hardening", "rk4", **arguments), on_cpu, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_pause_changes_no_bit_of_an_ensemble(monkeypatch):
     arguments = {"dt": np.linspace(0.001, 0.1, 300), "steps": 500, "observe": ["trajectory", "max_energy_error"]}
     at_once = study.run("softening", "average_acceleration", **arguments, every=10)
@@ -74,6 +79,7 @@ def test_a_pause_changes_no_bit_of_an_ensemble(monkeypatch):
     xr.testing.assert_identical(study.run("softening", "average_acceleration", **arguments, every=10), at_once)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(jax.default_backend() != "cpu", reason="on an accelerator all lanes are one group")
 def test_short_and_long_groups_use_one_program(monkeypatch, compiled):
     """The first group of lanes ends before the first pause, and the last one after it."""
@@ -88,6 +94,7 @@ def test_short_and_long_groups_use_one_program(monkeypatch, compiled):
     assert len(compiled) == before + 1  # the program without stretches
 
 
+@pytest.mark.slow
 def test_a_failed_lane_leaves_the_others_alone():
     dt = [0.001, 0.9, 0.002]
     lanes = study.run("hardening", "central_difference", dt=dt, steps=100, observe=["trajectory", "max_energy_error"])
@@ -98,6 +105,7 @@ def test_a_failed_lane_leaves_the_others_alone():
     assert np.isfinite(lanes.u[[0, 2]]).all()
 
 
+@pytest.mark.slow
 def test_a_failed_lane_is_frozen_whole_with_its_neighbour():
     definition = March(
         study.problems["double_well"], Linearised(scheme=study.schemes["average_acceleration"]), (), (), lanes=True

@@ -17,6 +17,7 @@ def _spring(stiffness, start=1.0):
     return study.Problem(lambda u: stiffness * u + u**3, u0=start, damping=0.1, title="spring")
 
 
+@pytest.mark.slow
 def test_every_lane_is_its_own_run():
     over = {"stiffness": np.linspace(1.0, 9.0, 70), "start": np.linspace(0.5, 2.0, 70)}
     ds = study.run(_spring, "average_acceleration", dt=0.05, steps=100, over=over, observe=["trajectory", PEAK])
@@ -29,6 +30,7 @@ def test_every_lane_is_its_own_run():
         assert float(ds.largest[lane]) == pytest.approx(float(alone.largest), abs=1e-13)
 
 
+@pytest.mark.slow
 def test_a_record_and_a_yield_force_vary():
     ground = study.GroundMotion.el_centro()
 
@@ -53,6 +55,7 @@ def test_lanes_may_have_their_own_step():
     np.testing.assert_allclose(ds.u[1], alone.u, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_lanes_may_have_their_own_number_of_steps():
     steps = [40, 100, 7]
     springs = {"stiffness": np.array([1.0, 4.0, 9.0])}
@@ -67,6 +70,7 @@ def test_lanes_may_have_their_own_number_of_steps():
         assert float(ds["last"][lane]) == pytest.approx(float(alone["last"]), abs=1e-13)
 
 
+@pytest.mark.slow
 def test_a_lane_that_fails_is_reported_and_the_others_go_on():
     with pytest.warns(study.RunFailedWarning, match="1 of 2 runs failed, the first of them, lane 1"):
         ds = study.run(_spring, "central_difference", dt=0.5, steps=400, over={"stiffness": [1.0, 1e4]})
@@ -179,6 +183,7 @@ def test_a_family_that_cannot_be_made_says_why(make, over, sentence):
         study.run(make, "rk4", over=over, dt=0.01, steps=5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps", [{"dt": 0.01, "steps": 10}, {"tolerance": 1e-3, "duration": 0.1}])
 def test_a_repeated_family_is_compiled_once_as_long_as_its_function_reads_the_same(steps, compiled):
     def make(k):

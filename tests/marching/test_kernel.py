@@ -97,6 +97,7 @@ def _check(monkeypatch, problem, scheme, tolerance=1e-12, **arguments):
     return right
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "scheme",
     [
@@ -111,6 +112,7 @@ def test_one_mass_in_kernels_is_a_run(monkeypatch, refusals, scheme):
     assert refusals() == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["rk4", "generalized_alpha"])
 def test_three_storeys_in_kernels_are_runs(monkeypatch, refusals, scheme):
     """A fault of kernels that appears with several unknowns only."""
@@ -140,12 +142,14 @@ def test_failures_and_bounds_in_kernels_are_those_of_runs(monkeypatch):
     assert right.failed_at_step.values.tolist()[4] == 0 < right.failed_at_step[1]
 
 
+@pytest.mark.slow
 def test_newton_iterations_that_fail_in_kernels_start_again(monkeypatch, refusals):
     arguments = {"dt": 1.79 * np.array([0.1, 0.6, 0.9]), "steps": 30, "observe": "max_energy_error"}
     right = _check(monkeypatch, "softening_large", "average_acceleration", **arguments)
     assert right.newton_restarts.values.tolist()[0] == 0 < right.newton_restarts.values.max() and refusals() == []
 
 
+@pytest.mark.slow
 def test_records_and_pauses_in_kernels_are_those_of_runs(monkeypatch):
     """A march in kernels that loses a sample where it pauses."""
     monkeypatch.setattr(program, "PAUSE_OF_KERNELS", 17 * 64)
@@ -257,6 +261,7 @@ def _lowered(monkeypatch, problem, scheme, observe, lanes=256):
         return traced.lower(lowering_platforms=("cuda",)).as_text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_kernels_of_one_mass_are_lowered_for_cuda(monkeypatch, refusals, scheme):
     text = _lowered(monkeypatch, study.problems["softening"], scheme, "max_energy_error")

@@ -19,6 +19,7 @@ from study.marching.result import UNBOUNDED
 from study.problem import chains
 
 
+@pytest.mark.slow
 def test_reductions_agree_with_the_trajectory(state_kind):
     problem = study.problems["hardening"]
     ds = study.run(
@@ -36,6 +37,7 @@ def test_reductions_agree_with_the_trajectory(state_kind):
     assert ds.u[0] == problem.u0 and ds.status == 0 and ds.failed_at_step == -1
 
 
+@pytest.mark.slow
 def test_storing_every_tenth_step_takes_them_out_of_the_whole(state_kind):
     whole, tenth = (study.run("softening", state_kind, dt=0.05, steps=200, every=k) for k in (1, 10))
     np.testing.assert_allclose(tenth.u, whole.u[::10], atol=1e-11)
@@ -48,6 +50,7 @@ def test_newton_iterations_are_counted():
     assert 2 <= ds.max_newton_iterations.item() <= 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("u0", [4.0, [4.0, 5.0]])
 def test_a_number_of_samples_fits_runs_of_every_length(u0):
     arguments = {"problem": "softening", "scheme": "rk4", "dt": 0.05, "u0": u0}
@@ -62,6 +65,7 @@ def test_a_number_of_samples_fits_runs_of_every_length(u0):
         study.run(**arguments, steps=7, samples=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("every", [1, 10, 1000])
 def test_a_pause_changes_nothing(monkeypatch, every):
     """A march that pauses, even between two samples, gives the same results."""
@@ -114,6 +118,7 @@ def _shaken(frequency: float) -> study.Problem:
     return study.Problem(lambda u: frequency**2 * u, u0=0.0, ground=study.GroundMotion.el_centro())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "problem, scheme, dt, steps",
     [
@@ -130,6 +135,7 @@ def test_growth_without_bound_is_no_result(problem, scheme, dt, steps):
     assert lanes.status[0] == UNBOUNDED and lanes.failed_at_step[0] == ds.failed_at_step
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "problem, scheme, reach",
     [
@@ -173,6 +179,7 @@ def test_step_size_and_count_share_one_compilation(caplog):
     assert sum("XLA compilation of jit(_whole)" in message for message in caplog.messages) == 1
 
 
+@pytest.mark.slow
 def test_short_and_long_runs_of_many_unknowns_share_one_program(caplog):
     """A long run has to pause, which the program of a run in one call cannot."""
     chain = study.Problem(lambda u: 4.0 * u, u0=np.ones(200))
@@ -255,6 +262,7 @@ def test_time_does_not_drift_over_many_steps():
     assert ds.v[-1].item() == pytest.approx(end**2 / 2, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_memory_grows_with_the_unknowns_and_no_faster():
     """The compiled march needs the same memory per unknown for bars of 1,000 and of 100,000 unknowns."""
 

@@ -33,6 +33,7 @@ def _spring(stiffness):
     return study.Problem(lambda u: stiffness * jnp.sin(u), u0=[1.0, 0.5], title="two springs")
 
 
+@pytest.mark.slow
 def test_parts_are_the_ensemble_to_the_last_bit(tmp_path):
     saved = _hardening(study.Parts(tmp_path, 3))
     whole = study.run("hardening", "average_acceleration", **RUN)
@@ -42,6 +43,7 @@ def test_parts_are_the_ensemble_to_the_last_bit(tmp_path):
     xr.testing.assert_identical(saved.drop_vars("lane"), whole)
 
 
+@pytest.mark.slow
 def test_parts_of_a_family_hold_their_own_arguments(tmp_path):
     arguments = {"dt": 0.05, "steps": 40, "observe": ["trajectory", "peak"], "every": 40}
     over = {"stiffness": np.linspace([1.0, 2.0], [4.0, 9.0], 150)}
@@ -103,6 +105,7 @@ def test_a_run_that_was_killed_goes_on_with_the_first_missing_part(tmp_path):
     np.testing.assert_array_equal(saved.peak, study.run("hardening", "rk4", **arguments).peak)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changed",
     [{"dt": 0.0076}, {"steps": 50}, {"every": 20}, {"bound": 9.0}, {"observe": ["peak"]}, {"u0": RUN["u0"][::-1]}],

@@ -30,6 +30,7 @@ def _end(parameters):
     return study.final_state(spring, "average_acceleration", dt=0.05, steps=40)["u"]
 
 
+@pytest.mark.slow
 def test_derivatives_are_exact_to_round_off():
     """A derivative through Newton iterations that stops before the iteration has converged."""
     at = jnp.asarray([4.0, 2.0])
@@ -43,6 +44,7 @@ def test_derivatives_are_exact_to_round_off():
     assert jax.jacfwd(_end)(at) == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rk4", "rho_bathe", "houbolt", "gauss4"])
 def test_it_is_the_run(name):
     ds = study.run("softening", name, dt=0.01, steps=500, observe=["trajectory", "energy_drift"])
@@ -52,6 +54,7 @@ def test_it_is_the_run(name):
     assert int(found["failed_at_step"]) == -1
 
 
+@pytest.mark.slow
 def test_hysteresis_and_its_dissipation_are_differentiated():
     def dissipated(yield_force):
         spring = study.materials.elastoplastic(stiffness=40.0, yield_force=yield_force, hardening=0.1)
@@ -65,6 +68,7 @@ def test_hysteresis_and_its_dissipation_are_differentiated():
     assert float(jax.jvp(dissipated, (5.0,), (1.0,))[1]) == pytest.approx(slope, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_backward_derivatives_keep_few_states():
     """For a hundred times as many steps, the compiled derivative needs less than 15 times the memory."""
 
@@ -80,6 +84,7 @@ def test_backward_derivatives_keep_few_states():
     assert needed(10_000) < 15 * needed(100)
 
 
+@pytest.mark.slow
 def test_lanes_by_vmap():
     ends = jax.vmap(_end)(jnp.asarray([[4.0, 2.0], [1.0, 0.0]]))
     assert ends == pytest.approx([float(_end([4.0, 2.0])), float(_end([1.0, 0.0]))], abs=1e-14)
@@ -106,6 +111,7 @@ def test_what_it_cannot_do_is_refused(change, sentence):
         study.final_state("hardening", "rk4", **{"dt": 0.01, "steps": 10} | change)
 
 
+@pytest.mark.slow
 def test_a_potential_does_not_hinder_derivatives():
     def end(stiffness):
         spring = study.Problem(lambda u: stiffness * u, u0=1.0, potential=lambda u: stiffness * u**2 / 2)
@@ -114,6 +120,7 @@ def test_a_potential_does_not_hinder_derivatives():
     assert float(jax.grad(end)(4.0)) == pytest.approx(float(end(4.0 + 1e-6) - end(4.0 - 1e-6)) / 2e-6, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_second_derivatives():
     """A rule of differentiation that can itself be differentiated in one direction only."""
 
@@ -141,6 +148,7 @@ def _double_where(u):
     return jnp.where(u > 0, jnp.where(u > 0, u, 1.0) ** 1.5, 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("transform", [jax.grad, lambda f: jax.jit(jax.grad(f))])
 def test_a_branch_that_spoils_derivatives_in_reverse_mode_is_warned_about(transform):
     with pytest.warns(RuntimeWarning, match="a derivative of the final state of 'contact' is NaN.* double where"):
@@ -149,6 +157,7 @@ def test_a_branch_that_spoils_derivatives_in_reverse_mode_is_warned_about(transf
     assert np.isnan(slope)
 
 
+@pytest.mark.slow
 def test_a_double_where_gives_the_derivative_in_reverse_mode():
     end = partial(_end_of_impact, _double_where)
     difference = (end(1e4 + 1.0) - end(1e4 - 1.0)) / 2
@@ -174,6 +183,7 @@ def _clipped(u):
     return jnp.arccos(jnp.clip(u, -1, 1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("transform", "force", "u0"),
     [
@@ -191,6 +201,7 @@ def test_a_derivative_that_is_nan_is_warned_about_in_every_mode(transform, force
     assert np.isnan(slope).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("force", "load"),
     [
@@ -208,6 +219,7 @@ def test_a_derivative_that_is_finite_is_not_warned_about(force, load):
         jax.effects_barrier()
 
 
+@pytest.mark.slow
 def test_the_step_size_may_be_traced():
     spring = study.Problem(lambda u: 10 * u, u0=-0.1, v0=1.0, load=jnp.cos)
 

@@ -166,6 +166,7 @@ def test_names_that_people_type_find_their_scheme():
         assert study.schemes[typed] is study.schemes[name]
 
 
+@pytest.mark.slow
 def test_threads_agree():
     def last(name):
         return study.run("hardening", name, dt=0.01, steps=5).u.values[-1]

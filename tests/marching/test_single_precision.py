@@ -7,6 +7,7 @@ import pytest
 import study
 
 
+@pytest.mark.slow
 def test_schemes_run_in_single_precision(sampled_kind):
     """A number in double precision in a scheme, which makes its whole run one of double precision."""
     arguments = {"dt": 2.0**-8, "steps": 64, "observe": ["trajectory", "max_energy_error"]}
@@ -38,6 +39,7 @@ def test_steps_that_single_precision_cannot_count_are_refused():
         study.run("hardening", "rk4", dt=0.01, steps=2**31, observe=["max_energy_error"])
 
 
+@pytest.mark.slow
 def test_a_structure_in_single_precision():
     """The tolerances of Newton's iteration for several unknowns depend on the precision, so that the run succeeds."""
     with jax.enable_x64(False):
@@ -55,6 +57,7 @@ def _single_round_off(scheme, dt, steps):
     return np.sqrt(np.mean((observed[0] - observed[1]) ** 2))
 
 
+@pytest.mark.slow
 def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
     """If Δt² is rounded, the energy drifts in Newmark's form of central difference, but not in kicks and drifts."""
     short = np.ldexp(np.arange(3936, 4064), -19)
@@ -65,6 +68,7 @@ def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
     assert _single_round_off(verlet, long, 60_000) < 2 * steady
 
 
+@pytest.mark.slow
 def test_single_precision_comes_back_bit_for_bit():
     """Without an energy drift the run becomes periodic, because few single-precision numbers lie near the orbit."""
     with jax.enable_x64(False):

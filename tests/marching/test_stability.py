@@ -41,6 +41,7 @@ def oscillator(k=4.0, **more):
     return study.Problem(stiffness=k, u0=1.0, **more)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "scheme, limit",
     [
@@ -64,6 +65,7 @@ def test_a_step_beyond_the_limit_is_said_and_a_step_at_the_limit_is_not(scheme, 
     )
 
 
+@pytest.mark.slow
 def test_the_limit_of_heavy_damping_is_that_of_the_damping():
     heavy = oscillator(1e-6, damping=100.0)
     of_force = study.Problem(lambda u, v: 100.0 * v, 1.0, 1.0)
@@ -88,11 +90,13 @@ def test_the_limit_with_damping_is_that_of_the_damping_ratio():
     )
 
 
+@pytest.mark.slow
 def test_gyroscopic_motion_has_a_limit():
     proton = study.Problem(lambda u, v: 10.0 * jnp.stack([-v[1], v[0], 0 * v[2]]), np.zeros(3), [1.0, 0.0, 1.0])
     assert not warned(proton, "rk4", dt=0.1 * 2.82) and "ωΔt = 2.83 " in warned(proton, "rk4", dt=0.283)
 
 
+@pytest.mark.slow
 def test_a_stiff_mode_that_is_not_excited_counts():
     problem = study.Problem(stiffness=np.array([[101.0, -100.0], [-100.0, 101.0]]), u0=[1.0, 1.0])
     limit = 2 / np.sqrt(201)
@@ -128,6 +132,7 @@ def test_the_limit_of_many_unknowns_in_every_form(form):
     assert "exceeds 2, the stability limit" in warned(problem, "central_difference", dt=1.005 * limit)
 
 
+@pytest.mark.slow
 def test_the_worst_lane_is_named():
     text = warned(oscillator(1.0), "central_difference", dt=[0.1, 2.1, 2.5, 0.2])
     assert text.startswith("ωΔt = 2.5 at the start in lane 2 exceeds 2,")
@@ -162,6 +167,7 @@ def test_the_vector_of_the_largest_eigenvalue_of_a_tridiagonal_matrix():
         assert vector @ (np.diag(a) + np.diag(b, 1) + np.diag(b, -1)) @ vector == pytest.approx(values[-1], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_force_that_is_bounded_bounds_the_run_but_not_its_error():
     softening = warned("softening", "central_difference", dt=0.9, steps=1000)
     # about u = 0 the spring 100 tanh(u) has ω = 10
@@ -222,6 +228,7 @@ def test_in_single_precision_a_step_at_the_limit_holds():
         assert warned(oscillator(), "central_difference", dt=np.float32(1.01))
 
 
+@pytest.mark.slow
 def test_the_force_of_now_counts():
     held = {"k": 1.0}
     spring = study.Problem(lambda u: held["k"] * u, 1.0)

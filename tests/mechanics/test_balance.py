@@ -19,6 +19,7 @@ def _cubic(coefficient, x):
     return x + coefficient * x**3
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(u=finite, v=finite, rhs=finite, c_u=st.floats(1e-6, 1.0), weight=st.floats(0.5, 1.0), cubic=st.floats(0.0, 10.0))
 def test_newton_finds_the_root(u, v, rhs, c_u, weight, cubic):
@@ -39,6 +40,7 @@ def _stiffening(stiffness, u):
     return stiffness @ u + u**3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "mass",
     [None, 2.0, np.array([2.0, 1.0]), np.array([[2.0, 0.3], [0.3, 1.0]])],
@@ -76,6 +78,7 @@ def _linear_springs(moduli, e):
     return moduli * e * e
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [1e3, 1e7, 1e9, 1e11])
 @pytest.mark.parametrize("scheme", ["average_acceleration", "bathe", "energy_momentum", "gauss4"])
 def test_stiff_links_are_no_failure_of_newton(scheme, stiffness):
@@ -94,6 +97,7 @@ def _dense(x, default):
     return x if x.ndim == 2 else np.diag(np.broadcast_to(x, 2))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["average_acceleration", "gauss4", "energy_momentum"])
 def test_steps_are_vectorised_and_differentiated_twice(name):
     """Derivatives of steps equal differences. Vectorised steps and first derivatives also work without compilation.

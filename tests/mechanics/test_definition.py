@@ -30,6 +30,7 @@ def test_a_diagonal_matrix_is_as_regular_as_its_diagonal():
     assert not study.Problem(jnp.sinh, np.zeros(3), mass=mass).massless
 
 
+@pytest.mark.slow
 def test_numbers_of_numpy_are_numbers():
     problem = _problem(tangent=np.int64(1), damping=study.Rayleigh(a=np.int64(1), b=np.float32(0.5)))
     assert problem.tangent == 1
@@ -108,6 +109,7 @@ def test_a_strain_energy_sums_over_its_strains():
     assert energy(jnp.array([0.0, 1.0, 3.0])) == 2.5
 
 
+@pytest.mark.slow
 def test_a_force_is_the_gradient_of_the_potential():
     energy = study.StrainEnergy(
         lambda u: jnp.concatenate([u[:1], jnp.diff(u)]), lambda r: r * r / 2 + r * r * r * r / 4
@@ -118,6 +120,7 @@ def test_a_force_is_the_gradient_of_the_potential():
     assert problem.tangent == 1
 
 
+@pytest.mark.slow
 def test_constants_and_lists_are_loads():
     single = study.Problem(lambda u: u, u0=0.0, load=lambda t: 5.0)
     two = study.Problem(lambda u: u, u0=np.zeros(2), load=lambda t: [5.0, jnp.cos(t)])
@@ -149,6 +152,7 @@ def test_neither_force_nor_potential_is_refused():
         study.Problem(u0=ZERO, v0=ZERO)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "mass, massless",
     [
@@ -166,6 +170,7 @@ def test_a_singular_mass_is_noticed(mass, massless):
     assert _problem(mass=mass).massless == massless
 
 
+@pytest.mark.slow
 def test_a_narrow_mass_is_held_as_a_band():
     n = 12
     mass = 4 * np.eye(n) + np.eye(n, k=1) + np.eye(n, k=-1)
@@ -183,6 +188,7 @@ def test_schemes_with_a_limit_of_stability_need_a_mass_everywhere(scheme):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mass", [[1.0, 1.0, 0.0, 1.0, 1.0], np.diag([1.0, 1.0, 0.0, 1.0, 1.0])])
 def test_an_implicit_scheme_takes_a_massless_unknown(mass):
     """The forces of the springs at a massless unknown balance each other."""
@@ -200,6 +206,7 @@ def test_a_load_that_is_no_number_is_refused_before_the_run(number):
     assert study.run(problem, "rk4", dt=0.01, steps=40).status == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("structure", ["dense", "tridiagonal", "matrix_free"])
 @pytest.mark.parametrize("mass", [None, 2.0, np.arange(1.0, 6.0), 4 * np.eye(N) + np.eye(N, k=1) + np.eye(N, k=-1)],
                          ids=["none", "number", "diagonal", "matrix"])  # fmt: skip

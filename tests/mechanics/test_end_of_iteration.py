@@ -18,6 +18,7 @@ def _tied(u):
     return jnp.asarray(TIED, u.dtype) @ u
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("precision", ["double", "single"])
 @pytest.mark.parametrize("scheme", ["bathe", "generalized_alpha"])
 def test_masses_tied_by_a_multiplier_move_as_one_at_every_step_size(scheme, precision):
@@ -52,6 +53,7 @@ def _hanging(form, angle):
     return study.Problem(force, u0, mass=np.array([1.0, 1.0, 0.0]), tangent="dense")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form, angle", [("position", 1.0), ("displacement", 1.0), ("displacement", 1e-3)])
 @pytest.mark.parametrize("scheme", ["bathe", "tr_bdf2", "bdf2", "generalized_alpha"])
 def test_a_rigid_pendulum_swings_as_the_elliptic_function_at_every_step_size(scheme, form, angle):
@@ -75,6 +77,7 @@ def _in_series(u):
     return jnp.stack([far, near - far])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["average_acceleration", "bathe"])
 def test_a_joint_without_mass_between_two_springs(scheme):
     """The joint is condensed by bisection, and SciPy integrates the remaining equation."""
@@ -93,6 +96,7 @@ def test_a_joint_without_mass_between_two_springs(scheme):
     np.testing.assert_allclose(ds.u.values[:, -1, 1], [joint(u) for u in ds.u.values[:, -1, 0]], rtol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["average_acceleration", "bathe"])
 def test_a_stiff_bar_is_in_balance_up_to_the_round_off_of_its_elongation(scheme):
     """A bar of stiffness 10¹⁰ falls about its hinge. Its elongation is about the round-off of its length."""
@@ -131,6 +135,7 @@ def _cantilever(units, massless):
     return study.Problem(internal, u0 / u_unit, mass=mass, tangent="dense"), u_unit
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("massless", [False, True])
 def test_units_do_not_change_the_motion(massless):
     displacements = []

@@ -49,6 +49,7 @@ def test_the_motion_is_linear_between_samples_and_zero_after_the_last():
     np.testing.assert_allclose(record.scaled(2.0).acceleration, [0, 2, -4, 1])
 
 
+@pytest.mark.slow
 def test_velocity_and_displacement_are_the_integrals_of_the_acceleration():
     record = study.GroundMotion(np.array([0.0, 1.0, -2.0, 0.5]), 0.3)
     t = np.linspace(0, 1.5, 60_001)
@@ -69,6 +70,7 @@ def test_a_loose_mass_stays_where_it_is_while_the_ground_moves():
         study.run("hardening", "rk4", dt=0.01, steps=2, observe=["absolute_motion"])
 
 
+@pytest.mark.slow
 def test_the_ground_is_a_load_on_every_mass():
     record = study.GroundMotion.el_centro()
     mass = np.array([2.0, 3.0])
@@ -339,6 +341,7 @@ def test_unfit_grounds_get_a_sentence():
         study.Problem(lambda u: u, u0=0.0, ground=jnp.sin)
 
 
+@pytest.mark.slow
 def test_a_place_that_rounds_to_either_side_of_a_sample_is_looked_up_once():
     """Lanes equal single runs even at samples, where XLA may compute t/Δt twice, with different round-off."""
 
@@ -396,6 +399,7 @@ def test_an_ensemble_runs_over_records_and_not_over_seeds():
         study.run(shaken, over={"record": [[1.0, 2.0], [1.0]]}, **run)
 
 
+@pytest.mark.slow
 def test_an_ensemble_runs_over_motions_of_unequal_lengths_and_spacings():
     """Each lane equals the run on its own motion, which ends in zero."""
     samples = np.sin(np.arange(300.0))

@@ -52,6 +52,7 @@ def test_switches_change_their_sign_at_kinks(force, arguments, expected):
     np.testing.assert_allclose(np.sort(np.abs(values)), np.sort(np.abs(expected)), atol=1e-15)
 
 
+@pytest.mark.slow
 def test_smooth_problems_of_the_study_are_seen_as_smooth():
     """A problem without kinks is not taken for one with kinks, whose iteration takes longer to compile."""
     kinked = [name for name in study.problems if study.problems[name].kinked]

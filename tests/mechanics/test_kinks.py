@@ -27,6 +27,7 @@ class PieceByPiece(eqx.Module):
         return self.slopes[0] * u + jnp.sum(jnp.diff(self.slopes) * pieces)
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(slopes=slopes, kinks=kinks, rhs=st.floats(-100.0, 100.0), u=st.floats(-2.0, 2.0), c_u=st.floats(1e-4, 1.0))
 def test_random_pieces_are_solved_as_by_bisection(slopes, kinks, rhs, u, c_u):
@@ -71,6 +72,7 @@ class RowWithStops(eqx.Module):
         return stretch - jnp.append(stretch[1:], 0.0) + 100.0 * jnp.maximum(u - self.openings, 0.0)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(seed=st.integers(0, 10_000))
 def test_several_unknowns_with_stops_are_solved(seed):
@@ -89,6 +91,7 @@ def _softened(u):
     return 1e4 * (u - 0.99 * jnp.where(u > 0.1, u - 0.1, 0.0) - 0.99 * jnp.where(u < -0.1, u + 0.1, 0.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("v0", [[5.0], [5.0, 3.0], [5.0, 3.0, 2.0, 1.0]])
 @pytest.mark.parametrize("dt", [0.05, 0.1])
 def test_uncoupled_springs_that_soften_run_as_each_of_them_alone(v0, dt):
@@ -100,6 +103,7 @@ def test_uncoupled_springs_that_soften_run_as_each_of_them_alone(v0, dt):
     np.testing.assert_allclose(together.u[:20, 0], alone.u[:20], atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hardening", [0.0, 0.05])
 def test_a_yielding_frame_runs_with_coarse_steps(hardening):
     storeys = study.materials.elements(
@@ -113,6 +117,7 @@ def test_a_yielding_frame_runs_with_coarse_steps(hardening):
     assert int(ds.max_newton_iterations) < MAX_ITERATIONS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [0.1, 0.25])
 def test_fluid_dampers_of_small_exponent_run(exponent):
     dampers = study.materials.elements(
@@ -122,6 +127,7 @@ def test_fluid_dampers_of_small_exponent_run(exponent):
     study.run(problem, "average_acceleration", dt=0.02, steps=300, on_failure="raise")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e9])
 def test_several_unknowns_do_not_swing_between_sticking_and_slipping(stiffness):
     """The balance with a contact far stiffer than its neighbours minimises a convex function, and is always found."""

@@ -35,6 +35,7 @@ def _corrected(spring, u, c_u, a):
     return a, jnp.abs(c_u * correction) / (jnp.abs(u) + jnp.abs(c_u * a))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("problem, steps_per_period", [("hardening", 40), ("hardening", 60), ("softening", 40)])
 def test_no_third_correction_if_it_is_predicted_to_be_round_off(problem, steps_per_period):
     spring, c_u = study.problems[problem], (printed_periods[problem] / steps_per_period) ** 2 / 4
@@ -66,6 +67,7 @@ def test_a_safeguard_finds_the_root_where_newton_jumps_from_side_to_side(u, gues
     assert float(u + 1e9 * a) == pytest.approx(u + 1e9 * root, rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["average_acceleration", "wilson_theta", "houbolt", "bathe", "energy_momentum"])
 def test_every_step_of_a_rising_force_has_its_root(scheme):
     """Restarts find the root of each step; without restarts, Newton's iteration fails at the larger step sizes."""
@@ -76,6 +78,7 @@ def test_every_step_of_a_rising_force_has_its_root(scheme):
         assert ds.max_energy_error.max() < 1e-8
 
 
+@pytest.mark.slow
 def test_a_family_and_several_unknowns_have_the_safeguard_too():
     """A safeguard that only single runs of one unknown have."""
 

@@ -11,6 +11,7 @@ from study.mechanics.sparse_tangent import SparseTangent
 from tests.mechanics.forces import all_to_all, chain
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "force, structure",
     [
@@ -27,6 +28,7 @@ def test_the_structure_of_the_tangent_is_found(force, structure):
     assert study.Problem(force, np.zeros(8), np.zeros(8)).tangent == structure
 
 
+@pytest.mark.slow
 def test_an_unknown_without_mass_and_stiffness_needs_pivots():
     """The tangent is dense, because elimination of a band without pivots would divide by the zero on the diagonal."""
     stiffness = 2 * np.eye(8) - np.eye(8, k=1) - np.eye(8, k=-1)
@@ -47,6 +49,7 @@ def test_one_unknown_has_no_structure():
     assert study.Problem(jnp.sin, 0.5).tangent is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "declared, structure",
     [("diagonal", 0), ("tridiagonal", 1), (1, 1), (4, 4), ("dense", "dense"), ("matrix_free", "matrix_free")],
@@ -56,6 +59,7 @@ def test_a_structure_may_be_declared_that_holds_more(declared, structure):
     assert problem.tangent == structure
 
 
+@pytest.mark.slow
 def test_of_many_unknowns_the_places_of_the_tangent_are_found():
     many = np.zeros(tangent.FINDABLE + 1)
     assert study.Problem(chain, many).tangent == 1
@@ -64,6 +68,7 @@ def test_of_many_unknowns_the_places_of_the_tangent_are_found():
     assert study.Problem(chain, many, tangent="tridiagonal").tangent == 1
 
 
+@pytest.mark.slow
 def test_a_structure_is_sought_where_the_force_has_a_derivative():
     """The potential is real only near the start. A coupling of distant unknowns is found; a narrow band is refused."""
     n = 200
@@ -76,6 +81,7 @@ def test_a_structure_is_sought_where_the_force_has_a_derivative():
         study.Problem(potential=potential, u0=np.zeros(n), tangent="tridiagonal")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slip", [2e5, 2.0])
 def test_the_coupling_of_contacts_that_slip_near_the_start_is_found(slip):
     """Even a small motion makes all contacts slip. The tangent is then diagonal, but their coupling is found."""

@@ -20,6 +20,7 @@ def _period(scheme, dt):
     return np.pi * dt / {"average_acceleration": np.arctan, "central_difference": np.arcsin}[scheme](half)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["average_acceleration", "central_difference"])
 @pytest.mark.parametrize("double, accuracy", [(True, 3e-11), (False, 1e-7)])
 def test_the_period_is_that_of_linear_theory(scheme, double, accuracy):
@@ -36,6 +37,7 @@ def test_the_period_is_that_of_linear_theory(scheme, double, accuracy):
     assert ds.last_crossing_step % 1 == 0 and 0 < ds.last_crossing_part <= 1
 
 
+@pytest.mark.slow
 def test_steps_beyond_the_digits_of_single_precision_are_counted():
     steps = 2**24 + 5
     # at its stability limit, ωΔt = 2, central difference alternates between −½ and ½ without round-off
@@ -46,6 +48,7 @@ def test_steps_beyond_the_digits_of_single_precision_are_counted():
     assert ds.last_crossing_step == steps - 1 and ds.last_crossing_part == 0.5
 
 
+@pytest.mark.slow
 def test_lanes_and_unknowns_oscillate_on_their_own():
     problem = study.Problem(lambda u: jnp.asarray([1.0, 4.0]) * OMEGA**2 * u, u0=[1.0, 1.0], tangent="diagonal")
     arguments = {"steps": 4000, "observe": ["oscillations"]}
@@ -59,6 +62,7 @@ def test_lanes_and_unknowns_oscillate_on_their_own():
     )
 
 
+@pytest.mark.slow
 def test_a_level_that_is_crossed_once_has_no_mean_period():
     ds = study.run(HARMONIC, "rk4", dt=0.01, steps=100, observe=[Oscillations()])
     assert ds.crossings == 1 and np.isnan(ds.mean_period)

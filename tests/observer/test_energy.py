@@ -15,6 +15,7 @@ def _balance(problem, scheme, dt, steps, **arguments):
     return ds
 
 
+@pytest.mark.slow
 def test_the_trapezoidal_rule_balances_a_linear_structure_to_round_off(damped_chain):
     problem = damped_chain(linear=True)
     ds = _balance(problem, "average_acceleration", dt=0.2, steps=200)
@@ -22,6 +23,7 @@ def test_the_trapezoidal_rule_balances_a_linear_structure_to_round_off(damped_ch
     assert ds.dissipated_energy > 0.1 and abs(ds.work_of_load) > 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["average_acceleration", "implicit_midpoint", "energy_momentum", "rk4", "gauss4"])
 def test_the_balance_closes_with_the_second_order(damped_chain, scheme):
     problem = damped_chain("tridiagonal")
@@ -29,6 +31,7 @@ def test_the_balance_closes_with_the_second_order(damped_chain, scheme):
     assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx(2, abs=0.1)
 
 
+@pytest.mark.slow
 def test_what_a_force_without_a_potential_dissipates_the_kinetic_energy_loses():
     problem = study.Problem(lambda u, v: 9 * u + 0.5 * v, 1.0, 2.0, mass=2.0)
     ds = _balance(problem, "average_acceleration", dt=0.1, steps=200)
@@ -77,6 +80,7 @@ def test_lanes_balance_as_single_runs(damped_chain):
             assert lanes[name][lane].item() == pytest.approx(alone[name].item(), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_mean_of_the_energy_error_is_that_of_the_samples(state_kind):
     ds = study.run("hardening", state_kind, dt=0.0075, steps=200, observe=["energy_error", "mean_energy_error"])
     assert ds.mean_energy_error.item() == pytest.approx(ds.energy_error[1:].mean().item(), rel=1e-9, abs=1e-14)

@@ -31,6 +31,7 @@ def test_an_explicit_scheme_that_iterates_for_the_velocity_counts_its_iterations
     assert forces == 1 + iterations == 31 and tangents == 30
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["equal", "controlled"])
 def test_the_matrix_of_a_linear_problem_is_new_when_the_step_size_changes(kind):
     springs = study.Problem(stiffness=np.array([[2.0, -1.0], [-1.0, 2.0]]), u0=[1.0, 0.0], v0=[0.1, 0.0])
@@ -46,6 +47,7 @@ def test_the_matrix_of_a_linear_problem_is_new_when_the_step_size_changes(kind):
     assert ds.force_evaluations == 2 + int(ds.steps) + rejected
 
 
+@pytest.mark.slow
 def test_estimates_and_rejected_steps_are_counted():
     """Step doubling takes three steps of four stages; the half-step residual takes one force more than a step."""
     pendulum = study.Problem(jnp.sin, u0=1.0, v0=0.5)
@@ -58,6 +60,7 @@ def test_estimates_and_rejected_steps_are_counted():
     assert ds.force_evaluations == 1 + 2 * int(ds.steps + ds.steps_rejected_by_estimate)
 
 
+@pytest.mark.slow
 def test_lanes_count_their_own_evaluations():
     ds = study.run("hardening", "average_acceleration", dt=[0.0075, 0.001], steps=20, observe="effort")
     alone = [study.run("hardening", "average_acceleration", dt=dt, steps=20, observe="effort") for dt in ds.dt.values]

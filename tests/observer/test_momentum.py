@@ -8,6 +8,7 @@ import study
 from study.problem import trusses
 
 
+@pytest.mark.slow
 def test_conservation_in_a_spinning_truss(small_truss):
     """The energy-momentum method conserves the energy and both momenta, the midpoint rule only the momenta.
 

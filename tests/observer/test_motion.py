@@ -26,6 +26,7 @@ def pair():
     )
 
 
+@pytest.mark.slow
 def test_a_quantity_has_time_and_acceleration(pair):
     force = study.Quantity(lambda t, v, a: jnp.cos(t) - a - 0.1 * v, "internal", units="N")
     ds = study.run(pair, "average_acceleration", dt=0.05, steps=40, observe=["trajectory", force], every=4)
@@ -60,6 +61,7 @@ def test_unfit_quantities_are_refused():
         study.Quantity("u")
 
 
+@pytest.mark.slow
 def test_floors_are_accelerated_with_the_ground():
     """Without a spring the mass has no absolute acceleration; on a stiff spring it follows the ground."""
     ground = study.GroundMotion([0.0, 1.0, -1.0, 0.5, 0.0], 0.5)

@@ -52,6 +52,7 @@ def test_a_run_from_above_the_hill_is_in_no_wrong_well():
     assert np.isinf(ds.crossed_at).all()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.* has negative numerical damping:RuntimeWarning")
 def test_a_run_has_grown_once_it_keeps_a_hundred_times_the_energy():
     """Newmark's method with γ < ½ multiplies the energy of a linear spring by nearly the same factor in each step."""

@@ -8,6 +8,7 @@ import scipy.interpolate
 import study
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dt", [0.3, 0.9])
 def test_the_peak_is_that_of_the_cubic_through_the_steps(dt):
     stiffness, load = jnp.array([1.0, 4.0]), lambda t: jnp.cos(t) * jnp.ones(2)
@@ -24,6 +25,7 @@ def test_the_peak_of_a_mass_at_rest_is_where_it_rests():
     assert ds.peak == 2.0
 
 
+@pytest.mark.slow
 def test_the_error_of_the_peak_is_of_fourth_order():
     spring = study.Problem(lambda u: u, u0=0.0, v0=1.0)
     error = [1 - float(study.run(spring, "rk4", dt=dt, steps=int(3 / dt), observe=["peak"]).peak) for dt in (0.2, 0.1)]

@@ -144,6 +144,7 @@ def _keys(function):
     return {re.sub(r"\\\{.+?\\\}", ".+", re.escape(key)) for key in keys}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("product", [p for p in discover(["numbers"]) if p.kind == "numbers"], ids=lambda p: p.name)
 def test_every_number_is_used(product):
     used = _used("number")

@@ -22,6 +22,7 @@ def _error(problem, steps, scheme):
     return 100 * ds.max_energy_error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("problem", ["hardening", "softening"])
 @pytest.mark.parametrize("scheme_name", PRINTED.scheme.values)
 def test_every_cell_agrees_with_the_print(problem, scheme_name):

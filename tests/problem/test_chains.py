@@ -8,6 +8,7 @@ from study.problem import chains
 from study.problem.named import known
 
 
+@pytest.mark.slow
 def test_a_soliton_keeps_its_form():
     """At t = 10 the soliton is in the middle of forty masses, far from both ends."""
     ds = study.run(chains.toda_chain(40), "rk4", dt=0.01, steps=1000, every=1000)
@@ -15,6 +16,7 @@ def test_a_soliton_keeps_its_form():
         np.testing.assert_allclose(values[-1], exact, rtol=0, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_bar_that_moves_as_a_whole_but_for_its_wall_strains_its_last_element_alone():
     bar = study.problems["impact_bar"]
     n = bar.u0.size
@@ -22,6 +24,7 @@ def test_a_bar_that_moves_as_a_whole_but_for_its_wall_strains_its_last_element_a
     assert float(bar.potential(np.full(n, 0.1))) == pytest.approx(h * (strain**2 / 2 + 10 * strain**4 / 4))
 
 
+@pytest.mark.slow
 def test_central_difference_has_the_exact_motion_of_a_linear_bar():
     target = known["loaded_bar"]
     bar = study.problems["loaded_bar"]

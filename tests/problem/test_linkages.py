@@ -3,6 +3,7 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 
 import study
@@ -30,12 +31,14 @@ def _rates(y):
     return jnp.concatenate([rate, jnp.linalg.solve(mass, generalized_force)])
 
 
+@pytest.mark.slow
 def test_the_double_pendulum_obeys_the_equations_of_lagrange():
     problem = study.problems["double_pendulum"]
     for y in np.random.default_rng(2).normal(size=(5, 4)):
         np.testing.assert_allclose(-problem.force(y[:2], y[2:]), _rates(y)[2:], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_double_pendulum_reaches_the_known_angles():
     target = known["double_pendulum"]
     problem = study.problems["double_pendulum"]
@@ -51,6 +54,7 @@ def test_the_double_pendulum_reaches_the_known_angles():
     np.testing.assert_allclose(energies, 0.0, rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_elastic_beam_has_the_printed_angles():
     """An error in the equations of the beam, whose angles are known from its source alone."""
     target = known["elastic_beam"]

@@ -22,6 +22,7 @@ def _peak(name):
     return middle.max(), ds.t.values[middle.argmax()]
 
 
+@pytest.mark.slow
 def test_the_deep_beam_has_the_printed_frequency_and_peak():
     problem = study.problems["deep_beam"]
     mass = np.sqrt(np.asarray(problem.mass))
@@ -31,6 +32,7 @@ def test_the_deep_beam_has_the_printed_frequency_and_peak():
     assert peak == pytest.approx(1.043e-3, rel=1e-3) and time == pytest.approx(0.0117, abs=5e-5)
 
 
+@pytest.mark.slow
 def test_the_printed_peak_of_the_thin_plate_is_that_of_its_first_mode():
     problem, target = study.problems["thin_plate"], known["thin_plate"]
     stiffness, mass, damping = (np.asarray(matrix)[0] for matrix in (problem.stiffness, problem.mass, problem.damping))

@@ -8,6 +8,7 @@ from study.problem import orbits
 from study.problem.named import known
 
 
+@pytest.mark.slow
 def test_arenstorf_s_orbit_closes_after_the_printed_period():
     problem = study.problems["arenstorf"]
     ds = study.run(problem, "dormand_prince6", dt=orbits.PERIOD / 2**19, steps=2**19, every=2**19)

@@ -22,6 +22,7 @@ def test_period_of_the_pendulum_near_its_top():
     assert end.v.item() == pytest.approx(-speed, abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "damping, amplitude, printed, within",
     [
@@ -43,6 +44,7 @@ def test_ueda_s_oscillator_has_the_printed_exponents(damping, amplitude, printed
     assert rate.mean().item() == pytest.approx(printed, rel=within)
 
 
+@pytest.mark.slow
 def test_van_der_pol_has_the_printed_end():
     problem, target = study.problems["van_der_pol"], known["van_der_pol"]
     # CVODE's tolerance bounds the error of a single step; the error at the end is larger
@@ -75,6 +77,7 @@ def test_the_shallow_arch_snaps_through_at_eight_twentysevenths(part, snaps):
     assert bool((ds.u > 2 / 3).any()) == snaps
 
 
+@pytest.mark.slow
 def test_mathieu_s_oscillator_moves_on_the_boundary_of_stability_as_mathieu_s_function():
     q = 0.4
     boundary = special.mathieu_a(1, q)

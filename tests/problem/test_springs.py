@@ -3,10 +3,12 @@
 import jax
 import mpmath
 import numpy as np
+import pytest
 
 import study
 
 
+@pytest.mark.slow
 def test_the_potential_of_the_softening_spring_leaves_round_off():
     """The potential is a difference of |u| and a logarithm; its round-off must not exceed the round-off of |u|."""
     u = np.concatenate([[0.0], np.geomspace(1e-8, 700, 300), -np.geomspace(1e-3, 30, 100)])

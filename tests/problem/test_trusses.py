@@ -1,11 +1,13 @@
 """Trusses."""
 
 import numpy as np
+import pytest
 
 import study
 from study.problem import trusses
 
 
+@pytest.mark.slow
 def test_a_cantilever_comes_to_rest_where_its_forces_balance(small_truss):
     light = trusses.cantilever_truss()
     heavy = study.Problem(

@@ -44,6 +44,7 @@ def spring(request, tmp_path_factory):
     return model, study.assess(model), request.param
 
 
+@pytest.mark.slow
 def test_the_truth_is_as_uncertain_as_it_says(spring):
     model, ds, hardening = spring
     reference = Search(model, [0.1, 0.01, 0.001], round_step, math.inf, lambda *words: None).truth
@@ -60,6 +61,7 @@ def test_the_truth_is_as_uncertain_as_it_says(spring):
     assert "by order 2" in ds.attrs["reference"] and "by order 2" in ds.attrs["witness"]
 
 
+@pytest.mark.slow
 def test_its_steps_are_those_of_the_same_problem(spring):
     """Recommended steps agree within a factor of 1.25, the resolution of few runs and of rounding to two digits."""
     _, ds, hardening = spring
@@ -72,6 +74,7 @@ def test_its_steps_are_those_of_the_same_problem(spring):
     assert (ds.steps_tried > 4).all() and ds.kind.values.tolist() == ["implicit", "explicit"]
 
 
+@pytest.mark.slow
 def test_recommend_and_report_take_it(spring, tmp_path):
     """Only this test catches a report or a table that cannot show the assessment of a program."""
     _, ds, _ = spring
@@ -148,6 +151,7 @@ def _set_hardening(where, value, tmp_path, monkeypatch):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", ["module", "file", "environment"])
 def test_kept_runs_of_a_program_that_has_changed_are_discarded(where, tmp_path, monkeypatch):
     """The second assessment equals one of a program with the same hardening and an empty folder."""
@@ -443,6 +447,7 @@ def _scattered(scheme, dt):
     return {"drift": 1 + (dt if scheme == "a" else -dt) ** 2 * (1 + 0.9 * np.sin(1e3 * dt))}
 
 
+@pytest.mark.slow
 def test_a_cheap_program_confirms_its_steps_by_many(tmp_path, monkeypatch):
     model = program(_scattered, tmp_path, ["a", "b"])
     dear = study.assess(model, allowed_errors=[0.1])

@@ -30,6 +30,7 @@ def duffing():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "route",
     [
@@ -47,6 +48,7 @@ def test_routes_meet_the_exact_period(route):
         assert value == pytest.approx(float(closed_form.period(study.problems[name])), rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "route, whole_periods, anywhere",
     [
@@ -84,6 +86,7 @@ def test_the_status_of_a_route(monkeypatch):
     assert (ds.period_error.min("tolerance") < 1e-12).all()
 
 
+@pytest.mark.slow
 def test_every_route_solves_a_damped_and_forced_problem(duffing):
     """It alone gives the routes a damping and a load."""
     t = np.linspace(1.0, 60.0, 60)

@@ -19,6 +19,7 @@ def _motions(places):
     return bilinear.motions(samples, 0.02, stiffness, 0.1 * np.sqrt(stiffness), STRENGTHS, 0.02, places)
 
 
+@pytest.mark.slow
 def test_many_oscillators_have_the_motion_of_one():
     """A peak between two samples, or a yield within an interval, that the solution of many oscillators misses."""
     t = np.linspace(0.0, 6.0, 12_001)[1:]
@@ -31,6 +32,7 @@ def test_many_oscillators_have_the_motion_of_one():
         assert at_samples == pytest.approx(np.append(0.0, exact.u[39::40]), abs=1e-9 * largest)
 
 
+@pytest.mark.slow
 def test_peaks_do_not_depend_on_the_places_where_events_are_looked_for():
     np.testing.assert_allclose(_motions(5)[0], _motions(13)[0], rtol=1e-9)
 

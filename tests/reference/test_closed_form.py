@@ -25,6 +25,7 @@ def test_the_closed_form_is_the_reference(name):
     np.testing.assert_allclose(np.array(v, float), truth.v, rtol=0, atol=1e-15 * np.abs(truth.v).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(printed_periods))
 def test_period_is_the_quadrature_of_the_energy(name):
     """T = 2 ∫ du / √(2 (V(u₀) − V(u))) between the turning points, in double precision by Gauss's quadrature."""

@@ -17,6 +17,7 @@ from study.problem.springs import CubicSpring
 CUBIC = ["hardening", "double_well"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(printed_periods))
 def test_period_is_certified_to_thirty_digits(name):
     period, certified = exact.period(study.problems[name], approximate_periods[name])
@@ -25,6 +26,7 @@ def test_period_is_certified_to_thirty_digits(name):
         assert abs(closed_form.period(study.problems[name]) / mpmath.mpf(str(period)) - 1) < 1e-36
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(approximate_periods))
 def test_motion_is_certified_and_closes_after_a_period(name):
     problem = study.problems[name]
@@ -36,6 +38,7 @@ def test_motion_is_certified_and_closes_after_a_period(name):
     np.testing.assert_allclose(energy, energy[0], rtol=1e-14)
 
 
+@pytest.mark.slow
 def test_folding_is_the_long_integration():
     """Times in the hundredth period are folded into the first; the motion equals a run of 128 bits over all periods."""
     problem = study.problems["softening"]
@@ -46,6 +49,7 @@ def test_folding_is_the_long_integration():
     np.testing.assert_array_equal(truth.v, [float(v) for v in last.v])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CUBIC)
 def test_the_reference_after_a_hundred_thousand_periods_is_the_closed_form(name):
     """The times are in any order. Some are whole periods, where rounding decides on which side a time lies."""
@@ -67,6 +71,7 @@ def test_a_time_that_is_not_finite_is_refused():
         exact.folded(problem, [np.nan], *exact.period(problem, 0.15))
 
 
+@pytest.mark.slow
 def test_a_period_needs_no_closed_form():
     quintic = study.Problem(lambda u: u + u**5, u0=1.0, title="quintic")
     period, certified = exact.period(quintic, 5.0)

@@ -61,6 +61,7 @@ def contact(stiffness):
     return study.Problem(spring, u0=1.0, history=1.0 + SLIP / stiffness, mass=MASS, title="contact")
 
 
+@pytest.mark.slow
 def test_a_stiff_contact_comes_near_it_with_the_root_of_its_stiffness():
     u, _ = released(SLIP, 1.0, T[:400])
     errors = [np.abs(piecewise.trajectory(contact(k), T[:400]).u - u).max() for k in (1e4, 1e6, 1e8)]
@@ -92,6 +93,7 @@ def test_a_motion_that_sticks_is_refused_at_the_time_of_the_closed_form():
         Reference(rubbing, 12.0)
 
 
+@pytest.mark.slow
 def test_a_motion_that_only_reverses_has_a_kink_at_each_reversal(capfd):
     problem = study.Problem(
         lambda u, v: 100 * u + 5 * jnp.sign(v), u0=1.0, load=lambda t: 600 * jnp.sin(5 * t), title="rubbing"

@@ -16,6 +16,7 @@ def _solved(problem, t):
 T = np.arange(1, 17) * PERIOD / 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [1, 2])
 def test_it_agrees_with_scipy_on_the_rate_equation(exponent):
     k, b, bound, damping = (2 * np.pi / PERIOD) ** 2, 0.05, 0.1, 0.25
@@ -34,6 +35,7 @@ def test_it_agrees_with_scipy_on_the_rate_equation(exponent):
     assert solution.v == pytest.approx(expected.y[1], abs=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rk4", "average_acceleration"])
 def test_schemes_converge_to_it(name):
     problem = study.problems["hysteretic"]
@@ -45,6 +47,7 @@ def test_schemes_converge_to_it(name):
     assert errors[1] < errors[0] / 50 and errors[1] < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [2, 40])
 def test_a_start_that_is_loaded_already(count):
     problem = study.Problem(study.materials.bouc_wen(stiffness=40.0, yield_force=4.0), u0=0.3)
@@ -58,6 +61,7 @@ def damped(exponent):
     return study.Problem(lambda u, v: 40 * u + damper(u, v), u0=1.0, title="damped")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "problem", [study.problems["hysteretic"], damped(0.5), damped(1.5)], ids=lambda problem: problem.title
 )
@@ -67,6 +71,7 @@ def test_both_solvers_agree(problem):
     assert first.v == pytest.approx(second.v, abs=1e-10)
 
 
+@pytest.mark.slow
 def test_schemes_converge_to_the_motion_of_a_damper():
     expected = _solved(damped(0.5), T).u
     errors = []
@@ -76,6 +81,7 @@ def test_schemes_converge_to_the_motion_of_a_damper():
     assert errors[1] < errors[0] / 100 and errors[1] < 1e-4
 
 
+@pytest.mark.slow
 def test_the_pulse_has_a_closed_form():
     """The reference equals the forced motion up to the end of the half sine, and the free motion afterwards."""
     omega, end = 2 * np.pi / PERIOD, 0.2
@@ -92,6 +98,7 @@ def test_the_pulse_has_a_closed_form():
     assert ds.u.values[0] == pytest.approx(expected, abs=1e-11)
 
 
+@pytest.mark.slow
 def test_the_references_are_certain_to_many_digits():
     """A kink or an event that one of the two solvers passes over."""
     ds = inelastic.inelastic(["hardening", "yielding", "hysteretic", "bouncing", "shaken", "pulse"], 2, 8)

@@ -53,6 +53,7 @@ def test_a_slipping_mass_stops_where_friction_has_spent_its_energy():
     assert np.abs(motion.v[-100:]).max() < 0.03
 
 
+@pytest.mark.slow
 def test_under_a_record_schemes_converge_to_it():
     w = 2 * np.pi / 0.5
     spring = materials.elastoplastic(stiffness=w**2, yield_force=0.02 * w**2, hardening=0.05)

@@ -15,6 +15,7 @@ RTOL = 1e-10
 TRAJECTORIES: list[Callable] = [sundials.trajectory, reference.diffrax.trajectory]
 
 
+@pytest.mark.slow
 def test_two_solvers_agree_on_a_stiff_chain():
     problem = study.problems["fpu_chain"]
     t = np.linspace(0, time_scales["fpu_chain"], 9)
@@ -26,6 +27,7 @@ def test_two_solvers_agree_on_a_stiff_chain():
     np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", closed_form.STRUCTURE_TRAJECTORIES)
 def test_closed_forms_solve_the_equation_of_motion(name):
     """The closed form satisfies the equation of motion, checked by central differences, and the initial conditions."""
@@ -85,6 +87,7 @@ def test_coupled_oscillators_move_in_their_modes(trajectory):
     np.testing.assert_allclose(solution.v, v, atol=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("trajectory", TRAJECTORIES, ids=["CVODE", "diffrax"])
 def test_a_mass_held_as_a_band_is_the_same_as_a_matrix(trajectory):
     """Nine pairs of the coupled oscillators, whose mass matrix is held as a band, move like a single pair."""

@@ -37,6 +37,7 @@ def _exact(t):
     return np.where(t <= end, forced(t), free)
 
 
+@pytest.mark.slow
 def test_errors_are_those_against_the_closed_form(pulse):
     one = pulse.sel(scheme="central_difference", quantity="displacement", periods=3)
     size = int(np.flatnonzero(one.steps_per_period == 32)[0])
@@ -77,6 +78,7 @@ def test_a_step_that_a_resonance_favours_is_no_answer(monkeypatch):
     assert needed.steps_per_period.item() > 50 and needed.steps_per_period.item() in one.steps_per_period
 
 
+@pytest.mark.slow
 def test_narrow_resonances_next_to_an_even_number_of_steps_are_found(monkeypatch):
     """Blanes and Moan's method errs by 17 % with 30.009 steps in a period of the softening spring from rest.
 
@@ -146,6 +148,7 @@ def test_the_bouncing_mass_returns_after_its_period():
     assert ds.u.values[-1] == pytest.approx(-0.5, abs=1e-6) and ds.v.values[-1] == pytest.approx(0.0, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_errors_of_several_unknowns_are_the_largest_at_all_steps():
     """Only this test catches errors over a wrong axis, scale or set of instants if there are several unknowns."""
     ds = runs("fpu_chain", ["central_difference"], [0.1], [0.4, 0.6, 0.8], 0.6, 200, 1)
@@ -159,6 +162,7 @@ def test_errors_of_several_unknowns_are_the_largest_at_all_steps():
     assert error == pytest.approx(abs(coarse - exact).max() / abs(exact).max(), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_free_vibration_also_begins_in_motion():
     """Fox-Goodwin's method is of fourth order from rest, and of second order from any other start."""
     oscillator = study.Problem(lambda u: 4 * np.pi**2 * u, 1.0, potential=lambda u: 2 * np.pi**2 * u**2)

@@ -120,6 +120,7 @@ def test_a_name_of_a_problem_and_of_a_file_is_refused(assessed, tmp_path, monkey
     pd.testing.assert_frame_equal(by_file, study.recommend(assessed, allowed_error=0.1, quantity="energy"))
 
 
+@pytest.mark.slow
 def test_a_problem_of_the_study_has_the_decisions_as_its_first_rows(tmp_path):
     small_results.write_to(tmp_path)
     needed = small_results.needed()

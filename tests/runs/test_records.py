@@ -49,6 +49,7 @@ def found(reference, monkeypatch):
     return spectrum(RECORDS, PERIODS, REDUCTIONS, DURATION, schemes, 0.1, 0.0025, 0.01)[0]
 
 
+@pytest.mark.slow
 def test_the_step_that_is_needed_keeps_the_error_as_all_finer_ones(found):
     assert found.largest_step_size.sel(scheme="energy_momentum").isnull().all()  # the force dissipates
     ours = found.sel(scheme="average_acceleration")

@@ -29,6 +29,7 @@ def test_it_is_of_second_order():
     assert np.log2(np.abs(ends[:-1]) / np.abs(ends[1:])) == pytest.approx(2, abs=0.05)
 
 
+@pytest.mark.slow
 def test_its_energy_does_not_grow_and_its_motion_ends_where_no_forces_balance():
     """The motion ends away from the equilibria −1, 0 and 1 of the double well; the step size is that of the article."""
     problem, scheme, dt = study.problems["double_well"], study.AuxiliaryVariable(), jnp.asarray(2.5)

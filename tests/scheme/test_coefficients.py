@@ -61,6 +61,7 @@ STEPS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", STEPS)
 def test_one_step_methods(name):
     state = (0.7, -0.4, (load(0.0) - DAMPING * -0.4 - force(0.7)) / MASS)

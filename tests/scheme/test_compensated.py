@@ -7,6 +7,7 @@ import pytest
 import study
 
 
+@pytest.mark.slow
 def test_compensated_sums_lower_the_floor_and_nothing_else():
     period, steps = 0.151532834447260357127078726219, 200_000
     ends = {
@@ -21,6 +22,7 @@ def test_compensated_sums_lower_the_floor_and_nothing_else():
     np.testing.assert_allclose(plain, compensated, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_compensated_sums_lower_the_round_off():
     """With step sizes whose square is exact in single precision, compensation at least halves the energy round-off."""
     dt = np.ldexp(np.arange(4000, 4064), -20)

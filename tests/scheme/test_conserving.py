@@ -8,6 +8,7 @@ import pytest
 import study
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["energy_momentum", "average_vector_field"])
 @pytest.mark.parametrize("problem, dt", [("hardening", 0.15 / 8), ("double_well", 2.5)])
 def test_energy_of_a_quartic_is_conserved_to_round_off(name, problem, dt):
@@ -19,6 +20,7 @@ def test_energy_of_a_quartic_is_conserved_to_round_off(name, problem, dt):
     assert average.max_energy_error > 0.01
 
 
+@pytest.mark.slow
 def test_energy_of_any_potential_is_conserved_by_the_discrete_gradient_alone():
     gradient, quadrature = (
         study.run("softening", name, dt=1.14 / 8, steps=20_000, observe=["max_energy_error"]).max_energy_error
@@ -27,6 +29,7 @@ def test_energy_of_any_potential_is_conserved_by_the_discrete_gradient_alone():
     assert gradient < 1e-10 < 1e-5 < quadrature
 
 
+@pytest.mark.slow
 def test_conservation_of_two_masses_on_a_spring():
     """In the plane the midpoint rule conserves linear and angular momentum, and the discrete gradient the energy."""
 
@@ -54,6 +57,7 @@ def test_the_discrete_gradient_needs_a_potential():
         study.run(study.Problem(lambda u: u, u0=1.0), "energy_momentum", dt=0.1, steps=1)
 
 
+@pytest.mark.slow
 def test_the_energy_momentum_method_converges_at_small_amplitude_too():
     """Runs succeed at small amplitude, where the potential of the softening spring is a difference of large numbers."""
     u0 = np.array([0.126, 0.141, 0.175, 0.195])

@@ -79,11 +79,13 @@ def driven_pair():
     return _driven_along(_two, damping=np.diag([0.2, 0.4]) + 0.1, mass=np.array([[2.0, 0.5], [0.5, 1.0]]))
 
 
+@pytest.mark.slow
 def test_order_of_one_damped_and_driven_oscillator(driven, scheme):
     orders = _observed_orders(driven, scheme, motion, 3.0, STEPS[scheme.order_with_damping])
     assert orders == pytest.approx(scheme.order_with_damping, abs=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["mclachlan4", "blanes_moan4", "dormand_prince6"])
 def test_a_load_alone_leaves_a_method_its_order(name):
     """These methods assume an acceleration that does not depend on the velocity; a load alone keeps their order."""
@@ -93,6 +95,7 @@ def test_a_load_alone_leaves_a_method_its_order(name):
     assert orders == pytest.approx(scheme.order, abs=0.1)
 
 
+@pytest.mark.slow
 def test_order_of_two_coupled_unknowns(driven_pair, sampled_kind):
     scheme = SIXTH if study.schemes[sampled_kind].order == 12 else study.schemes[sampled_kind]
     steps = STEPS[scheme.order_with_damping]
@@ -100,6 +103,7 @@ def test_order_of_two_coupled_unknowns(driven_pair, sampled_kind):
     assert orders == pytest.approx(scheme.order_with_damping, abs=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name, order", [("hht_alpha_1996", 2), ("blanes_moan4", 4), ("mclachlan4", 4), ("fox_goodwin", 4)]
 )

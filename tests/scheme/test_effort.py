@@ -77,16 +77,19 @@ def _counted(scheme: study.Scheme, kind: str, **options) -> Effort:
     return _check(scheme, _problem(kind, calls), calls, **options)
 
 
+@pytest.mark.slow
 def test_the_forces_of_every_class_of_schemes_are_counted(kind):
     _counted(study.schemes[kind], "p(u), one unknown")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["central_difference", "generalized_alpha"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_forces_of_every_kind_are_counted(name, kind):
     _counted(study.schemes[name], kind)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["that saturates", "that saturates, one unknown"])
 def test_the_forces_of_a_safeguard_are_counted(kind):
     calls: list[float] = []

@@ -20,6 +20,7 @@ def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
     return study.run(problem, scheme, dt=dt, steps=steps).u.values
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "scheme, limit",
     [
@@ -78,6 +79,7 @@ def test_velocity_verlet_is_registered_once():
     np.testing.assert_allclose(composed, central, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("problem, dt", [("hardening", 0.15 / 40), ("softening", 1.14 / 40)])
 @pytest.mark.parametrize(
     "once, twice",
@@ -145,6 +147,7 @@ BATHE_PRINTED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BATHE_PRINTED)
 def test_examples_of_bathes_textbook(name):
     """M = diag(2, 1), K = [[6, −2], [−2, 4]], F = (0, 10), from rest."""
@@ -186,6 +189,7 @@ def test_alpha_method_of_1996_weights_two_forces():
     assert abs(a1 + one_force) > 1e-3 * abs(a1)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(
     stiffness=st.floats(0.5, 200.0),

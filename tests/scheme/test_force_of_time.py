@@ -35,6 +35,7 @@ def exact():
     return solve_ivp(rate, (0, DURATION), [1.0, 0.3], rtol=1e-13, atol=1e-13, method="DOP853").y[:, -1]
 
 
+@pytest.mark.slow
 def test_schemes_have_their_order_on_a_parametric_excitation(kind, excited, exact):
     scheme = study.schemes[kind]
     if kind == "energy_momentum":
@@ -52,6 +53,7 @@ def _moved(force, load, **options):
     return by_load, study.Problem(lambda u, t: force(u) - _push(t), 1.0, 0.3, **options)
 
 
+@pytest.mark.slow
 def test_a_push_in_the_force_acts_as_a_push_in_the_load(sampled_scheme):
     """The α-method of 1996 weights the force and not the load; its load must then have the weights of the force."""
     dt, alpha = 0.1, -0.1
@@ -67,6 +69,7 @@ def test_a_push_in_the_force_acts_as_a_push_in_the_load(sampled_scheme):
     np.testing.assert_allclose(observed.v, expected.v, rtol=1e-11, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["bathe", "noh_bathe", "gauss4", "central_difference"])
 def test_a_force_may_take_velocity_history_and_time(scheme):
     spring = elastoplastic(stiffness=1.0, yield_force=0.4)
@@ -90,6 +93,7 @@ def test_controlled_steps_take_the_force_at_the_time_of_the_load(estimator):
     np.testing.assert_allclose(observed.u, expected.u, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_references_solve_a_parametric_excitation(excited, exact):
     """A solver of references that leaves the time out of the internal force."""
     t = np.array([DURATION / 2, DURATION])
@@ -109,6 +113,7 @@ def test_the_coupling_of_unknowns_is_found_at_other_times_too():
     assert problem.tangent == "dense"
 
 
+@pytest.mark.slow
 def test_pure_runs_and_ensembles_take_the_time():
     mathieu = oscillators.mathieu
     options = {"dt": 0.05, "steps": 100}

@@ -32,6 +32,7 @@ def test_a_force_linear_in_the_velocity_is_damping(name, tangent):
     np.testing.assert_allclose(expected.v, observed.v, atol=5e-13)
 
 
+@pytest.mark.slow
 def test_the_order_with_quadratic_drag(sampled_kind):
     scheme = SIXTH if study.schemes[sampled_kind].order == 12 else study.schemes[sampled_kind]
     if scheme.title == study.schemes["energy_momentum"].title:

@@ -19,6 +19,7 @@ def test_houbolt_starts_with_the_linear_acceleration_method():
     np.testing.assert_allclose(houbolt, linear, rtol=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [None, 3.0])
 def test_houbolt_started_by_central_difference_takes_two_of_its_steps(damping):
     problem = study.Problem(CubicSpring(100.0, 10.0).force, u0=1.5, v0=2.0, damping=damping)
@@ -27,6 +28,7 @@ def test_houbolt_started_by_central_difference_takes_two_of_its_steps(damping):
     np.testing.assert_allclose(houbolt, _trajectory("central_difference", problem, dt, 2), rtol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", starts)
 def test_every_start_of_houbolt_keeps_the_second_order(start):
     period = 0.151532834447260357127078726219

@@ -7,6 +7,7 @@ import pytest
 import study
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "scheme, factor, stable",
     [(1.0, 1.0, True), (1.0, 4.0, True), (1.0, 5.5, False), (0.8, 0.5, True), (0.8, 1.0, True), (0.8, 1.5, False)],
@@ -20,6 +21,7 @@ def test_stability_of_kr_alpha_is_that_of_its_model(scheme, factor, stable):
     assert (np.abs(ds.u).max() < 100) == stable
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["chen_ricles", "chang"])
 @pytest.mark.parametrize("factor, stable", [(0.5, True), (4.99, True), (5.01, False)])
 def test_stability_that_is_called_unconditional_ends_where_the_stiffness_has_risen(name, factor, stable):

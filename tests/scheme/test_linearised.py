@@ -6,11 +6,13 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 import study
 from study.scheme.wrapper.linearised import Linearised
 
 
+@pytest.mark.slow
 def test_the_derivative_of_a_step_is_that_of_differences(state_kind):
     scheme, problem, dt = study.schemes[state_kind], study.problems["hardening"], jnp.asarray(0.012)
     state, _ = jax.jit(partial(scheme.start, problem))(jnp.asarray(1.1), jnp.asarray(3.0), dt)
@@ -28,6 +30,7 @@ def test_the_derivative_of_a_step_is_that_of_differences(state_kind):
         np.testing.assert_allclose(exact, (ahead - behind) / 2e-5, rtol=1e-6, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_neighbour_that_a_step_has_brought_to_the_run_stays_with_it():
     scheme, problem, dt = Linearised(scheme=study.schemes["rk4"]), study.problems["hardening"], jnp.asarray(0.01)
     start, _ = scheme.start(problem, jnp.asarray(1.0), jnp.asarray(0.0), dt)

@@ -21,6 +21,7 @@ def expansion(upper, lower):
     return np.pad(numerator, (0, lower - upper)) * scale, np.array(denominator) * scale
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rho_inf", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("terms", [1, 2, 3, 4, 5, 6])
 def test_the_amplification_is_the_mean_of_two_expansions(terms, rho_inf):

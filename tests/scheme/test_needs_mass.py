@@ -135,11 +135,13 @@ OTHERS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", OTHERS, ids=lambda scheme: scheme.title)
 def test_the_other_implicit_schemes_need_none(scheme):
     assert not scheme.needs_mass and not _grows(scheme)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "weights", [(1.0, -1.0), (3 / 2, -2.0, 1 / 2), (11 / 6, -3.0, 3 / 2, -1 / 3), (25 / 12, -4.0, 3.0, -4 / 3, 1 / 4)]
 )

@@ -26,6 +26,7 @@ def _assert_roots(scheme, expected, parts=PARTS, tolerance=1e-10):
         assert np.all(residual < tolerance * np.polyval(np.abs(polynomial), np.abs(roots)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["average_acceleration", "implicit_midpoint", "energy_momentum", "average_vector_field", "chen_ricles", "chang"],
@@ -72,6 +73,7 @@ def test_gauss_is_the_pade_approximation():
     _assert_roots(study.schemes["gauss4"], ((1 + z / 2 + z**2 / 12) / (1 - z / 2 + z**2 / 12))[:, None])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("s, rho_inf, gamma", [(3, 0.0, 0.4358665215), (3, 1.0, 1 / 3), (4, 0.0, 0.5728160625)])
 def test_esdirk_is_the_restricted_pade_approximation(s, rho_inf, gamma):
     """λ = Σ zᵏ Σ C(s, j) (−γ)ʲ/(k − j)! / (1 − γz)ˢ, z = iΩ; for ρ∞ = 0, γ is that printed for L-stable methods."""
@@ -91,6 +93,7 @@ def test_houbolt_has_its_polynomial():
         np.testing.assert_allclose(polynomial[4:], 0, atol=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bdf2", "park"])
 def test_backward_differences_have_their_polynomials(name):
     """(Σ d_k λ⁻ᵏ)² + Ω² = 0."""
@@ -115,6 +118,7 @@ def test_wilson_has_its_polynomial():
         np.testing.assert_allclose(polynomial, np.poly(matrix), atol=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rho_inf", [0.0, 0.3, 0.5, 0.8, 1.0])
 def test_the_generalized_alpha_family_meets_its_spectral_radius(rho_inf):
     """At infinite frequency both principal roots are −ρ∞; with Chung and Hulbert's method and KR-α all three are."""
@@ -128,6 +132,7 @@ def test_the_generalized_alpha_family_meets_its_spectral_radius(rho_inf):
         assert abs(np.polyval(hht, minus)) < 1e-10 and abs(np.polyval(np.polyder(hht), minus)) < 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.8])
 def test_zhangs_method_damps_low_frequencies_half_as_much_as_the_generalized_alpha_method(rho_inf):
     """The algorithmic damping ratio of both is proportional to Ω³; at equal ρ∞ their quotient tends to one half."""
@@ -184,11 +189,13 @@ def test_the_roots_of_gsse_meet_at_its_parameters(rho_s, rho_b):
     assert np.abs(polynomials - meeting).max(axis=1).min() < 2e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theta, stable", [(1.36, False), (1.37, True), (1.4, True)])
 def test_wilson_is_unconditionally_stable_from_1_366(theta, stable):
     assert (LinearTheory(study.WilsonTheta(theta=theta), PARTS).stability_limit() == np.inf) == stable
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["yoshida4", "yoshida6", "kahan_li8", "mclachlan4", "blanes_moan4"])
 def test_splittings_are_stable_as_long_as_their_product_is(name):
     """At the stability limit, half the trace of the product of all kicks and drifts first leaves [−1, 1]."""

@@ -10,6 +10,7 @@ RELAXED = study.Relaxed(scheme=study.schemes["rk4"])
 PERIOD = 0.151532834447260357127078726219
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("problem, dt", [("hardening", 0.0075), ("softening", 0.057), ("double_well", 2.5)])
 def test_the_energy_of_the_paper_s_runge_kutta_runs_is_kept(problem, dt):
     """The Runge-Kutta method itself loses energy on the first two springs, and blows up in the double well."""
@@ -32,12 +33,14 @@ class _WithoutLead(study.Relaxed):
         return type(new)(new.inner, 0 * new.lead), effort
 
 
+@pytest.mark.slow
 def test_a_step_that_makes_up_for_the_last_one_keeps_the_order():
     """Without compensation of the last step's shift in time the order is three (Ketcheson, 2019, section 2)."""
     assert _order(RELAXED) == pytest.approx(4, abs=0.1)
     assert _order(_WithoutLead(scheme=RELAXED.scheme)) == pytest.approx(3, abs=0.1)
 
 
+@pytest.mark.slow
 def test_relaxed_runs_of_several_unknowns_with_accelerations_and_lanes():
     for name in ("rk4", "central_difference", "generalized_alpha"):
         ds = study.run(
@@ -47,6 +50,7 @@ def test_relaxed_runs_of_several_unknowns_with_accelerations_and_lanes():
         assert (ds.status == 0).all() and (ds.max_energy_error < 1e-11).all(), name
 
 
+@pytest.mark.slow
 def test_relaxed_runs_have_derivatives():
     """A relaxation whose root is constant in a derivative."""
 

@@ -67,6 +67,7 @@ def oscillators():
     return together, study.Problem(spring.force, 1.0, 0.5, potential=spring.potential, load=jnp.cos, **common)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*WAYS, "central_difference", "houbolt", "wilson_theta", "bathe", "rk4"])
 def test_uncoupled_oscillators_are_as_many_single_ones(oscillators, name):
     together, single = oscillators
@@ -84,6 +85,7 @@ def pendulum():
     return study.Problem(potential=energy, u0=[LENGTH, 0.0], v0=[0.0, 7.72], mass=10.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "scheme",
     ["average_acceleration", "central_difference", "hht_alpha_1996", "bathe", "rk4", "gauss4", "implicit_midpoint",
@@ -115,6 +117,7 @@ def springs_in_series():
 SOME = {"bathe", "energy_momentum", "gauss4", "houbolt", "wilson_theta"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name in SOME else EXHAUSTIVE) for name in WITHOUT_MASS.values()]
 )

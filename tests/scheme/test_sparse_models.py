@@ -71,6 +71,7 @@ def inside():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["average_acceleration", "bathe", "rk4"])
 def test_a_stiffness_next_to_the_force_is_the_force_with_it(models, inside, scheme):
     options = {"observe": ["trajectory", "max_energy_error"]}
@@ -79,6 +80,7 @@ def test_a_stiffness_next_to_the_force_is_the_force_with_it(models, inside, sche
     np.testing.assert_allclose(separate.max_energy_error, combined.max_energy_error, rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_one_unknown_and_diagonals_may_have_a_stiffness():
     soft = study.Problem(lambda u: -0.1 * u**3, 1.0, stiffness=2.0)
     equivalent = study.Problem(lambda u: 2.0 * u - 0.1 * u**3, 1.0)
@@ -96,6 +98,7 @@ def linear():
     return _model(force=None, potential=None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scheme", "factors"), [("average_acceleration", 1), ("bathe", 2), ("wilson_theta", 1)])
 def test_a_linear_structure_factorises_once(linear, scheme, factors):
     """A run factorises the mass and the matrix of each sub-step once; each sub-step has one linear solution."""
@@ -106,6 +109,7 @@ def test_a_linear_structure_factorises_once(linear, scheme, factors):
     assert ds.newton_iterations == 200 * factors
 
 
+@pytest.mark.slow
 def test_a_linear_structure_keeps_its_energy_and_its_modes(linear):
     assert _motion(linear, "average_acceleration", steps=2000, observe=["max_energy_error"]).max_energy_error < 1e-11
     squares = np.linalg.eigvals(np.linalg.solve(MASS.toarray(), STIFFNESS.toarray())).real
@@ -127,6 +131,7 @@ def test_damping_loads_and_ground_are_those_of_full_matrices(damping):
     np.testing.assert_allclose(sparse_run.u, full_run.u, atol=1e-11)
 
 
+@pytest.mark.slow
 def test_a_force_of_the_velocity_is_that_of_full_matrices():
     terms = {"force": lambda u, v: _force(u) + jnp.zeros_like(v).at[5].set(2.0 * v[5] - v[6]), "potential": None}
     sparse_problem, full_problem = _model(**terms), _model(True, **terms)

@@ -7,6 +7,7 @@ import pytest
 import study
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["implicit_midpoint", "gauss4", "symplectic_euler", "mclachlan4", "yoshida4",
                                   "yoshida6", "kahan_li8", "blanes_moan4", "velocity_verlet"])  # fmt: skip
 def test_symplectic_maps_keep_areas(name):
@@ -22,6 +23,7 @@ def test_symplectic_maps_keep_areas(name):
         assert jnp.linalg.det(jax.jacfwd(step)(jnp.asarray(phase))) == pytest.approx(1, abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["average_acceleration", "implicit_midpoint", "energy_momentum", "gauss4",
                                   "average_vector_field", "mclachlan4", "yoshida4", "yoshida6", "kahan_li8",
                                   "blanes_moan4", "velocity_verlet"])  # fmt: skip

@@ -18,6 +18,7 @@ def reference():
     return study.run(CHAIN, "rk4", dt=1 / 2000, steps=2000, every=2000).u.values[-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("member", filters)
 def test_a_linear_problem_is_solved_exactly(member):
     problem = study.Problem(stiffness=np.array([9.0, 400.0]), mass=np.array([1.0, 2.0]), u0=[1.0, 0.5], v0=[0.0, 2.0])
@@ -27,6 +28,7 @@ def test_a_linear_problem_is_solved_exactly(member):
     np.testing.assert_allclose(ds.u, exact, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("member", filters)
 def test_without_a_stiffness_it_is_velocity_verlet(member):
     trigonometric, verlet = (
@@ -36,6 +38,7 @@ def test_without_a_stiffness_it_is_velocity_verlet(member):
     np.testing.assert_allclose(trigonometric.u, verlet.u, atol=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("member", filters)
 def test_the_error_is_of_second_order_beyond_the_limit_of_verlet_and_below_the_resonances(member, reference):
     """The error is below 1.5 Δt² up to ωΔt = 2.5, ω = 50. Velocity Verlet, stable up to 2, errs by 60 to 120 Δt²."""
@@ -53,6 +56,7 @@ def test_the_chain_is_the_same_with_its_stiff_springs_apart(reference):
     np.testing.assert_allclose(reference, together.u.values[-1], atol=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("member, symplectic", [("deuflhard", True), ("garcia_archilla", True), ("gautschi", False)])
 def test_two_members_are_symplectic(member, symplectic):
     """If a method is symplectic, the derivative D of its step with respect to (u, u̇) keeps the form J: DᵀJD = J."""

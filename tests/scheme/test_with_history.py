@@ -28,6 +28,7 @@ def _errors(name, problem, steps, duration=4.0, samples=50):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
@@ -44,6 +45,7 @@ def test_no_scheme_has_more_than_order_two_at_yield_points(name):
     assert order < (1.4 if name in FIRST - BACKWARDS else 2.6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["average_acceleration", "rk4", "houbolt", "bathe", "noh_bathe"])
 def test_a_start_beyond_yield_unloads_elastically(name):
     problem = study.Problem(SPRING, u0=0.6, damping=0.3)
@@ -72,6 +74,7 @@ def test_the_model_of_kr_alpha_is_that_of_the_undeformed_structure():
         assert float(ds.u[step]) == pytest.approx(u, abs=1e-12), step
 
 
+@pytest.mark.slow
 def test_the_history_is_committed_once_a_step():
     """The run equals average acceleration by hand, with forces from the history at the end of the last step."""
     dt, steps = 0.05, 60
@@ -92,6 +95,7 @@ def test_the_history_is_committed_once_a_step():
         assert float(ds.internal_force[step]) == pytest.approx(float(force), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_sub_steps_commit_where_they_end():
     """Bathe's method commits the history at the end of its first sub-step, a step of the trapezoidal rule."""
     problem, dt = YIELDING, 0.4
@@ -103,6 +107,7 @@ def test_sub_steps_commit_where_they_end():
     assert effort.committed != 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["average_acceleration", "rho_bathe", "rk4"])
 @pytest.mark.parametrize("material", ["bouc_wen", "friction"])
 def test_other_materials_converge(name, material):
@@ -129,6 +134,7 @@ def test_lanes_compensated_sums_and_neighbours_remember():
     assert abs(float(ds.lyapunov_exponent)) < 2.0
 
 
+@pytest.mark.slow
 def test_a_frame_of_yielding_storeys_under_a_record_converges():
     stiffness, yield_force = np.array([400.0, 350.0, 300.0]), np.array([3.0, 2.5, 2.0])
     storeys = materials.elastoplastic(stiffness=stiffness, yield_force=yield_force)

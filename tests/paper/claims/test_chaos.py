@@ -51,6 +51,7 @@ def test_other_statistics_converge_or_not(order, holds):
     assert not nothing.holds and nothing.ours == "none"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shared, scatter", [(4e-4, 0.0), (1e-5, 0.1)])
 def test_the_interval_of_an_order_covers_it(shared, scatter):
     random, steps, error = np.random.default_rng(1), np.array([24, 32, 40, 48, 64]), 2e-4

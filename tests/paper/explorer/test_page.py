@@ -268,6 +268,7 @@ def test_the_decisions_of_a_spring_are_listed(browser, page):
     assert not browser.find_elements("css selector", ".decisions")
 
 
+@pytest.mark.slow
 def test_the_page_leads_to_the_site_in_one_place(page):
     # the site replaces this link when it includes the page
     assert page.read_text().count('href="site/') == 1

@@ -39,6 +39,7 @@ def runs():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("problem", STEPS)
 def test_a_scheme_marches_as_in_the_study(runs, problem):
     """A formula in the JavaScript of the explorer that differs from that of the study."""
@@ -55,6 +56,7 @@ def test_a_scheme_marches_as_in_the_study(runs, problem):
         assert error == pytest.approx(exact.max_height_error.item(), abs=1e-11), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["average_acceleration", "newmark_dissipative", "energy_momentum"])
 def test_a_step_at_which_newton_fails_is_taken_as_in_the_study(scheme):
     run = study.run("softening", scheme, dt=1.1, steps=20)
@@ -90,6 +92,7 @@ def test_a_balance_is_found_however_far_off_the_guess():
     assert len(residuals) == 12 and all(abs(residual) < 1e-9 for residual in residuals)
 
 
+@pytest.mark.slow
 def test_the_period_of_a_run_is_that_of_its_passages():
     run = study.run("softening", "rk4", dt=0.06, steps=1000, observe=[Oscillations(0.0)])
     found = _computed("meanPeriod(march(SPRINGS.softening, SCHEMES.rk4, 4, 0.06, 1000), 0)")

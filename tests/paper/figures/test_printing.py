@@ -23,6 +23,7 @@ def test_nothing_is_wrong_with_a_sound_figure(picture):
     assert faults(picture[0]) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words, options, fault",
     [

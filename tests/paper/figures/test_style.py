@@ -93,6 +93,7 @@ def _spectral(number):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [1, 7, 8, 12])
 def test_any_number_of_schemes_fits_a_panel_and_its_legend(number):
     figure = draw(_spectral(number))
@@ -133,6 +134,7 @@ def test_a_figure_fits_the_width_of_a_journal(width, tmp_path):
     plt.close(figure)
 
 
+@pytest.mark.slow
 def test_the_same_figure_gives_the_same_files(tmp_path):
     for folder in ("first", "second"):
         (tmp_path / folder).mkdir()
@@ -208,6 +210,7 @@ def test_the_points_of_a_figure_hold_the_ends_of_its_intervals():
     plt.close(figure)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ends, labels", [((0.002, 4000), ["0.01", "1", "100"]), ((2e-5, 20), None)])
 def test_labels_of_logarithmic_axes_are_short_numbers_or_powers_with_legible_exponents(ends, labels):
     picture, ((first, second),) = style.panels(1, 2, style.COLUMN, 4, sharey=True)

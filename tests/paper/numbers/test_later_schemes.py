@@ -32,6 +32,7 @@ def _numbers(**changed):
     return of_later_schemes(claims, decisions, needs, xr.Dataset({"largest_stiffening": ratios}))
 
 
+@pytest.mark.slow
 def test_facts_need_the_verdict_of_all_their_statements():
     assert all(_numbers()[fact] for fact in STATED)
     for fact, (_, *statements) in STATED.items():

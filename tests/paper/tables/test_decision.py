@@ -32,6 +32,7 @@ def _rows(table):
     return table.replace(NO_BREAK, " ", regex=True).to_dict("records")
 
 
+@pytest.mark.slow
 def test_a_row_has_scheme_step_cost_and_limit(datasets):
     rows = _rows(tabulate(**datasets))
     assert [row["Error"] for row in rows] == ["10 %", "1 %", "0.1 %"] * 4
