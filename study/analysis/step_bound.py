@@ -24,13 +24,16 @@ from study.scheme.named import schemes
 from study.scheme.newmark import Newmark
 
 #: Largest ωΔt, and largest change of the tangent within a step over its largest size, at which the term of Δt²
-#: describes a run; no bound is larger. On springs that saturate, errors exceed the term by up to 5 % there, and by more
+#: describes a run; no bound is larger. On a spring of tanh form, errors exceed the term by up to 5 % there, and by more
 #: than a tenth once the tangent changes by 0.8.
 LARGEST, LARGEST_CHANGE = 0.5, 0.5
 #: Ratio of neighbouring distances from rest between which a turning point is sought, and their largest number.
 GROWTH, DISTANCES = 1.002, 20_000
 #: Largest rise of a potential between the two farthest places, over its rise beyond the motion, of one with a limit.
 FLAT = 1e-9
+#: Largest part of the changes of the force along an orbit that its tangent may miss, and largest ratio of the tangent
+#: at rest or at a turning point to that at all other points.
+MISSED, STEEPER = 0.02, 1.1
 #: Number of points before the ordered points of an orbit: its start, its turning points and rest.
 ENDS = 4
 #: Values at points of an orbit.
@@ -240,6 +243,18 @@ def _check_tangent(problem: Problem, places: _Points) -> None:
         )
 
 
+def _check_resolved(problem: Problem, u: _Points, forces: _Points, tangent: _Points) -> None:
+    """Refuse a tangent that is not the slope of the force along the orbit, as where a jump has no switch."""
+    along = tangent[ENDS:]
+    change, largest = np.diff(forces[ENDS:]), np.abs(along).max()
+    missed = np.abs(change - np.diff(u[ENDS:]) * (along[1:] + along[:-1]) / 2)
+    if not (missed.sum() <= MISSED * np.abs(change).sum() and 0 < np.abs(tangent).max() <= STEEPER * largest):
+        raise ValueError(
+            f"the tangent of '{problem.title}' is not the slope of its force near u = {u[ENDS + missed.argmax()]:.6g}, "
+            "as where one of them jumps, and no step bound is known there; study.assess finds the step by runs."
+        )
+
+
 @jax.enable_x64(True)
 def orbit(problem: Problem) -> Orbit:
     r"""The oscillation of a free oscillator of one unknown, by quadrature.
@@ -277,6 +292,7 @@ def orbit(problem: Problem) -> Orbit:
             v = np.concatenate([[abs(float(problem.v0)), 0.0, fastest, 0.0], v])
             forces = np.concatenate([_at(problem, places[:ENDS])[1], forces])
             tangent = np.asarray(_at(problem, places)[2])
+            _check_resolved(problem, places, forces, tangent)
             barrier = min(_barrier(problem, end, rest, side * scale) for end, side in zip(ends, (-1, 1), strict=True))
             distance = (barrier - at_start) / (at_start - float(well.rest))
             return Orbit(places, v, forces, tangent, mass, float(period), *map(float, (*by_energy, distance)))
@@ -319,7 +335,9 @@ def step_bound(
 
     The bound excludes motions with a load or damping, forces whose tangent jumps or has an infinite slope, and schemes
     that dissipate. Terms of higher order count if a step is longer than ½/ω, or if the tangent changes within a step by
-    more than half of its largest size, as on a spring that saturates far from rest. No step is longer than that. Near a
+    more than half of its largest size, as on a spring that saturates far from rest. No step is longer than that. In a
+    narrow range of steps that resonate with the motion, the error can be several times the bound: a run with half the
+    step shows this. The smoother the force and the shorter the step, the narrower is the range. Near a
     separatrix C_T grows without bound. A step that keeps the energy may therefore be far too long for the period there:
     ``separatrix_distance`` measures how near the motion is.
 
@@ -350,8 +368,9 @@ def step_bound(
         If the problem or the scheme is of another kind.
     ValueError
         If the problem is not a free oscillator of one unknown with a potential, rests, does not oscillate, is too near
-        to a separatrix, or has a force or a tangent that jumps or a tangent with an infinite slope, as where a Hertz
-        contact closes; if the scheme has no modified energy; or if ``allowed_error`` or ``periods`` is not positive.
+        to a separatrix, or has a force or a tangent that jumps, a tangent with an infinite slope, as where a Hertz
+        contact closes, or one that is not the slope of the force; if the scheme has no modified energy; or if
+        ``allowed_error`` or ``periods`` is not positive.
 
     References
     ----------

@@ -18,6 +18,12 @@ CUBE = study.Problem(potential=lambda u: jnp.abs(u) ** 3, u0=1.0, title="cube")
 STOP = study.Problem(potential=lambda u: u**2 / 2 + 5 * jnp.maximum(u - 0.5, 0) ** 2, u0=1.0, title="stop")
 #: Where such a contact closes, runs at the bound err by up to 1.8 times the allowed error of the energy.
 HERTZ = study.Problem(potential=lambda u: jnp.maximum(u - 0.1, 0) ** 2.5 + u**2 / 2, u0=1.0, title="Hertz")
+#: Forces that jump, or with an infinite tangent, without a switch that JAX shows.
+SAW = study.Problem(potential=lambda u: jnp.sqrt(u * u), u0=1.0, title="saw")
+TABLE = study.Problem(
+    potential=lambda u: jnp.interp(u, jnp.linspace(-2, 2, 41), jnp.linspace(-2, 2, 41) ** 2), u0=1.05, title="table"
+)
+SINGULAR = study.Problem(potential=lambda u: jnp.abs(u) ** 1.5, u0=1.0, title="singular")
 MOVING = study.Problem(potential=lambda u: jnp.exp(u) - u - 1, u0=0.2, v0=1.0, title="Toda")
 
 
@@ -165,6 +171,9 @@ def test_the_distance_to_a_separatrix(potential, u0, distance):
         ),
         ((STOP, "central_difference"), "its tangent jumps at u = 0.5"),
         ((study.Problem(potential=jnp.abs, u0=1.0, title="own"), "central_difference"), "jumps at u = 0"),
+        ((SAW, "central_difference"), "the tangent of 'saw' is not the slope of its force near u = "),
+        ((TABLE, "central_difference"), "the tangent of 'table' is not the slope of its force near u = "),
+        ((SINGULAR, "central_difference"), "the tangent of 'singular' (is not the slope|has an infinite slope)"),
         ((HERTZ, "central_difference"), "the tangent of 'Hertz' has an infinite slope at u = 0.1"),
         (("fpu_chain", "central_difference"), "more than one unknown"),
         (("duffing_chaotic", "central_difference"), "damping or a load"),
