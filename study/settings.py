@@ -5,8 +5,8 @@
 ``compiler``
     An option is added to ``XLA_FLAGS``, unless the user has set it. XLA compiles a loop natively only if its body is
     small, and otherwise executes it operation by operation, which is up to ten times slower. The option raises the
-    allowed size, so that a whole march is one native loop. A loop with calls of LAPACK, as for several unknowns, is
-    never native. XLA reads ``XLA_FLAGS`` when JAX first computes; if JAX has already computed, a warning says so.
+    allowed size, so that a whole march is one native loop. A loop with calls of LAPACK, as for many coupled unknowns,
+    is never native. XLA reads ``XLA_FLAGS`` when JAX first computes; if JAX has already computed, a warning says so.
 ``cache``
     Compiled programs are stored for later processes, unless the user has set a cache for JAX. They are stored in the
     user's cache folder, in a folder named after this machine, since another processor may lack instructions. If the

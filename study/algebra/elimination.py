@@ -9,8 +9,12 @@ from study.algebra.arrays import Full, Matrix, RightSides, Vector
 from study.algebra.counting import count_matrix
 from study.algebra.factorisation import factorisations
 from study.algebra.host import on_host
-from study.algebra.matrices import SMALL, Form, MatrixFree, form_of
+from study.algebra.matrices import Form, MatrixFree, form_of
 from study.algebra.sparse import Sparse
+
+#: Largest numbers of unknowns of a full system for which elimination is written out, and for which it is a loop. A loop
+#: of steps that calls LAPACK instead is not one native loop.
+WRITTEN_OUT, IN_LOOP = 4, 16
 
 #: Number of rows of a tridiagonal system that one pass of the loop eliminates.
 UNROLL = 4
@@ -30,20 +34,49 @@ def eliminate(matrix: Full, rhs: RightSides) -> RightSides:
     rhs
         One or several right sides, (n,) or (n, m).
     """
-    n = len(rhs)
-    rows = [[*(matrix[i, j] for j in range(n)), rhs[i]] for i in range(n)]
-    for k in range(n):
-        for i in range(k + 1, n):
-            swap = jnp.abs(rows[i][k]) > jnp.abs(rows[k][k])
-            pivot = [jnp.where(swap, lower, upper) for upper, lower in zip(rows[k], rows[i], strict=True)]
-            rest = [jnp.where(swap, upper, lower) for upper, lower in zip(rows[k], rows[i], strict=True)]
-            factor = rest[k] / pivot[k]
-            rows[k], rows[i] = pivot, [low - factor * high for low, high in zip(rest, pivot, strict=True)]
+    left, right, rows = matrix, rhs.reshape(len(rhs), -1), []
+    for k in range(len(rhs)):
+        is_pivot = (jnp.arange(len(rhs) - k) == jnp.argmax(jnp.abs(left[:, 0])))[:, None]
+        # the right side stays apart, so that the solution is linear in it for JAX too
+        (a, b), (left, right) = zip(*(_pivot_and_others(part, is_pivot) for part in (left, right)), strict=True)
+        factor = left[:, 0] / a[0]
+        left, right = left[:, 1:] - jnp.multiply.outer(factor, a[1:]), right - jnp.multiply.outer(factor, b)
+        rows.append((a, b))
     x: list = []
-    for k in reversed(range(n)):
-        known = sum(rows[k][n - 1 - i] * x[i] for i in range(len(x)))
-        x.append((rows[k][n] - known) / rows[k][k])
-    return jnp.stack(x[::-1])
+    for a, b in reversed(rows):
+        known = sum(a[1 + i] * value for i, value in enumerate(reversed(x)))
+        x.append((b - known) / a[0])
+    return jnp.stack(x[::-1]).reshape(rhs.shape)
+
+
+def _pivot_and_others(rows, is_pivot):
+    """The row of the pivot, and the other rows, of which the first takes its place."""
+    return jnp.where(is_pivot, rows, 0.0).sum(axis=0), jnp.where(is_pivot[1:], rows[:1], rows[1:])
+
+
+def eliminate_in_loop(matrix: Full, rhs: RightSides) -> RightSides:
+    """As :func:`eliminate`, by Gauss and Jordan's elimination in a loop, which is compiled sooner."""
+    row = jnp.arange(len(rhs))
+
+    def turn(k, parts):
+        column = parts[0][:, k]
+        place = jnp.argmax(jnp.where(row >= k, jnp.abs(column), -1.0))
+        factor = jnp.where(row == place, column[k], column) / column[place]
+
+        def eliminated(part):
+            pivot = part[place]
+            others = jnp.where((row == place)[:, None], part[k][None], part) - jnp.multiply.outer(factor, pivot)
+            return jnp.where((row == k)[:, None], pivot[None] / column[place], others)
+
+        return eliminated(parts[0]), eliminated(parts[1])
+
+    return lax.fori_loop(0, len(rhs), turn, (matrix, rhs.reshape(len(rhs), -1)))[1].reshape(rhs.shape)
+
+
+def _solve_full(matrix, rhs):
+    if len(rhs) <= WRITTEN_OUT:
+        return eliminate(matrix, rhs)
+    return eliminate_in_loop(matrix, rhs) if len(rhs) <= IN_LOOP else jnp.linalg.solve(matrix, rhs)
 
 
 def _solve_tridiagonal(bands, rhs):
@@ -108,7 +141,7 @@ def _solve_banded(bands, rhs):
         upper, right = above
         low, middle, high, b = row
         rhs = jnp.column_stack([high, b - low @ right])
-        solved = eliminate(middle - low @ upper, rhs) if k <= SMALL else jnp.linalg.solve(middle - low @ upper, rhs)
+        solved = _solve_full(middle - low @ upper, rhs)
         eliminated = solved[:, :k], solved[:, k]
         return eliminated, eliminated
 
@@ -184,7 +217,7 @@ def solve(matrix: Matrix, rhs: Vector, symmetric: bool = True) -> Vector:
         case Form.SPARSE:
             return _solve_sparse(matrix, rhs)
         case Form.FULL:
-            return eliminate(matrix, rhs) if len(rhs) <= SMALL else jnp.linalg.solve(matrix, rhs)
+            return _solve_full(matrix, rhs)
         case Form.FREE:
             return _iterate(matrix, rhs, symmetric)
         case _:

@@ -18,8 +18,7 @@ from jax import lax
 from study.algebra.arrays import Full, Matrix, ScipySparse, Vector
 from study.algebra.sparse import Sparse, SparseEntries
 
-#: Largest number of unknowns for which elimination is written out without a loop. For such a system a call of LAPACK
-#: takes ten times longer.
+#: Largest number of unknowns for which products of full matrices are written out.
 SMALL = 4
 
 

@@ -41,9 +41,6 @@ MOST_UNKNOWNS = 8
 #: Largest number of entries of an array that is divided into components.
 MOST_ENTRIES = 64
 
-#: Largest number of turns × operations of a loop that is written out.
-MOST_WRITTEN_OUT = 2000
-
 #: Logger of operations without a rule.
 LOG = logging.getLogger(__name__)
 
@@ -166,6 +163,9 @@ class Lanes:
     A *value* of a program is an array that all lanes share, or an array of objects with the components in all lanes, or
     a :class:`Whole`. A component is an array (lanes,), or a number that all lanes share.
     """
+
+    #: Largest number of entries that a loop computes if it is written out. More would take long to compile.
+    most_written_out = 1000
 
     def __init__(self, lanes: int):
         self._lanes = lanes
@@ -357,7 +357,7 @@ class Lanes:
             first, carried = params["num_consts"], params["num_carry"]
         else:  # since version 0.12 of JAX
             first, carried, _ = (len(list(part)) for part in params["ft_in"].unpack())
-        if not length or length * len(turn.jaxpr.eqns) > MOST_WRITTEN_OUT:
+        if not length or length * _entries_computed(turn.jaxpr) > self.most_written_out:
             return self._together(operation, values)
         constants, carry, rows = values[:first], values[first : first + carried], values[first + carried :]
         stored: list[list] = []
@@ -396,6 +396,11 @@ def _lane_shape(leaf: Any) -> jax.ShapeDtypeStruct:
     if _is_components(leaf):
         return jax.ShapeDtypeStruct(leaf.entries.shape, leaf.entries.flat[0].dtype)
     return jax.ShapeDtypeStruct(jnp.shape(leaf)[1:], jnp.result_type(leaf))
+
+
+def _entries_computed(program: Any) -> int:
+    """Number of entries that the operations of a program compute."""
+    return sum(math.prod(of.aval.shape) for operation in program.eqns for of in operation.outvars)
 
 
 def _is_small(shape: tuple[int, ...]) -> bool:

@@ -239,7 +239,9 @@ class _Kernel:
 
 
 class _Block(Lanes):
-    """The evaluation of programs of one lane in a block of lanes, within a kernel."""
+    """The evaluation of programs of one lane in a block of lanes, within a kernel, where all loops are written out."""
+
+    most_written_out = MOST_OPERATIONS
 
     def __init__(self, lanes: int, constants: dict[int, Any]):
         super().__init__(lanes)
@@ -618,8 +620,24 @@ def _gathered(block: _Block, operation: Any, values: list) -> Callable[[Place], 
     return at
 
 
-#: Operations that move entries, each with its rule for the entry at a place of the result.
+def _number_of_largest(block: _Block, operation: Any, values: list) -> Callable[[Place], Any]:
+    (axis,), of, result = operation.params["axes"], operation.invars[0].aval, operation.outvars[0].aval
+
+    def at(place):
+        number, largest = result.dtype.type(0), block.entry(values[0], (*place[:axis], 0, *place[axis:]))
+        for k in range(1, of.shape[axis]):
+            entry = block.entry(values[0], (*place[:axis], k, *place[axis:]))
+            is_larger = jnp.logical_not(entry <= largest) & (largest == largest)
+            number = jnp.where(is_larger, result.dtype.type(k), number)
+            largest = jnp.where(is_larger, entry, largest)
+        return number
+
+    return at
+
+
+#: Operations that move or number entries, each with its rule for the entry at a place of the result.
 _AT: dict[str, Callable] = {
+    "argmax": _number_of_largest,
     "broadcast_in_dim": _moved(_spread),
     "concatenate": _concatenated,
     "dynamic_slice": _block_of,

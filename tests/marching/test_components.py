@@ -11,9 +11,6 @@ import pytest
 import study
 from study.marching import components, run
 
-#: Name of the scheme whose step calls LAPACK for three unknowns, so that its lanes march as whole arrays.
-WHOLE = "gauss4"
-
 RECORD = np.random.default_rng(1).normal(size=300)
 
 
@@ -72,8 +69,7 @@ def _check_lanes(monkeypatch, name, scheme, dt=0.02, tolerance=1e-9, **more):
     one_by_one = study.run(problem, scheme, **arguments)
     assert (one_by_one.status == 0).all() and np.abs(one_by_one.u.diff("t" if np.ndim(dt) == 0 else "sample")).max() > 0
     monkeypatch.setattr(run, "FEW", 0)
-    if scheme != WHOLE:
-        monkeypatch.setattr(components, "together", None)  # nothing but the start is mapped by jax.vmap
+    monkeypatch.setattr(components, "together", None)  # nothing but the start is mapped by jax.vmap
     lanes = study.run(problem, scheme, **arguments)
     for variable in one_by_one.data_vars:
         size = np.nanmax(np.abs(one_by_one[variable].values))
