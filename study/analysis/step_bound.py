@@ -29,6 +29,8 @@ from study.scheme.newmark import Newmark
 LARGEST, LARGEST_CHANGE = 0.5, 0.5
 #: Ratio of neighbouring distances from rest between which a turning point is sought, and their largest number.
 GROWTH, DISTANCES = 1.002, 20_000
+#: Largest number of hills between two such distances that are searched for a turning point.
+HILLS = 10
 #: Largest rise of a potential between the two farthest places, over its rise beyond the motion, of one with a limit.
 FLAT = 1e-9
 #: Largest part of the changes of the force along an orbit that its tangent may miss, and largest ratio of the tangent
@@ -187,21 +189,32 @@ def _turning_point(problem: Problem, energy: float, rest: float, scale: float) -
     """Nearest displacement beyond rest, in the direction of ``scale``, at which the potential reaches the energy."""
     from scipy import optimize  # here, as this import takes a third of the time of importing the study
 
+    def height(u):
+        return float(_at(problem, np.float64(u))[0]) - energy
+
     places = _places(rest, scale)
-    height = np.asarray(_at(problem, places)[0]) - energy
-    beyond = np.nonzero(~(height < 0))[0]
-    if not len(beyond) or not np.isfinite(height[beyond[0]]):
+    stored, force, _ = map(np.asarray, _at(problem, places))
+    beyond = np.append(~(stored < energy), True).argmax()
+    below, slope, gaps = stored[:beyond], force[:beyond] * np.sign(scale), abs(np.diff(places[:beyond]))
+    # between two places the potential may rise above the energy and fall again
+    hills = (slope[:-1] > 0) & ~(slope[1:] > 0) & (below[:-1] + slope[:-1] * gaps >= energy)
+    tops = (_top(problem, *places[i : i + 2]) for i in np.flatnonzero(hills)[:HILLS])
+    outer = next((top for top in tops if height(top) >= 0), places[beyond] if beyond < len(places) else np.nan)
+    if not np.isfinite(outer) or not np.isfinite(height(outer)):
         raise ValueError(f"'{problem.title}' does not oscillate: no turning point is found on one side of rest.")
-    inner = places[beyond[0] - 1] if beyond[0] else rest
-    return optimize.brentq(
-        lambda u: float(_at(problem, np.float64(u))[0]) - energy, inner, places[beyond[0]], xtol=1e-15 * abs(scale)
-    )
+    inside = places[np.abs(places - rest) < abs(outer - rest)]
+    return optimize.brentq(height, inside[-1] if len(inside) else rest, outer, xtol=1e-15 * abs(scale))
+
+
+def _top(problem: Problem, inner: float, outer: float) -> float:
+    """The displacement between two others at which the force changes its sign."""
+    from scipy import optimize  # here, as this import takes a third of the time of importing the study
+
+    return optimize.brentq(lambda u: float(_at(problem, np.float64(u))[1]), inner, outer)
 
 
 def _barrier(problem: Problem, end: float, rest: float, scale: float) -> float:
     """Height of the potential at the barrier beyond a turning point, or its limit far away, or infinity."""
-    from scipy import optimize  # here, as this import takes a third of the time of importing the study
-
     places = _places(rest, scale)
     stored, force, _ = map(np.asarray, _at(problem, places))
     known = (np.abs(places - rest) > abs(end - rest)) & np.logical_and.accumulate(np.isfinite(stored))
@@ -210,8 +223,7 @@ def _barrier(problem: Problem, end: float, rest: float, scale: float) -> float:
         rise = np.diff(stored[known])
         return float(stored[known][-1]) if known[-1] and rise[-1] <= FLAT * rise.sum() else math.inf
     inner = places[falls[0] - 1] if known[falls[0] - 1] else end
-    top = optimize.brentq(lambda u: float(_at(problem, np.float64(u))[1]), inner, places[falls[0]])
-    return float(_at(problem, np.float64(top))[0])
+    return float(_at(problem, np.float64(_top(problem, inner, places[falls[0]])))[0])
 
 
 @partial(jit, compiler=eqx.filter_jit)

@@ -62,6 +62,14 @@ def test_the_period_of_the_pendulum():
     assert step_bound(PENDULUM, "central_difference").period == pytest.approx(float(exact), rel=1e-12)
 
 
+@pytest.mark.parametrize("u0", [0.5, 0.9995, 0.9997, 0.9999, 0.99995])
+def test_the_period_near_a_hill(u0):
+    """The hills at ±1 lie between two places at which a turning point is sought."""
+    problem = study.Problem(potential=lambda u: u**2 / 2 - u**4 / 4, u0=u0)
+    exact = 4 * mpmath.ellipk(u0**2 / (2 - u0**2)) / mpmath.sqrt(1 - u0**2 / 2)
+    assert step_bound(problem, "central_difference").period == pytest.approx(float(exact), rel=1e-8)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("problem", [PENDULUM, MORSE, MOVING, CUBE], ids=lambda one: one.title)
 @pytest.mark.parametrize("scheme", [study.schemes["central_difference"], study.Newmark(beta=0.2, gamma=0.5)])
