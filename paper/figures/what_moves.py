@@ -1,24 +1,25 @@
 """What moves collapse intensity, drift and residual drift of a yielding mass with P-Δ."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from paper.figures.style import PAGE, curve_styles_in_order, legend_below, letter, panels
-from paper.measures.what_moves import CHOSEN, QUANTITIES, choice_spread, median_changes, record_changes
+from paper.measures.what_moves import CHOSEN, QUANTITIES, SINGLE, choice_spread, median_changes, single_changes
 from paper.products import figure
 
 #: Smallest change in percent that is drawn; smaller ones are drawn there.
 SMALLEST = 0.01
-#: Percentile of the changes of single records.
-SINGLE = 0.95
 
 
 @figure(
     "Change of the median over records of collapse intensity, peak drift and residual drift of a yielding mass with "
     "P-Δ, by step, damping and strength, with 95 % intervals over the records; half of the 95 % interval of the median "
-    "over a choice of records; (d) the change of the peak drift that 95 % of single records do not exceed. "
-    "A drift is missing where most motions collapse.",
+    f"over a choice of records; (d) the change of the peak drift that {100 * SINGLE:g} % of single records do not "
+    "exceed, with its 95 % interval. A drift is missing where most motions collapse.",
 )
 def draw(what_moves: xr.Dataset) -> Figure:
     """A panel for each median, and one for single records; a row for each variant, a marker for each period."""
@@ -32,23 +33,20 @@ def draw(what_moves: xr.Dataset) -> Figure:
         medians = 100 * median_changes(what_moves[name]).sel(variant=variants)
         for p, ((label, look), shift) in enumerate(zip(looks.items(), shifts, strict=True)):
             changes = medians.isel(period=p)
-            size = np.maximum(abs(changes.change), SMALLEST)
             # the interval of the size of a change whose interval contains zero begins at zero
             crosses = (changes.low <= 0) & (changes.high >= 0)
             inner = np.minimum(abs(changes.low), abs(changes.high)).where(~crosses, SMALLEST)
             outer = np.maximum(abs(changes.low), abs(changes.high))
-            place = np.arange(len(variants)) + shift
             style = {"color": look["color"], "marker": look["marker"]}
-            ax.hlines(place, np.maximum(inner, SMALLEST), np.maximum(outer, SMALLEST), color=look["color"], lw=0.9)
-            ax.plot(size, place, linestyle="", markersize=3.5, label=f"period {label}", **style)
+            _sizes(ax, shift, abs(changes.change), inner, outer, label=f"period {label}", **style)
             choices = [100 * choice_spread(what_moves[name], count).isel(period=p).item() for count in CHOSEN]
             ax.plot(choices, len(variants) + np.arange(len(CHOSEN)) + shift, linestyle="", markersize=3.5, **style)
         letter(ax, index, title)
     last = axes[-1]
-    single = 100 * record_changes(what_moves.peak_drift).sel(variant=variants).quantile(SINGLE, "record")
+    single = 100 * single_changes(what_moves.peak_drift).sel(variant=variants)
     for p, ((_, look), shift) in enumerate(zip(looks.items(), shifts, strict=True)):
-        style = {"color": look["color"], "marker": look["marker"], "linestyle": "", "markersize": 3.5}
-        last.plot(np.maximum(single.isel(period=p), SMALLEST), np.arange(len(variants)) + shift, **style)
+        changes = single.isel(period=p)
+        _sizes(last, shift, changes.change, changes.low, changes.high, color=look["color"], marker=look["marker"])
     letter(last, len(QUANTITIES), "single drifts")
     for ax in axes:
         ax.set(xscale="log", xlim=(SMALLEST / 1.5, 400), xlabel="change (%)")
@@ -58,3 +56,10 @@ def draw(what_moves: xr.Dataset) -> Figure:
     axes[0].invert_yaxis()
     legend_below(figure, columns=4)
     return figure
+
+
+def _sizes(ax: Axes, shift: float, size: xr.DataArray, inner: xr.DataArray, outer: xr.DataArray, **look: Any) -> None:
+    """A marker for the size of each change, and a line from the inner to the outer end of its interval."""
+    place = np.arange(len(size)) + shift
+    ax.hlines(place, inner.clip(SMALLEST), outer.clip(SMALLEST), color=look["color"], linewidth=0.9)
+    ax.plot(size.clip(SMALLEST), place, linestyle="", markersize=3.5, **look)

@@ -17,6 +17,8 @@ CHOSEN = (20, 40)
 STEPS = ["spacing", "off", "two", "four"]
 #: Number of resamplings of the records, and percentiles of 95 % intervals.
 RESAMPLED, INTERVAL = 2000, (2.5, 97.5)
+#: Share of single records that do not exceed a change.
+SINGLE = 0.9
 
 
 def _resampled(values: np.ndarray, number: int) -> np.ndarray:
@@ -87,3 +89,21 @@ def record_changes(quantity: xr.DataArray) -> xr.DataArray:
     scale = reference.median("record") if quantity.name == "residual_drift" else reference
     both = np.isinf(quantity) & np.isinf(reference)
     return (abs(quantity - reference) / scale.where(np.isfinite(scale), 1.0)).where(~both)
+
+
+def single_changes(quantity: xr.DataArray) -> xr.Dataset:
+    """The change that ``SINGLE`` of the single records do not exceed, by variant and period, with its 95 % interval.
+
+    The interval is exact for any distribution: its ends are changes of records. An end is NaN if the records are too
+    few for it.
+    """
+    from scipy.stats import quantile_test  # here, as the import takes long
+
+    def quantile(changes: np.ndarray) -> np.ndarray:
+        known = changes[~np.isnan(changes)]
+        interval = quantile_test(known, p=SINGLE).confidence_interval()
+        return np.array([np.quantile(known, SINGLE, method="inverted_cdf"), *interval])
+
+    changes = record_changes(quantity)
+    parts = xr.apply_ufunc(quantile, changes, input_core_dims=[["record"]], output_core_dims=[["part"]], vectorize=True)
+    return parts.assign_coords(part=["change", "low", "high"]).to_dataset("part")

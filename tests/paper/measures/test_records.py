@@ -7,7 +7,7 @@ from scipy import stats
 
 from paper.claims import records
 from paper.measures.record_error import order, predicted, scatter, share_of_runs
-from paper.measures.what_moves import choice_spread, coarsest_step, median_changes, record_changes
+from paper.measures.what_moves import choice_spread, coarsest_step, median_changes, record_changes, single_changes
 from paper.numbers.what_moves import of_what_moves
 
 
@@ -85,6 +85,19 @@ def test_medians_change_by_the_step_and_choices_by_the_records():
     assert record_changes(moves.residual_drift).isel(variant=2, period=0).values == pytest.approx(
         [0.04, 0.08, 0.12, 0.4]
     )
+
+
+def test_the_interval_of_single_changes_covers_in_at_least_95_percent_and_no_wider_one_is_needed():
+    """The number of 100 records below the change that 90 % do not exceed is binomial."""
+    reference = xr.DataArray(np.ones((1, 100)), dims=("period", "record"))
+    drift = xr.concat(
+        [reference, reference + np.arange(1.0, 101.0)], xr.IndexVariable("variant", ["reference", "step"])
+    )
+    single = single_changes(drift.rename("peak_drift")).sel(variant="step").isel(period=0)
+    below = stats.binom(100, 0.9)
+    assert single.change == 90
+    assert below.cdf(single.low - 1) <= 0.025 < below.cdf(single.low)
+    assert below.sf(single.high - 1) <= 0.025 < below.sf(single.high - 2)
 
 
 @pytest.mark.parametrize(
