@@ -1,5 +1,6 @@
 """Orders and errors of schemes on forces with kinks."""
 
+import numpy as np
 import xarray as xr
 
 #: Problems whose force depends on the history of the motion.
@@ -12,8 +13,20 @@ LOST, GAINED = 3.0, 1.5
 
 
 def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
-    """Error of central difference with 4N steps per period divided by the error of Runge-Kutta with N, along N."""
-    four_times = 4 * kinks.steps_per_period
-    steps = kinks.steps_per_period[four_times.isin(kinks.steps_per_period)]
-    central = kinks.error.sel(scheme="central_difference", steps_per_period=(4 * steps).values)
-    return central.assign_coords(steps_per_period=steps.values) / kinks.error.sel(scheme="rk4", steps_per_period=steps)
+    """Error of central difference over that of Runge-Kutta with as many forces, along the steps of Runge-Kutta.
+
+    The error of central difference is interpolated between the steps tried, both as logarithms. The ratio is NaN where
+    central difference would need more steps than were tried.
+    """
+    forces, error = (
+        np.log(values) for values in (kinks.steps_per_period * kinks.force_evaluations_per_step, kinks.error)
+    )
+
+    def ratio(wanted: np.ndarray, of_wanted: np.ndarray, forces: np.ndarray, errors: np.ndarray) -> np.ndarray:
+        return np.exp(np.interp(wanted, forces, errors, right=np.nan) - of_wanted)
+
+    arguments = [values.sel(scheme=name) for name in ("rk4", "central_difference") for values in (forces, error)]
+    along = [["steps_per_period"]]
+    return xr.apply_ufunc(
+        ratio, *arguments, input_core_dims=4 * along, output_core_dims=along, vectorize=True
+    ).transpose("steps_per_period", ...)

@@ -35,7 +35,7 @@ def of_kinks(kinks: xr.Dataset, reference: xr.Dataset) -> dict:
     rk4_order = kinks.observed_order.sel(scheme="rk4", problem=KINKED)
     average, rk4 = (kinks.error.sel(scheme=name) for name in ("average_acceleration", "rk4"))
     gain = {p: (average / rk4).sel(problem=p) for p in ("hardening", *KINKED)}
-    equal = {p: at_equal_forces(kinks).sel(problem=p) for p in KINKED}
+    equal = at_equal_forces(kinks).sel(problem=KINKED).dropna("steps_per_period")
     dividing = kinks.sel(problem="shaken")
     average_dividing, rk4_dividing = (dividing.dividing_error.sel(scheme=s) for s in ("average_acceleration", "rk4"))
     highest = kinks.observed_order.sel(problem=REMEMBER).max()
@@ -48,8 +48,8 @@ def of_kinks(kinks: xr.Dataset, reference: xr.Dataset) -> dict:
         ),
         "order_lost_on_kinks": bool((rk4_order < LOST).all()),
         "accuracy_kept_on_kinks": all(bool((gain[p] > GAINED).all()) for p in KINKED),
-        **{f"kinks_equal_{p}": span(ratio, ".2g") for p, ratio in equal.items()},
-        "kinks_equal_finest": int(at_equal_forces(kinks).steps_per_period.max()),
+        **{f"kinks_equal_{p}": span(equal.sel(problem=p), ".2g") for p in KINKED},
+        "kinks_equal_finest": int(equal.steps_per_period.max()),
         "kinks_highest_order": f"{float(highest):.0f}",
         "balance_is_no_verdict": bool(
             balance.max() < KEPT and coarsest.error.sel(average_on_yielding) > 1e4 * balance.max() / 100

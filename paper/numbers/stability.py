@@ -99,6 +99,7 @@ def of_stability(
         "twenty_not_everywhere": bool((on_springs <= 10).all() and (at_all_amplitudes > 20).any()),
         "chaos_before_roots": bool(onset < several),
         "chaos_from": f"{onset:.2f}",
+        "chaos_to": f"{bifurcation.step_size.values[-1]:g}",
         "chaotic_exponent": f"{CHAOTIC:g}",
         "chaos_of_order_share": f"{100 * chaotic[onset_at:].mean():.0f}",
         "unique_average_acceleration": f"{several.item():.2f}",

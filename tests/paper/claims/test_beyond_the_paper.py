@@ -62,6 +62,10 @@ def _kinks(gain=10.0, order=2.0, imbalance=1e-15, equal=1.0):
     return xr.Dataset(
         {
             "error": (("problem", "scheme", "steps_per_period"), error),
+            "force_evaluations_per_step": (
+                ("problem", "scheme", "steps_per_period"),
+                np.broadcast_to([[1.0], [4.0], [1.0]], (3, 3, 2)),
+            ),
             "observed_order": (("problem", "scheme"), np.full((3, 3), order)),
             "max_energy_imbalance": (("problem", "scheme", "steps_per_period"), np.full((3, 3, 2), imbalance)),
         },
