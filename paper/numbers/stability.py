@@ -67,9 +67,9 @@ def of_stability(
 ) -> dict:
     """Outcomes on the maps, several roots of a step, onset of chaos, and steps that suffice at all amplitudes."""
     chaotic = (bifurcation.lyapunov_exponent * bifurcation.step_size > CHAOTIC).values.astype(int)
-    onset_at = chaotic.argmax()
-    onset = bifurcation.step_size.values[onset_at]
+    onset = bifurcation.step_size.values[chaotic.argmax()]
     several = roots.unique_up_to.sel(scheme="average_acceleration")
+    unique = ((bifurcation.step_size >= onset) & (bifurcation.step_size < several)).values
     # NaN for step sizes that are not between the onset of chaos and the onset of several roots
     in_chaos = roots.steps_together.where((roots.step_size >= onset) & (roots.step_size < several))
     lost_left = _lost_left_of_the_limit(atlas, spectral)
@@ -99,9 +99,8 @@ def of_stability(
         "twenty_not_everywhere": bool((on_springs <= 10).all() and (at_all_amplitudes > 20).any()),
         "chaos_before_roots": bool(onset < several),
         "chaos_from": f"{onset:.2f}",
-        "chaos_to": f"{bifurcation.step_size.values[-1]:g}",
         "chaotic_exponent": f"{CHAOTIC:g}",
-        "chaos_of_order_share": f"{100 * chaotic[onset_at:].mean():.0f}",
+        "chaos_of_order": f"{chaotic[unique].sum()} of the {unique.sum()}",
         "unique_average_acceleration": f"{several.item():.2f}",
         "together": f"{in_chaos.median().item():.0f}",
         "together_span": span(in_chaos, ".0f"),
