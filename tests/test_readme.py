@@ -220,6 +220,13 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     from_rest = runs.error.sel(periods=100).swap_dims(size="steps_per_period").dropna("steps_per_period")
     (stated,) = _stated(r"Central difference: (\d+) steps, ωΔt = 0\.015")
     assert least_number(from_rest <= 0.01, "steps_per_period") < stated
+    needed = study.open_dataset("spectrum", results).largest_step_size
+    at = {"scheme": "average_acceleration", "condition": "practice"}
+    steps = needed.sel(at).min(["record", "reduction"]).sel(period=[0.2, 0.5, 1, 2])
+    assert "with 4, 20/3, 10 and 20 ms at 0.2, 0.5, 1 and 2 s" in words
+    np.testing.assert_allclose(1e3 * steps, [4, 20 / 3, 10, 20])
+    turns = f"Over {n['fails_longer_periods']} turns average acceleration fails with up to {n['fails_longer_to']} steps"
+    assert f"{turns}, and the energy-momentum method at no step tried." in words and n["momentum_method_stable"]
     assert n["moves_periods"].startswith("0.2, ") and n["moves_periods"].endswith(" and 2")
     assert n["model_is_a_bound"] and "does not become stiffer than the model" in words
     law = "From {known} to {extrapolated} periods of two springs from rest, the next finer step tried "

@@ -29,6 +29,7 @@ def of_other_programs() -> dict:
         "kit_cases": len(opensees["cases"]),
         "kit_opensees": f"{opensees['tool']} {opensees['version']}",
         "kit_opensees_passed": opensees["counts"]["pass"],
+        "kit_opensees_cases": sum(opensees["counts"].values()) - opensees["counts"]["skip"],
         "kit_opensees_from_zero_passed": from_zero["counts"]["pass"],
         "kit_opensees_order": _observed_order("opensees.json"),
     }

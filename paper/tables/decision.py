@@ -87,7 +87,7 @@ def beware(decided: xr.Dataset) -> str:
     """Remark if other schemes or steps are chosen where the whole motion must be right."""
     row, whole = decided.sel(filter="all"), decided.sel(filter="whole_motion")
     same = (row.scheme == whole.scheme) & ((row.step_size == whole.step_size) | row.step_size.isnull())
-    return "" if (same | (whole.verdict == NO_VALUE)).all() else "the whole motion needs other steps"
+    return "" if (same | (whole.verdict == NO_VALUE)).all() else "the whole motion needs other steps at some error"
 
 
 def limits_of(spectral: xr.Dataset) -> dict[str, float]:

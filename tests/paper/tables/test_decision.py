@@ -49,7 +49,7 @@ def test_a_row_has_scheme_step_cost_and_limit(datasets):
 
 def test_a_row_in_which_the_whole_motion_needs_other_steps_is_marked(datasets):
     remarks = [row["Beware of"] for row in _rows(tabulate(**datasets))]
-    assert remarks == ["the whole motion needs other steps"] * 3 + [""] * 9
+    assert remarks == ["the whole motion needs other steps at some error"] * 3 + [""] * 9
 
 
 def test_the_price_of_the_whole_motion_is_stated_where_it_differs(monkeypatch):
