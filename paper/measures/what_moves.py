@@ -95,12 +95,14 @@ def single_changes(quantity: xr.DataArray) -> xr.Dataset:
     """The change that ``SINGLE`` of the single records do not exceed, by variant and period, with its 95 % interval.
 
     The interval is exact for any distribution: its ends are changes of records. An end is NaN if the records are too
-    few for it.
+    few for it, and all are NaN where no record has a change.
     """
     from scipy.stats import quantile_test  # here, as the import takes long
 
     def quantile(changes: np.ndarray) -> np.ndarray:
         known = changes[~np.isnan(changes)]
+        if not known.size:
+            return np.full(3, np.nan)
         interval = quantile_test(known, p=SINGLE).confidence_interval()
         return np.array([np.quantile(known, SINGLE, method="inverted_cdf"), *interval])
 

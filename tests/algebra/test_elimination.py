@@ -51,7 +51,7 @@ def test_tridiagonal_elimination_of_any_length(make, n):
 @pytest.mark.parametrize("half_bandwidth", [2, 3, 7])
 @pytest.mark.parametrize("more", [1, 6, 8])
 def test_elimination_of_blocks(make, half_bandwidth, more):
-    """The last block may be complete or incomplete; LAPACK solves blocks of more than eight unknowns."""
+    """The last block may be complete or incomplete; blocks of more than four unknowns are eliminated in a loop."""
     n = half_bandwidth + more
     rng = np.random.default_rng(n)
     full, rhs = make.dominant(rng, n, half_bandwidth), rng.normal(size=n)

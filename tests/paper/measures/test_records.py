@@ -100,6 +100,12 @@ def test_the_interval_of_single_changes_covers_in_at_least_95_percent_and_no_wid
     assert below.sf(single.high - 1) <= 0.025 < below.sf(single.high - 2)
 
 
+def test_where_both_motions_collapse_under_all_records_no_single_change_is_known():
+    drift = xr.DataArray(np.full((2, 1, 9), np.inf), dims=("variant", "period", "record"))
+    drift = drift.assign_coords(variant=["reference", "step"]).rename("peak_drift")
+    assert single_changes(drift).to_array().isnull().all()
+
+
 @pytest.mark.parametrize(
     "changes, coarsest",
     [
