@@ -148,6 +148,7 @@ def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
         "jumps": f"{runs.changes_of_sign.median().item():.0f}",
         "jumps_mostly": span(runs.changes_of_sign.quantile([0.05, 0.95]), ".0f"),
         "starts": runs.sizes["start"],
+        "further_starts": parted.sizes["start"],
         "starts_within": number(sensitivity.perturbation.item() * np.ptp(sensitivity.start.values), 2),
         "steps_to_diverge": span(parted, ".0f") if parted.min() > 0 else None,
         "fails_central_difference": int(portrait.failed_at_step.sel(scheme="central_difference")),

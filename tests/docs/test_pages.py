@@ -1,5 +1,6 @@
 """Pages that are written by hand, and the step of the pipeline that builds the site."""
 
+import ast
 import inspect
 import json
 import re
@@ -95,6 +96,15 @@ def test_expressions_of_a_page_use_its_python_the_numbers_and_words(tmp_path):
     shown, names = executed.run(page, results)
     assert shown == page + "\n```text\n2.5\n```\n"
     assert eval('n["claims"], number(top), listed("ab")', names) == ("56", "2.5", "a and b")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=_relative)
+def test_a_page_prints_numbers_of_the_article_as_they_are(page):
+    """Arithmetic on a number of the article, which is a text."""
+    for expression in re.findall(r"\{eval\}`([^`]+)`", page.read_text()):
+        for node in ast.walk(ast.parse(expression, mode="eval")):
+            if isinstance(node, ast.BinOp | ast.Call):
+                assert not re.search(r"\bn\[", ast.unparse(node)), expression
 
 
 @pytest.mark.parametrize("page", GALLERY, ids=_relative)
