@@ -103,13 +103,15 @@ def times_of_steps(problem: Problem, scheme: Scheme, steps_by_dt: dict[float, in
     call, _ = min(repeated(max(steps_by_dt), 1))
     times = {}
     for dt, steps in sorted(steps_by_dt.items(), reverse=True):
-        first = min(steps, MOST_TIMED)
-        once = max(timed.run(dt, first)[0] - call, ENOUGH * first / MOST_TIMED)
-        timed_steps = max(first, int(first * ENOUGH / once))
+        timed_steps = min(steps, MOST_TIMED)
         runs = repeated(dt, timed_steps)
-        # steps beyond the wanted number may fail; the run is then timed without them
-        if not all(completed for _, completed in runs):
-            timed_steps, runs = first, repeated(dt, first)
+        once = max(min(runs)[0] - call, ENOUGH * timed_steps / MOST_TIMED)
+        if once < ENOUGH:
+            more = int(timed_steps * ENOUGH / once)
+            longer = repeated(dt, more)
+            # steps beyond the wanted number may fail; the run is then timed without them
+            if all(completed for _, completed in longer):
+                timed_steps, runs = more, longer
         shortest, low, high = np.quantile([seconds for seconds, _ in runs], [0.0, 0.25, 0.75])
         less = call if shortest > 2 * call else 0.0
         times[dt] = float((shortest - less) * steps / timed_steps), float((high - low) * steps / timed_steps)
