@@ -1,6 +1,6 @@
 """Random mutants of the code, made by cosmic-ray, and the first test that catches each of them.
 
-``.venv/bin/uv run --with cosmic-ray tools/mutants.py 120 1 results/mutants.csv -m "not pipeline and not exhaustive"``
+``.venv/bin/uv run --no-sync --with cosmic-ray tools/mutants.py 120 1 mutants.csv -m "not pipeline and not exhaustive"``
 makes 120 mutants with the seed 1 in a copy of the project. The arguments after the table go to pytest. The tests that
 mirror the changed file run first, and all others only if these catch nothing.
 """
