@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import unicodedata
+from fractions import Fraction
 from pathlib import Path
 
 import jax.numpy as jnp
@@ -82,7 +83,8 @@ def test_the_texts_state_how_limits_depend_on_damping():
     def limit(scheme: str, damping_ratio: float) -> float:
         return study.LinearTheory(scheme, np.linspace(0.01, 0.7, 100), damping_ratio).stability_limit()
 
-    assert "damping lowers that of Noh-Bathe" in README
+    (lowered,) = re.findall(r"Damping of 5 % lowers the limit of Noh-Bathe to ([\d.]+)\.", " ".join(README.split()))
+    assert lowered == up_to(limit("noh_bathe", 0.05))
     pattern = r"of Noh-Bathe falls with damping: to ([\d.]+) at 5 % of critical and ([\d.]+) at 50 %"
     (falls,) = re.findall(pattern, ANSWERS)
     assert [*falls] == [up_to(limit("noh_bathe", ratio)) for ratio in (0.05, 0.5)]
@@ -220,15 +222,23 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     from_rest = runs.error.sel(periods=100).swap_dims(size="steps_per_period").dropna("steps_per_period")
     (stated,) = _stated(r"Central difference: (\d+) steps, ωΔt = 0\.015")
     assert least_number(from_rest <= 0.01, "steps_per_period") < stated
-    needed = study.open_dataset("spectrum", results).largest_step_size
-    at = {"scheme": "average_acceleration", "condition": "practice"}
-    steps = needed.sel(at).min(["record", "reduction"]).sel(period=[0.2, 0.5, 1, 2])
-    assert "with 4, 20/3, 10 and 20 ms at 0.2, 0.5, 1 and 2 s" in words
-    np.testing.assert_allclose(1e3 * steps, [4, 20 / 3, 10, 20])
+    needed = study.open_dataset("spectrum", results).largest_step_size.sel(
+        condition="practice", period=[0.2, 0.5, 1, 2]
+    )
+    for name, stated in {
+        "noh_bathe": "10, 20, 20 and 20 ms with Noh-Bathe",
+        "fox_goodwin": "20/3, 10, 20 and 20 ms with Fox-Goodwin",
+        "average_acceleration": "4, 20/3, 10 and 20 ms with average acceleration",
+    }.items():
+        milliseconds = [float(Fraction(number)) for number in re.findall(r"[\d/]+", stated)]
+        assert stated in words
+        np.testing.assert_allclose(1e3 * needed.sel(scheme=name).min(["record", "reduction"]), milliseconds)
     turns = f"Over {n['fails_longer_periods']} turns average acceleration fails with up to {n['fails_longer_to']} steps"
-    assert f"{turns}, and the energy-momentum method at no step tried." in ANSWERS and n["momentum_method_stable"]
+    assert f"{turns}." in words and f"{turns}, and the energy-momentum method at no step tried." in ANSWERS
+    assert n["momentum_method_stable"]
     assert n["moves_periods"].startswith("0.2, ") and n["moves_periods"].endswith(" and 2")
-    assert n["model_is_a_bound"] and "does not become stiffer than the model" in ANSWERS
+    assert n["model_is_a_bound"]
+    assert all("does not become stiffer than the model" in text for text in (words, ANSWERS))
     law = "From {known} to {extrapolated} periods of two springs from rest, the next finer step tried "
     law += "(up to {finer} % finer) keeps an error of {allowed} % in {cases_kept} of {cases} cases, "
     law += "and the largest error is {most} %."
