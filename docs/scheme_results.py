@@ -108,7 +108,8 @@ def energy(subject: "Subject", data: Mapping[str, Any]) -> str:
                 row.append(f"{value:.1f}")  # one decimal, as in the paper
             row.append(number(runs.sel(problem=problem, steps_per_period=steps).item()))
         rows.append(row)
-    errors = "Largest energy error over 100 periods, in percent:\n\n" + table(head, rows, numbers_from=0)
+    words = "Largest energy error in percent over 100 periods, which are those that the paper prints, rounded:"
+    errors = f"{words}\n\n{table(head, rows, numbers_from=0)}"
     return f"{errors}\n\n{_times_of_1996(subject.name, titles)}" if known else errors
 
 
@@ -180,10 +181,8 @@ def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:
         status = runs.status.sel(problem=problem).values
         if status.any():
             first = int(np.argmax(status != 0))
-            part = runs.step_size_over_period.values[first]
-            failures.append(
-                f"on the {title} at {number(1 / part)} steps per period ({_FAILURES[names[int(status[first])]]})"
-            )
+            steps, how = number(1 / runs.step_size_over_period.values[first]), _FAILURES[names[int(status[first])]]
+            failures.append(f"on the {title} at {steps} steps per printed period ({how})")
     if not failures:
         return (
             "At the amplitudes of 1996 every run finds a solution at each step, down to one step a period. The motion "

@@ -41,9 +41,9 @@ def classify(run: xr.Dataset) -> np.ndarray:
 
 
 @figure(
-    "Largest energy error over 100 periods, or the failure, of every scheme of 1996 over the step size. Dashed "
-    "lines: the step T/20 that Xie (1996) finds reasonable for two of them, and T/5, above which he expects "
-    "failures.",
+    "Largest energy error over 100 periods, or the failure, of every scheme of 1996 over the step size; T is the "
+    "rounded period that Xie (1996) prints. Dashed lines: the step T/20 that he finds reasonable for two of them, and "
+    "T/5, above which he expects failures.",
     requires={"large_steps.schemes": SCHEMES, "large_steps.step_size_over_period": rising},
 )
 def draw(large_steps: xr.Dataset) -> Figure:
