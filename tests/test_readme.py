@@ -212,12 +212,10 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     assert right.mean() < PIXELS, f"copy {PICTURE}.png to .github/cost.png"
     assert by_model(results) in README
     n, words = json.loads((results / "numbers.json").read_text()), " ".join(README.split())
-    assert f"Over n > {n['decided_periods']} periods" in words and f"Over n > {n['decided_periods']} periods" in ANSWERS
+    assert f"Over n > {n['decided_periods']} periods" in words
     partly = f"wrong at some of the steps for these kinds: {n['models_partly']}."
-    assert partly in words and partly in ANSWERS
+    assert partly in words
     assert n["moves_step_is_least"]
-    moved = f"For a median over records every {n['moves_spacing']} ms the spacing is fine enough: "
-    assert f"{moved}with {n['moves_scheme']} and a yielding mass of 0.2 to 2 s" in ANSWERS
     runs = study.open_dataset("runs/softening", results).sel(scheme="central_difference", quantity="displacement")
     from_rest = runs.error.sel(periods=100).swap_dims(size="steps_per_period").dropna("steps_per_period")
     (stated,) = _stated(r"Central difference: (\d+) steps, ωΔt = 0\.015")
@@ -234,16 +232,11 @@ def test_the_results_of_the_readme_are_those_of_the_study():
         assert stated in words
         np.testing.assert_allclose(1e3 * needed.sel(scheme=name).min(["record", "reduction"]), milliseconds)
     turns = f"Over {n['fails_longer_periods']} turns average acceleration fails with up to {n['fails_longer_to']} steps"
-    assert f"{turns}." in words and f"{turns}, and the energy-momentum method at no step tried." in ANSWERS
+    assert f"{turns}." in words
     assert n["momentum_method_stable"]
     assert n["moves_periods"].startswith("0.2, ") and n["moves_periods"].endswith(" and 2")
     assert n["model_is_a_bound"]
     assert all("does not become stiffer than the model" in text for text in (words, ANSWERS))
-    law = "From {known} to {extrapolated} periods of two springs from rest, the next finer step tried "
-    law += "(up to {finer} % finer) keeps an error of {allowed} % in {cases_kept} of {cases} cases, "
-    law += "and the largest error is {most} %."
-    names = "known", "extrapolated", "finer", "allowed", "cases_kept", "cases", "most"
-    assert law.format(**{name: n[f"growth_{name}"] for name in names}) in ANSWERS
 
 
 @pytest.mark.parametrize("name", TEXTS)
