@@ -231,8 +231,8 @@ def test_the_results_of_the_readme_are_those_of_the_study():
         milliseconds = [float(Fraction(number)) for number in re.findall(r"[\d/]+", stated)]
         assert stated in words
         np.testing.assert_allclose(1e3 * needed.sel(scheme=name).min(["record", "reduction"]), milliseconds)
-    turns = f"Over {n['fails_longer_periods']} turns average acceleration fails with up to {n['fails_longer_to']} steps"
-    assert f"{turns}." in words
+    turns = f"Over {n['fails_longer_periods']} turns the energy of average acceleration is wrong by more than "
+    assert f"{turns}{n['balance_allowed']} % with up to {n['fails_longer_to']} steps." in words
     assert n["momentum_method_stable"]
     assert n["moves_periods"].startswith("0.2, ") and n["moves_periods"].endswith(" and 2")
     assert n["model_is_a_bound"]

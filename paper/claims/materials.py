@@ -13,8 +13,8 @@ from paper.wording import listed, number, with_interval
 @claim(
     "materials",
     "Once materials are non-linear, the order of a scheme does not matter.",
-    "smallest ratio of the error of average acceleration to that of Runge-Kutta at equal steps; the same of central "
-    "difference at equal numbers of forces; order of Runge-Kutta",
+    "smallest ratio, over all steps tried, of the error of average acceleration to that of Runge-Kutta at equal steps; "
+    "the same of central difference at equal numbers of forces; order of Runge-Kutta",
     whose=PRACTICE,
     requires={
         "kinks.problems": REMEMBER,
@@ -53,7 +53,8 @@ def balance_is_a_verdict(kinks):
 @claim(
     "materials",
     "Twenty steps in a period are enough for the peak drift.",
-    "steps in a period that average acceleration needs for the peak drift within the allowed error, by period",
+    "steps in a period that average acceleration needs, among all steps tried, for the peak drift within the allowed "
+    "error, by period",
     whose=PRACTICE,
     requires={"spectrum.schemes": ["average_acceleration"]},
 )

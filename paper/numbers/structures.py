@@ -163,6 +163,7 @@ def of_structures(
         "trapezoidal_fails_turning": bool(limits["average_acceleration"][0] > 0),
         "momentum_method_stable": bool(np.isnan(limits["energy_momentum"][0]))
         and all(limits[name][0] > 0 for name in UNDAMPED),
+        "balance_allowed": f"{REASONABLE:g}",
         "structure_tolerance": f"{np.log10(reference.rtol):.0f}",
         "turning_limit": _between(limits["average_acceleration"]),
         "turning_periods": _periods(structures.periods.sel(problem=runs.problem)),

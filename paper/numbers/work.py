@@ -88,15 +88,15 @@ def _starts(decisions: xr.Dataset) -> dict[str, str | None]:
 def _further_runs(runs: xr.Dataset) -> dict[str, str | None]:
     """Median distance in percent of the steps next to whole parts of the period, None without them, and durations.
 
-    The durations are those in periods for which no step is recommended.
+    The durations, in periods, are those beyond the one for which steps are decided.
     """
     confirming = runs.steps_per_period.values[runs.proposed.values == 0]
     distance = abs(confirming / np.rint(confirming) - 1)
     beside = distance[(distance > ROUND_OFF) & (distance < NEXT_TO_WHOLE)]
-    others = runs.periods.values[runs.periods.values != runs.decided.item()]
+    longer = runs.periods.values[runs.periods.values > runs.decided.item()]
     return {
         "beside": f"{100 * np.median(beside):.2g}" if beside.size else None,
-        "other_durations": listed(f"{periods:g}" for periods in others),
+        "longer_durations": listed(f"{periods:g}" for periods in longer),
     }
 
 

@@ -34,5 +34,5 @@ def test_steps_next_to_whole_parts_of_the_period_and_further_durations():
     known = {"steps_per_period": ("size", [39.9, 41 + 1e-13, 40.004, 42.0042, 43.0043, 45.0004])}
     known["proposed"] = ("size", [0, 0, 0, 1, 0, 0])
     runs = xr.Dataset(coords=known | {"periods": [50.0, 100.0, 150.0], "decided": 100})
-    assert _further_runs(runs) == {"beside": "0.01", "other_durations": "50 and 150"}
+    assert _further_runs(runs) == {"beside": "0.01", "longer_durations": "150"}
     assert _further_runs(runs.isel(size=[0, 1]))["beside"] is None
