@@ -133,7 +133,8 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
     scheme, theory = subject.scheme, subject.theory
     name = html.escape(scheme.doi)
     doi = f', <a href="https://doi.org/{name}">doi:{name}</a>' if name else ""
-    damped = "" if scheme.order_with_damping == scheme.order else f", {scheme.order_with_damping} with damping or load"
+    least = scheme.order_with_damping
+    damped = f", at least {least} with damping or load" if least < scheme.order else ""
     order = theory.linear.linear_order.item()
     measured = f"{number(order)} on the linear oscillator, {number(theory.order_with_damping)} with damping"
     if scheme.order < round(order):

@@ -16,7 +16,7 @@ COLUMNS = {
     "scheme": "",
     "family": "",
     "kind": "",
-    "order": "claimed order without damping and load; in brackets the order with them, if it differs",
+    "order": "claimed order without damping and load; in brackets the least order with them, if it differs",
     "largest stable ωΔt": "without damping",
     "ρ∞": "spectral radius at infinite frequency",
     "period, %": f"relative error of the period at {STEPS} steps a period, in linear theory",

@@ -196,7 +196,7 @@ def _good(subject: "Subject", library: "Library") -> Iterator[str]:
     if min(scheme.order, scheme.order_with_damping) >= 4:
         yield f"small errors, as its order is {min(scheme.order, scheme.order_with_damping)}"
     elif scheme.order >= 4:
-        yield f"small errors without damping and load, where its order is {scheme.order}"
+        yield f"small errors without damping, where its order is {scheme.order}"
 
 
 def _bad(subject: "Subject", library: "Library") -> Iterator[str]:

@@ -39,7 +39,7 @@ def scheme_coordinates(names: Sequence[str]) -> dict:
         "order_with_damping": (
             "scheme",
             [s.order_with_damping for s in chosen],
-            {"long_name": "order of accuracy with damping or a load", "units": "1"},
+            {"long_name": "least order of accuracy with damping or a load", "units": "1"},
         ),
         "order_of_loss": (
             "scheme",

@@ -168,7 +168,8 @@ class Scheme(KeywordsOnly, eqx.Module):
 
     def __repr__(self) -> str:
         kind, summary = type(self).__name__, (type(self).__doc__ or "").partition("\n")[0]
-        damped = "" if self.order_with_damping == self.order else f" ({self.order_with_damping} with damping or load)"
+        least = self.order_with_damping
+        damped = f" (at least {least} with damping or load)" if least < self.order else ""
         named = {None: "", 0.0: ", unstable without damping", np.inf: ", unconditionally stable for linear systems"}
         limit = self.stability_limit
         stable = named[limit] if limit in named else f", stable for ωΔt ≤ {limit:.4g}"
