@@ -103,10 +103,12 @@ def high_frequencies(theory: Theory) -> str:
 def overshoot(theory: Theory) -> str:
     """Exponents of growth in the first step, and the largest overshoot within 64 steps, in a phrase.
 
-    For a scheme with a stability limit, the phrase states that the limit bounds the overshoot.
+    It is not given for a scheme with a stability limit, near which it may be large, or without a stable step.
     """
+    if theory.limit == 0:
+        return "every step, as the scheme is unstable without damping"
     if not math.isinf(theory.limit):
-        return "bounded by the stability limit"
+        return "not given, as there is a stability limit; near the limit it may be large"
     linear = theory.linear
     u_from_u, v_from_u, u_from_v, v_from_v = (
         round(linear[f"growth_{name}"].item()) for name in ("u_from_u", "v_from_u", "u_from_v", "v_from_v")
