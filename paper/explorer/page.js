@@ -89,14 +89,14 @@ function rowsOf(explicit) {
   }).join("")
 }
 
-// The decisions of the study on the chosen spring, from its own start, as a list; empty without a decision.
+// The decisions of the study on the chosen spring as a list; empty without a decision.
 function decisionsOf({problem, error}) {
   const {name, unit} = meta.problems[problem]
   const of = meta.decisions.filter((one) => one.problem === name && Math.abs(one.error / error - 1) < 1e-9)
   const items = of.map(({quantity, kind, title, steps}) => `<li>${quantity}, ${kind}: ${title
     ? `${escaped(title)}, ${steps} steps a period` : "no step that was tried"}</li>`)
-  return of.length ? `<p class="note">From u₀ = ${short(unit)}, an error within ${error}\u00a0% over ${of[0].periods}
-    periods needs the fewest forces, or up to a tenth more, with:</p><ul class="decisions">${items.join("")}</ul>` : ""
+  return of.length ? `<p class="note">From ${of[0].starts} starts of the motion of u₀ = ${short(unit)}, at rest and in
+    motion, an error within ${error}\u00a0% over ${of[0].periods} periods needs the fewest forces, or up to a tenth more, with:</p><ul class="decisions">${items.join("")}</ul>` : ""
 }
 
 function drawAnswer() {

@@ -70,7 +70,7 @@ def _decisions(decisions: xr.Dataset) -> list[dict[str, Any]]:
                 "title": decision.scheme_title.item(),
                 "steps": steps_of(decision) if decision.step_size > 0 else "",
             }
-            choices.append(row | shown | {"periods": decision.decided.item()})
+            choices.append(row | shown | {"periods": decision.decided.item(), "starts": decision.starts.item()})
     return choices
 
 

@@ -26,7 +26,7 @@ def answers(decisions: xr.Dataset) -> dict[str, xr.Dataset]:
 
     A model whose problem was not run is left out.
     """
-    chosen = decisions.sel(filter=FILTER).sel(allowed_error=ERROR, method="nearest")
+    chosen = decisions.sel(filter=FILTER, allowed_error=ERROR)
     return {
         model: chosen.sel(problem=problem, quantity=quantity)
         for model, (problem, quantity) in MODELS.items()
@@ -42,7 +42,7 @@ def _measured(decision: xr.Dataset) -> str:
     return f"{title}, {periods} period{'' if periods == '1' else 's'}"
 
 
-@table("Schemes and steps by kind of model", requires=REQUIRES)
+@table("Schemes and steps by kind of model", requires={**REQUIRES, "runs.allowed_errors": [ERROR]})
 def tabulate(decisions: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
     """One row per kind of model: the explicit and the implicit scheme with their steps and Δt·ω, and what was run."""
     limits, rows = limits_of(spectral), []

@@ -16,13 +16,16 @@ def _steps(need: xr.Dataset) -> str:
     return f"{need.steps_per_period.item():,.1f}".removesuffix(".0") if need.step_size > 0 else "–"
 
 
-@table("Steps for the displacement and for the whole motion", requires={"runs.schemes": SHOWN[:2]})
+@table(
+    "Steps for the displacement and for the whole motion",
+    requires={"runs.schemes": SHOWN[:2], "runs.allowed_errors": [ERROR]},
+)
 def tabulate(needs: xr.Dataset) -> pd.DataFrame:
     """One row per problem on which a scheme needs other steps for :data:`study.runs.needs.WHOLE_MOTION`.
 
     A cell has the steps in a period for the displacement alone and for the whole motion.
     """
-    at = needs.sel(allowed_error=ERROR, method="nearest").sel(quantity="displacement")
+    at = needs.sel(allowed_error=ERROR, quantity="displacement")
     at = at.sel(scheme=[name for name in SHOWN if name in at.scheme.values])
     rows = []
     for problem in at.problem.values:

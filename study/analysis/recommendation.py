@@ -70,12 +70,12 @@ def chosen(
     """
     quantity = quantities[0] if quantity is None else quantity
     if quantity not in quantities:
-        raise UnknownName(f"the assessment has no quantity {quantity!r}; {did_you_mean(quantity, quantities)}")
+        raise UnknownName(f"no error was measured of the quantity {quantity!r}; {did_you_mean(quantity, quantities)}")
     limits = dataset.allowed_error.values
     if not np.isclose(limits, error, rtol=1e-9, atol=0).any():
         raise ValueError(
             f"allowed_error must be one that was assessed, {', '.join(f'{x:g}' for x in limits)}, not {error:g}; "
-            "assess with allowed_errors=[...] for others."
+            "allowed_errors of study.assess, or of the section runs of the configuration, sets others."
         )
     return quantity, dataset.sel(quantity=quantity).sel(allowed_error=error, method="nearest")
 

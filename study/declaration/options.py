@@ -127,6 +127,8 @@ RecordDuration = Annotated[float, Ge(1), Le(100)]
 RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(rising)]
 Sizes = Annotated[list[Size], _FEW, _DISTINCT]
 Tolerances = Annotated[list[Tolerance], _FEW, _DISTINCT]
+#: Allowed errors in descending order.
+FallingErrors = Annotated[list[Tolerance], _FEW, _DISTINCT, Checked(_falling)]
 #: Tolerances of solvers in descending order, at most 0.1 because larger tolerances lose the motion.
 FallingTolerances = Annotated[list[Annotated[float, Ge(1e-15), Le(0.1)]], _FEW, _DISTINCT, Checked(_falling)]
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 from study import io
 from study.declaration.experiment import Options, experiment, progress
-from study.declaration.options import PlainNames, Tolerances
+from study.declaration.options import FallingErrors, PlainNames
 from study.experiments import coordinates
 from study.marching.timing import Timed
 from study.problem.named import problems as problems_by_name
@@ -56,7 +56,7 @@ def computing_times(needed: xr.Dataset) -> xr.DataArray:
     options=_options,
     reads=lambda options: [f"runs/{problem}" for problem in options["problems"]],
 )
-def needs_and_decisions(problems: PlainNames, allowed_errors: Tolerances) -> tuple[xr.Dataset, xr.Dataset]:
+def needs_and_decisions(problems: PlainNames, allowed_errors: FallingErrors) -> tuple[xr.Dataset, xr.Dataset]:
     """Find what each scheme needs on each problem, and the cheapest scheme of each kind.
 
     ``needs`` is over (problem, scheme, quantity, allowed_error, condition), as :func:`study.runs.needs.of_problems`

@@ -14,7 +14,7 @@ from study import io
 from study.assessment.reference import NoReference
 from study.assessment.search import spacing
 from study.declaration.experiment import Options, experiment, progress
-from study.declaration.options import Checked, Count, ProblemName, Schemes, Tolerances, rising, section
+from study.declaration.options import Checked, Count, FallingErrors, ProblemName, Schemes, rising, section
 from study.marching.result import STATUSES_OR_NOT_RUN
 from study.problem.inelastic import SCALES
 from study.problem.named import approximate_periods, problems, time_scales
@@ -62,7 +62,7 @@ class _Length(TypedDict):
 class _Runs(TypedDict):
     problems: dict[ProblemName, _Length]
     schemes: Schemes
-    allowed_errors: Tolerances
+    allowed_errors: FallingErrors
 
 
 def _jobs(options: Options) -> dict[str, Options]:
@@ -73,9 +73,9 @@ def _jobs(options: Options) -> dict[str, Options]:
 
 def _check(options: Options, configuration: Mapping) -> str | None:
     if options["decided"] not in options["periods"]:
-        return f"problems.{options['problem']}.decided: {options['decided']:g} is not one of the periods."
+        return f"decided: {options['decided']:g} is not one of the periods."
     if options["problem"] not in approximate_periods | SCALES | time_scales:
-        return f"problems.{options['problem']}: its steps cannot be counted; declare a time_scale with @named."
+        return "problem: its steps cannot be counted; declare a time_scale with @named."
     return None
 
 
@@ -264,7 +264,7 @@ def between(coarser: float, need: float) -> list[int]:
 def runs(
     problem: ProblemName,
     schemes: Schemes,
-    allowed_errors: Tolerances,
+    allowed_errors: FallingErrors,
     periods: Lengths,
     decided: float,
     finest: Count,

@@ -31,8 +31,8 @@ WHOLE_MOTION = {"displacement": 0.1, "velocity": 0.75, "acceleration": 1.25, "en
 CONDITIONS = {
     "practice": "steps divide the spacing of a record",
     "any_step": "any steps",
-    "whole_motion": "steps divide the spacing of a record, and displacement, velocity, acceleration and energy are "
-    f"within {', '.join(f'{100 * bound:g}' for bound in WHOLE_MOTION.values())} %",
+    "whole_motion": "steps divide the spacing of a record, and displacement, velocity, acceleration and energy, if "
+    f"measured, are within {', '.join(f'{100 * bound:g}' for bound in WHOLE_MOTION.values())} %",
 }
 #: Outcomes for a scheme, quantity and allowed error.
 FOUND, COARSEST, NONE, UNCERTAIN, NO_VALUE = range(5)

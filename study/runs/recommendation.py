@@ -11,7 +11,7 @@ from study.algebra.scalars import is_number
 from study.analysis.duration import FREE
 from study.analysis.recommendation import Recommended, chosen, of_assessment, over_duration
 from study.registry import UnknownName, did_you_mean
-from study.runs.needs import MOTION, NO_VALUE, ranked
+from study.runs.needs import MOTION, NO_VALUE, UNCERTAIN, ranked
 from study.words import listed, percent, step_with_unit
 
 
@@ -196,6 +196,8 @@ def _opened(name: str, folder: Path) -> xr.Dataset:
 def _of_needs(needed: xr.Dataset, error: float, quantity: str | None) -> pd.DataFrame:
     """The table for a problem of the study, from its needs over (scheme, quantity, allowed_error, condition)."""
     needed = needed.sel(condition="practice")
+    if (needed.verdict == UNCERTAIN).all():
+        raise ValueError(f"no scheme was run on the {needed.problem_title.item()}, because no reference was found.")
     has = (needed.verdict != NO_VALUE).any(["scheme", "allowed_error"])
     known = sorted(needed.quantity.values[has.values].tolist(), key=lambda name: name not in MOTION)
     if not known:

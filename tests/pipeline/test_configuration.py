@@ -136,6 +136,7 @@ def test_an_invalid_configuration_is_refused(whole):
         (lambda c: c["work_precision"]["solvers"].update(periods=[1]), "work_precision.solvers.periods lacks 100,"),
         (lambda c: c["work_precision"]["solvers"].update(longest=0), "solvers.longest must be greater than 0, not 0."),
         (lambda c: c["agreement"].update(tolerances=[1e-9, 1e-4]), "tolerances: must be in descending order"),
+        (lambda c: c["runs"].update(allowed_errors=[0.01, 0.1]), "allowed_errors: must be in descending order"),
         (lambda c: c["assess"]["driven"].update(periods=1), "assess.driven.periods: duration already gives"),
         (lambda c: c["accuracy"].update(periods=[100, 1, 3]), "periods: must be in ascending order, not [100, 1"),
         (lambda c: c["accuracy"].update(schemes=[]), "accuracy.schemes must have at least 1 items, not 0."),

@@ -137,9 +137,7 @@ def test_every_problem_has_a_time_by_which_steps_are_counted(monkeypatch):
     options = {"problem": "shaken", "periods": [1.0], "decided": 1.0}
     assert experiment._check(options, {}) is None
     monkeypatch.setattr(experiment, "SCALES", {})
-    assert experiment._check(options, {}) == (
-        "problems.shaken: its steps cannot be counted; declare a time_scale with @named."
-    )
+    assert experiment._check(options, {}) == "problem: its steps cannot be counted; declare a time_scale with @named."
 
 
 def test_the_bouncing_mass_returns_after_its_period():

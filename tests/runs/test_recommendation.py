@@ -8,7 +8,7 @@ import pytest
 
 import study
 from study.assessment.report import answer
-from study.runs.needs import decisions
+from study.runs.needs import NO_VALUE, UNCERTAIN, decisions
 from tests import small_results
 
 
@@ -187,16 +187,16 @@ def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):
 @pytest.mark.parametrize(
     "arguments, error, sentence",
     [
-        ({"quantity": "energi"}, KeyError, "the assessment has no quantity 'energi'; did you mean 'energy'?"),
+        ({"quantity": "energi"}, KeyError, "no error was measured of the quantity 'energi'; did you mean 'energy'?"),
         (
             {"allowed_error": 0.05},
             ValueError,
-            "allowed_error must be one that was assessed, 0.1, 0.01, not 0.05; assess",
+            "allowed_error must be one that was assessed, 0.1, 0.01, not 0.05; allowed_errors",
         ),
         (
             {"allowed_error": float("nan")},
             ValueError,
-            "allowed_error must be one that was assessed, 0.1, 0.01, not nan; assess",
+            "allowed_error must be one that was assessed, 0.1, 0.01, not nan; allowed_errors",
         ),
         ({"allowed_error": "0.1"}, TypeError, "allowed_error must be a number, not '0.1'."),
         ({"duration": 0}, ValueError, "duration must be a positive number of seconds, not 0."),
@@ -211,7 +211,16 @@ def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):
             {
                 "what": small_results.needed()
                 .sel(problem="softening")
-                .pipe(lambda ds: ds.assign(verdict=0 * ds.verdict + 4))
+                .pipe(lambda ds: ds.assign(verdict=0 * ds.verdict + UNCERTAIN))
+            },
+            ValueError,
+            "no scheme was run on the softeninging thing, because no reference was found.",
+        ),
+        (
+            {
+                "what": small_results.needed()
+                .sel(problem="softening")
+                .pipe(lambda ds: ds.assign(verdict=0 * ds.verdict + NO_VALUE))
             },
             ValueError,
             "no scheme can be run on the softeninging thing.",
