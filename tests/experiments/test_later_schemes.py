@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from study.experiments.later_schemes import later_schemes
+from study.experiments.later_schemes import _largest_stiffening, later_schemes
+from study.scheme.kolay_ricles import kr_alpha, mkr_alpha
 
 
 @pytest.fixture(scope="module")
@@ -15,6 +16,12 @@ def test_a_tangent_may_exceed_the_model_by_a_multiple_of_the_mass(found):
     exact = 1 + 4 / np.array([0.5, 2.0]) ** 2
     for scheme in ("chen_ricles", "chang", "kr_alpha"):
         np.testing.assert_allclose(found.largest_stiffening.sel(with_model=scheme), exact, rtol=1e-3)
+
+
+@pytest.mark.parametrize("scheme, stable, unstable", [(kr_alpha, 1.01, 1.05), (mkr_alpha, 1.6, 1.8)])
+def test_a_dissipative_tangent_may_exceed_the_model_by_a_ratio(scheme, stable, unstable):
+    """The ratios that the scheme states, with a spectral radius of 0.8, also at a step far beyond the period."""
+    assert all(stable < _largest_stiffening(scheme, dt) < unstable for dt in (1.0, 100.0))
 
 
 def test_trigonometric_methods_are_of_first_order_at_resonances_and_mollifying_makes_it_the_second(found):
