@@ -197,7 +197,7 @@ def _of_needs(needed: xr.Dataset, error: float, quantity: str | None) -> pd.Data
     """The table for a problem of the study, from its needs over (scheme, quantity, allowed_error, condition)."""
     needed = needed.sel(condition="practice")
     if (needed.verdict == UNCERTAIN).all():
-        raise ValueError(f"no scheme was run on the {needed.problem_title.item()}, because no reference was found.")
+        raise ValueError(f"no scheme has a step on the {needed.problem_title.item()}: no reference is certain enough.")
     has = (needed.verdict != NO_VALUE).any(["scheme", "allowed_error"])
     known = sorted(needed.quantity.values[has.values].tolist(), key=lambda name: name not in MOTION)
     if not known:

@@ -214,7 +214,7 @@ def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):
                 .pipe(lambda ds: ds.assign(verdict=0 * ds.verdict + UNCERTAIN))
             },
             ValueError,
-            "no scheme was run on the softeninging thing, because no reference was found.",
+            "no scheme has a step on the softeninging thing: no reference is certain enough.",
         ),
         (
             {
