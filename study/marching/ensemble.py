@@ -41,12 +41,15 @@ LIGHT = 1024
 def _in_tiles(values: np.ndarray, shape: tuple[int, int, int], size: int, filler: Any) -> np.ndarray:
     """Values of the lanes, reshaped to (groups, ``size``, lanes of a tile, ...).
 
-    ``shape`` is (groups, tiles of a group that hold lanes, lanes of a tile). Empty places hold ``filler``.
+    ``shape`` is (groups, tiles of a group that hold lanes, lanes of a tile). Empty places hold ``filler``. They come
+    first, so that the last lanes, the longest ones, fill their tiles. Successive tiles go to successive groups, so that
+    all groups have long lanes.
     """
+    groups, share, tile = shape
     room = np.full((math.prod(shape), *values.shape[1:]), filler, values.dtype)
-    room[: len(values)] = values
-    room = room.reshape(*shape, *values.shape[1:])
-    empty = np.full((shape[0], size - shape[1], *room.shape[2:]), filler, values.dtype)
+    room[len(room) - len(values) :] = values
+    room = room.reshape(share, groups, tile, *values.shape[1:]).swapaxes(0, 1)
+    empty = np.full((groups, size - share, *room.shape[2:]), filler, values.dtype)
     return np.concatenate([room, empty], axis=1)
 
 
@@ -132,7 +135,7 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
         in_tiles(u0[order], filler=np.nan),
         in_tiles(v0[order], filler=0.0),
         in_tiles(dt[order], filler=dt[0]) if dt.ndim else np.full((shape[0], size), dt),
-        in_tiles(steps[order], filler=last) if steps.ndim else [None] * shape[0],
+        in_tiles(steps[order], filler=0) if steps.ndim else [None] * shape[0],
         [{name: value[group] for name, value in tiled.items()} for group in range(shape[0])],
     )
 
@@ -145,8 +148,8 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
 
     def gathered(parts, lane_axis=1):
         """Join the parts of all groups along the lanes, in their original order and without the padding."""
-        whole = np.moveaxis(np.stack(parts)[:, :share], lane_axis + 1, 2)
-        return whole.reshape(-1, *whole.shape[3:])[:lanes][back]
+        whole = np.moveaxis(np.stack(parts, axis=1)[:share], lane_axis + 1, 2)
+        return whole.reshape(-1, *whole.shape[3:])[-lanes:][back]
 
     return Result(
         gathered([r.status for r in results]),

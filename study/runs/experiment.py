@@ -124,29 +124,34 @@ class _Ladder:
         self.rows, self.varied = pd.DataFrame(), pd.DataFrame()
         self.confirming: set[float] = set()
 
-    def _rows(
-        self, starts: Starts, chosen: Sequence[int], counts: Iterable[float], periods: Iterable[float]
-    ) -> pd.DataFrame:
-        counts_of = {self.scale / count: count for count in counts}
-        rows = measured(self.scheme, starts, chosen, list(counts_of), [length * self.scale for length in periods])
-        return rows.assign(
-            steps_per_period=rows.step_size.map(counts_of), periods=(rows.duration / self.scale).round(9)
+    def _rows(self, starts: Starts, counts: Iterable[float], lengths: Mapping[int, Sequence[float]]) -> pd.DataFrame:
+        """Runs at each number of steps, from some starts, over the numbers of periods that ``lengths`` has for each."""
+        runs = pd.DataFrame(
+            [(start, count, length) for start, periods in lengths.items() for count in counts for length in periods],
+            columns=["start", "steps_per_period", "periods"],
         )
+        runs = runs.assign(step_size=self.scale / runs.steps_per_period, duration=self.scale * runs.periods)
+        return measured(self.scheme, starts, runs).drop(columns=["step_size", "duration"])
+
+    def _others(self, starts: Starts) -> dict[int, list[float]]:
+        """The decided number of periods for each start but the problem's own."""
+        return {k: [self.periods[self.decided]] for k in range(starts is self.starts[0], len(starts.problems))}
 
     def run(self, counts: Iterable[float]) -> None:
         """Make runs from the problem's own start, and from few starts that march side by side also from the others."""
         if counts := sorted(counts):
-            rows = self._rows(self.starts[0], [0], counts, self.periods)
-            self.rows = pd.concat([self.rows, rows], ignore_index=True)
-            if len(self.starts) == 1 < len(self.starts[0].problems) <= FEW_STARTS:
-                self.vary(counts)
+            few = len(self.starts) == 1 < len(self.starts[0].problems) <= FEW_STARTS
+            others = self._others(self.starts[0]) if few else {}
+            rows = self._rows(self.starts[0], counts, {0: [*self.periods]} | others)
+            self.rows = pd.concat([self.rows, rows[rows.start == 0]], ignore_index=True)
+            if few:
+                self.varied = pd.concat([self.varied, rows[rows.start > 0]], ignore_index=True)
 
     def vary(self, counts: Iterable[float]) -> None:
         """Make runs from other starts over the number of periods that decides."""
-        for group in self.starts:
-            if others := range(group is self.starts[0], len(group.problems)):
-                rows = self._rows(group, others, counts, self.periods[[self.decided]])
-                self.varied = pd.concat([self.varied, rows], ignore_index=True)
+        for starts in self.starts:
+            if others := self._others(starts):
+                self.varied = pd.concat([self.varied, self._rows(starts, counts, others)], ignore_index=True)
 
     def _errors(self) -> tuple[pd.DataFrame, pd.DataFrame]:
         """Errors from the own start, and the largest from all starts, in ascending (steps_per_period, periods)."""
@@ -160,7 +165,7 @@ class _Ladder:
     def dataset(self) -> xr.Dataset:
         """The runs over (steps_per_period, periods), and ``error`` and ``largest_error`` also over quantity."""
         names, order = self.motion.names, ("steps_per_period", "quantity", "periods")
-        ds = self.rows.drop(columns=[*names, "step_size", "duration"]).set_index([order[0], order[2]]).to_xarray()
+        ds = self.rows.drop(columns=[*names, "start"]).set_index([order[0], order[2]]).to_xarray()
         error, largest = (errors.to_xarray().to_dataarray("quantity").transpose(*order) for errors in self._errors())
         return ds.assign(error=error, largest_error=largest)
 

@@ -1,4 +1,4 @@
-"""Errors and costs of one scheme on one problem, at any step sizes, over several durations and from several starts."""
+"""Errors and costs of runs of one scheme on one problem, of any step sizes, durations and starts."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -16,7 +16,7 @@ from study.assessment.periods import highest_frequency_along
 from study.assessment.reference import NoReference, Reference
 from study.assessment.search import ENERGY, spacing
 from study.assessment.solution import DenseSolution
-from study.marching.ensemble import FEW
+from study.marching.ensemble import FEW, TILE
 from study.marching.program import PAUSE_OF_LANES
 from study.marching.run import sweep
 from study.mechanics.definition import Problem
@@ -192,41 +192,41 @@ def _reason(problem: Problem) -> Iterator[None]:
         raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
 
 
-def measured(
-    scheme: Scheme, starts: Starts, chosen: Sequence[int], step_sizes: Sequence[float], durations: Sequence[float]
-) -> pd.DataFrame:
-    """Runs from each chosen one of the starts, at each step size, over each duration.
+def measured(scheme: Scheme, starts: Starts, runs: pd.DataFrame) -> pd.DataFrame:
+    """Make runs, each of which ends with the last step that fits into its duration.
 
-    A run ends with the last step that fits into the duration.
+    Parameters
+    ----------
+    runs
+        A row for each run: ``start``, the number of its problem among the starts, ``step_size`` and ``duration``.
 
     Returns
     -------
     pandas.DataFrame
-        A row for each run: ``step_size``, ``duration``, ``status``, the counts, and the error of each quantity, NaN if
-        the run failed. Quantities along time are compared with the reference over all unknowns at every step.
+        ``runs`` with ``status``, the counts, and the error of each quantity, NaN if the run failed. Quantities along
+        time are compared with the reference over all unknowns at every step.
     """
-    grid = np.meshgrid(chosen, step_sizes, durations, indexing="ij")
-    start, dt, ends = (values.ravel() for values in grid)
-    steps = np.maximum(np.floor(ends / dt * (1 + 1e-9)), 1).astype(int)
-    order = np.argsort(steps, kind="stable")  # lanes of about one length end together
+    steps = np.maximum(np.floor(runs.duration / runs.step_size * (1 + 1e-9)), 1).astype(int)
+    remaining = runs.assign(steps=steps).sort_values("steps", kind="stable")  # lanes of about one length end together
     parts, several = [], np.ndim(starts.problems[0].u0) > 0
-    while len(order):
+    while len(remaining):
         # FEW runs of several unknowns use the program of a single run; more steps in all than PAUSE_OF_LANES of one
-        # unknown would need a second program
-        size = FEW if several else max(PAUSE_OF_LANES // steps[order[-1]], 1)
-        order, part = order[:-size], order[-size:]
-        parts.append(part)
-    rows = [_rows(scheme, starts, start[part], dt[part], steps[part]) for part in parts]
-    return pd.concat(rows, ignore_index=True).assign(duration=np.concatenate([ends[part] for part in parts]))
+        # unknown would need a second program, so whole tiles are filled with as many
+        size = FEW if several else max(PAUSE_OF_LANES // remaining.steps.iloc[-1], 1)
+        size -= size % TILE if size > TILE else 0
+        remaining, part = remaining[:-size], remaining[-size:]
+        parts.append(_with_results(scheme, starts, part))
+    return pd.concat(parts).drop(columns="steps").sort_index()
 
 
-def _rows(scheme: Scheme, starts: Starts, start: np.ndarray, dt: np.ndarray, steps: np.ndarray) -> pd.DataFrame:
+def _with_results(scheme: Scheme, starts: Starts, runs: pd.DataFrame) -> pd.DataFrame:
     u0 = v0 = None
     if len(starts.problems) > 1:
-        u0, v0 = (np.array([getattr(starts.problems[k], name) for k in start]) for name in ("u0", "v0"))
-    ds = sweep(starts.problems[0], scheme, dt=dt, steps=steps, observe=starts.observe, u0=u0, v0=v0)
+        u0, v0 = (np.array([getattr(starts.problems[k], name) for k in runs.start]) for name in ("u0", "v0"))
+    arguments = {"dt": runs.step_size.values, "steps": runs.steps.values, "u0": u0, "v0": v0}
+    ds = sweep(starts.problems[0], scheme, observe=starts.observe, **arguments)
     columns = {name: ds[target.quantity.name].values for name, target in starts.targets[0].items()}
     if "max_energy_imbalance" in ds:
         columns[ENERGY] = ds.max_energy_imbalance.values
     counts = {name: ds[name].values for name in ("force_evaluations", "tangent_evaluations", "factorisations")}
-    return pd.DataFrame({"step_size": dt, "status": ds.status.values} | counts | columns)
+    return runs.assign(status=ds.status.values, **counts, **columns)

@@ -170,7 +170,8 @@ def test_a_free_vibration_also_begins_in_motion():
     # where it is fastest, at the equilibrium, all of the energy grows with the square of the velocity
     assert energies[2] == pytest.approx(1.01**2 * energies[0])
     for start, order in ((0, 4), (1, 2), (2, 2)):
-        rows = measured(study.schemes["fox_goodwin"], starts, [start], [1 / 40, 1 / 80], [2.0])
+        runs = pd.DataFrame({"start": start, "step_size": [1 / 40, 1 / 80], "duration": 2.0})
+        rows = measured(study.schemes["fox_goodwin"], starts, runs)
         assert np.log2(rows.displacement[0] / rows.displacement[1]) == pytest.approx(order, abs=0.1)
 
 
@@ -207,10 +208,10 @@ def test_steps_that_confirm_a_need_are_run_from_all_starts(monkeypatch, kinked, 
     With kinks or few starts the finest number of steps in an octave that fails counts, and else only the needed one.
     """
 
-    def measured(scheme, starts, chosen, step_sizes, durations):
-        counts = 1 / np.array(step_sizes)
-        error = np.where((0 not in chosen) & (counts > low) & (counts < high), 0.02, 0.5 / counts)
-        return pd.DataFrame({"step_size": step_sizes, "duration": durations[0], "displacement": error})
+    def measured(scheme, starts, runs):
+        counts = 1 / runs.step_size
+        errs = (runs.start > 0) & (counts > low) & (counts < high)
+        return runs.assign(displacement=np.where(errs, 0.02, 0.5 / counts))
 
     monkeypatch.setattr(experiment, "measured", measured)
     motion = SimpleNamespace(several=False, spacing=np.nan, names=["displacement"], kinked=kinked)
@@ -229,11 +230,10 @@ def test_needs_of_the_whole_motion_and_the_next_finer_steps_are_searched(monkeyp
     read off steps tried for other limits.
     """
 
-    def measured(scheme, starts, chosen, step_sizes, durations):
-        counts = 1 / np.array(step_sizes)
-        error = np.where(several & np.isin(np.round(counts, 6), [51, 53]), 0.02, 0.5 / counts)
-        columns = {"displacement": error, "velocity": (280 if 0 in chosen else 270) / counts}
-        return pd.DataFrame({"step_size": step_sizes, "duration": durations[0]} | columns)
+    def measured(scheme, starts, runs):
+        counts = 1 / runs.step_size
+        errs = several & np.isin(np.round(counts, 6), [51, 53])
+        return runs.assign(displacement=np.where(errs, 0.02, 0.5 / counts), velocity=280 / counts)
 
     monkeypatch.setattr(experiment, "measured", measured)
     motion = SimpleNamespace(several=several, spacing=np.nan, names=["displacement", "velocity"], kinked=False)
