@@ -117,6 +117,7 @@ def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
         "unlimited_steps": tried.step_size_over_period.size,
         "unlimited_springs": joined(tried.problem_title.values, {}),
         "unlimited_gained": int(gained.sum()),
+        "unlimited_gained_titles": joined(tried.scheme_title.values[gained.values], {}) if gained.any() else "none",
         "unlimited_gain": bool(gained.any()),
         "unlimited_overshoot": joined(tried.scheme_title.values[overshoots.values], {}) if overshoots.any() else "none",
         "unlimited_untouched": joined(tried.scheme_title.values[~(gained | overshoots).values], {}),

@@ -6,7 +6,7 @@ import xarray as xr
 from paper.claims.chaos import contraction_ratio, fewest_steps, is_second, lost_again, orders_of_means, ueda_of
 from paper.products import numbers
 from paper.terms import FAITHFUL
-from paper.wording import number
+from paper.wording import joined, number
 from study.words import at_most, listed, span
 
 #: Number of standard errors of an interval.
@@ -30,6 +30,9 @@ def windows(steps: np.ndarray, inside: np.ndarray) -> str | None:
 def of_chaos(chaos: xr.Dataset) -> dict:
     """Exponents, contraction, orders of mean squares, and steps with regular motion."""
     ueda, fewest = ueda_of(chaos), np.array(list(fewest_steps(chaos).values()))
+    sufficient = [
+        (steps, ueda.scheme_title.values[fewest == steps]) for steps in np.unique(fewest[np.isfinite(fewest)])
+    ]
     exact = ueda.sel(scheme="rk4").isel(steps_per_period=-1)
     ratio = contraction_ratio(chaos)
     fine = chaos.sel(scheme="rk4").isel(steps_per_period=-1, place=0)
@@ -52,7 +55,7 @@ def of_chaos(chaos: xr.Dataset) -> dict:
 
     return {
         "ueda_printed": f"{ueda.printed_exponent.item():.4f}",
-        "ueda_steps": span(fewest[np.isfinite(fewest)], ".0f") if np.isfinite(fewest).any() else None,
+        "ueda_steps": "; ".join(f"{steps:.0f} with {joined(titles, {})}" for steps, titles in sufficient) or None,
         "ueda_never": listed(ueda.scheme_title.values[~np.isfinite(fewest)]) if not np.isfinite(fewest).all() else None,
         "ueda_periods": f"{ueda.periods.item():,}",
         "ueda_mean_square": f"{exact.mean_square.item():.4g}",

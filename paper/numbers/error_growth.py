@@ -6,7 +6,7 @@ import xarray as xr
 from paper.claims.error_growth import exponents
 from paper.products import numbers
 from paper.wording import number
-from study.words import span
+from study.words import listed, span
 
 #: Measure of each number, and whether it is that of the schemes that keep the energy.
 EXPONENTS = {
@@ -41,6 +41,7 @@ def of_error_growth(growth: xr.Dataset) -> dict:
     by_law = growth.fewest_steps_per_period * (growth.extrapolated / growth.known) ** growth.exponent
     finer = (growth.extrapolated_steps_per_period / by_law).max().item() - 1
     return entries | {
+        "growth_steps": listed(f"{steps:g}" for steps in growth.steps_per_period.values),
         "growth_schemes": growth.sizes["scheme"],
         "growth_longest": f"{growth.periods.values[-1].item():,}",
         "growth_known": f"{growth.known.item():,}",

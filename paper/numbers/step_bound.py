@@ -32,11 +32,12 @@ def of_step_bound(bound: xr.Dataset, rule: xr.Dataset) -> dict:
         "bound_step": f"{LARGEST_STEP:g}",
         "bound_convex_runs": f"{int(described.sum()):,}",
         "bound_convex_most": f"{over.where(described).max().item():.2f}",
-        "bound_convex_beyond": f"{over.where(~described).max().item():.2g}" if (~described).any() else None,
         "bound_period_ratio": span(ratio, ".3g"),
         "bound_most_energy": at_most(100 * bound.error.sel(quantity="energy").max().item(), 2),
     }
     for name in SCHEMES:
         convex = bound.convex_coefficient.sel(scheme=name).item()
+        beyond = over.where(~described).sel(scheme=name).max().item()
+        values[f"bound_beyond_{name}"] = f"{beyond:.2g}" if beyond > 0 else None
         values[f"bound_convex_{name}"] = f"{math.floor(100 * math.sqrt(bound.allowed_error.item() / convex)) / 100:.2f}"
     return values
