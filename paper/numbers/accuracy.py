@@ -103,8 +103,9 @@ def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
     unlimited = free.scheme.values[np.isinf(free.stability_limit.values)]
     tried = large_steps.sel(scheme=[name for name in unlimited if name in large_steps.scheme], problem=PROBLEMS)
     steps = ["problem", "step_size_over_period"]
-    gained = (tried.late_energy_gain > GAIN).any(steps) | (tried.status == _meaning(tried, "unbounded")).any(steps)
-    overshoots = (tried.max_energy_error > GAIN + 0.01).any(steps) & ~gained  # a loss of energy is at most one
+    gains = ((tried.late_energy_gain > GAIN) | (tried.status == _meaning(tried, "unbounded"))).sum(steps)
+    gained, once = gains > 1, gains == 1  # a single one may be a matter of round-off, where runs are chaotic
+    overshoots = (tried.max_energy_error > GAIN + 0.01).any(steps) & (gains == 0)  # a loss of energy is at most one
     unsolved = (tried.status == _meaning(tried, "no_solution_found")).any(steps)
     wilson = free.displacement_overshoot.sel(scheme="wilson_theta").sel(step_size_over_period=10, method="nearest")
     return {
@@ -117,10 +118,11 @@ def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
         "unlimited_steps": tried.step_size_over_period.size,
         "unlimited_springs": joined(tried.problem_title.values, {}),
         "unlimited_gained": int(gained.sum()),
-        "unlimited_gained_titles": joined(tried.scheme_title.values[gained.values], {}) if gained.any() else "none",
+        "unlimited_gained_titles": joined(tried.scheme_title.values[gained.values], {}),
+        "unlimited_once": joined(tried.scheme_title.values[once.values], {}),
         "unlimited_gain": bool(gained.any()),
-        "unlimited_overshoot": joined(tried.scheme_title.values[overshoots.values], {}) if overshoots.any() else "none",
-        "unlimited_untouched": joined(tried.scheme_title.values[~(gained | overshoots).values], {}),
+        "unlimited_overshoot": joined(tried.scheme_title.values[overshoots.values], {}),
+        "unlimited_untouched": joined(tried.scheme_title.values[((gains == 0) & ~overshoots).values], {}),
         "unlimited_all_solved": not unsolved.any(),
         "overshoot_wilson": f"{1 + wilson.item():.0f}",
     }

@@ -156,7 +156,6 @@ def of_structures(
     exact_change = 100 * abs(exact / numerical.isel(t=0, scheme=0) - 1).max().item()
     turning = [stiff_bar, stiff_truss]
     return {
-        "structure_schemes": structures.sizes["scheme"],
         "most_unknowns": int(structures.unknowns.max()),
         "structure_titles": joined(map(_in_a_sentence, structures.problem_title.values), {}),
         "turning_titles": joined(map(_in_a_sentence, runs.problem_title.values), {}),

@@ -5,14 +5,16 @@ import xarray as xr
 
 from paper.products import numbers
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
-from paper.tables.models import ERROR, answers
+from paper.tables.models import ERROR, FILTER, MODELS, answers
 from paper.tables.whole_motion import ERROR as WHOLE
-from study.runs.needs import WHOLE_MOTION, keeps_part
+from study.runs.needs import FILTERS, WHOLE_MOTION, keeps_part, needs
 from study.sizes import fewest
 from study.words import listed
 
 #: Error of the displacement at which the fastest schemes and solvers are compared.
 EXACTING = 1e-10
+#: Problems of the short table whose displacement is measured.
+DISPLACED = [problem for problem, quantity in MODELS.values() if quantity == "displacement"]
 #: Problems of the decisions whose force has kinks.
 WITH_KINKS = ("yielding", "bouncing")
 #: Relative distances of a number of steps in a period from a whole number: those up to the first are round-off, and
@@ -128,6 +130,21 @@ def of_decisions(decisions: xr.Dataset, needs: xr.Dataset, softening: xr.Dataset
         "candidates": needs.sizes["scheme"],
         "models_candidates": int(needs.in_codes.sum()),
     }
+
+
+@numbers(runs=[f"runs/{problem}" for problem in DISPLACED])
+def of_longer_runs(decisions: xr.Dataset, runs: list[xr.Dataset]) -> dict:
+    """Kinds of models with a step in the short table that is finer than the decided duration alone needs."""
+    shorter, finer = dict(zip(DISPLACED, runs, strict=True)), list[str]()
+    for model, decided in answers(decisions).items():
+        if ds := shorter.get(decided.problem.item()):
+            alone = needs(ds.sel(periods=[ds.decided.item()]), [ERROR]).squeeze(["periods", "allowed_error"])
+            chosen = [*filter(None, decided.scheme.values)]
+            of = {"scheme": chosen, "quantity": decided.quantity.item(), "condition": FILTERS[FILTER][0]}
+            steps = decided.step_size.values[decided.scheme.values != ""]
+            if (steps < alone.sel(of).step_size.values * (1 - ROUND_OFF)).any():
+                finer.append(model)
+    return {"models_longer": listed(finer) if finer else None}
 
 
 @numbers(requires={"cpu_time.schemes": ["average_acceleration", "rk4"], "cpu_time.problems": ["hardening"]})

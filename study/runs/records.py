@@ -15,7 +15,7 @@ from study.marching.run import sweep
 from study.mechanics.ground import GroundMotion
 from study.observer.diagnostics import Evaluations
 from study.observer.peak import Peak
-from study.problem.inelastic import SPACING, yielding_under_record
+from study.problem.inelastic import DAMPING_RATIO, SPACING, yielding_under_record
 from study.runs.needs import COSTS
 from study.runs.schema import described
 from study.scheme.named import schemes as schemes_by_name
@@ -167,6 +167,7 @@ def spectrum(
             "reduction": exact.reduction,
             "ductility": exact.ductility,
             "duration": ((), duration, {"long_name": "duration of the runs", "units": "s"}),
+            "damping_ratio": ((), DAMPING_RATIO, {"long_name": "ratio of damping to critical damping", "units": "1"}),
             "spacing": ((), SPACING, {"long_name": "spacing of the record", "units": "s"}),
             "allowed_error": ((), allowed_error, {"long_name": "allowed error of the peak drift", "units": "1"}),
         },
