@@ -210,8 +210,8 @@ def measured(scheme: Scheme, starts: Starts, runs: pd.DataFrame) -> pd.DataFrame
     remaining = runs.assign(steps=steps).sort_values("steps", kind="stable")  # lanes of about one length end together
     parts, several = [], np.ndim(starts.problems[0].u0) > 0
     while len(remaining):
-        # FEW runs of several unknowns use the program of a single run; more steps in all than PAUSE_OF_LANES of one
-        # unknown would need a second program, so whole tiles are filled with as many
+        # FEW runs of several unknowns use the program of a single run. Runs of one unknown fill whole tiles with at most
+        # PAUSE_OF_LANES steps in all, since more would need a second program.
         size = FEW if several else max(PAUSE_OF_LANES // remaining.steps.iloc[-1], 1)
         size -= size % TILE if size > TILE else 0
         remaining, part = remaining[:-size], remaining[-size:]
