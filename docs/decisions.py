@@ -94,7 +94,7 @@ def measured(decision: xr.Dataset) -> str:
         title,
         *([f"{unknowns} unknowns"] if unknowns > 1 else []),
         f"{number(periods)} period{'s' * (periods != 1)} T = {number(decision.time_scale.item(), 2)} s",
-        f"{starts} start{'s' * (starts != 1)}",
+        f"{starts} {'record' if decision.spacing > 0 else 'start'}{'s' * (starts != 1)}",
     ]
     return ", ".join(parts)
 

@@ -5,7 +5,7 @@ import xarray as xr
 from paper.measures.spectrum import LONG, beyond_at_the_spacing, beyond_between
 from paper.products import numbers
 from paper.wording import with_interval
-from study.words import number, percent, span
+from study.words import listed, number, percent, span
 
 #: Period in s at which the oscillator, not the record, limits the step.
 SHORT = 0.2
@@ -25,6 +25,7 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
         "spectrum_finest": f"{1e3 * spectrum.step_size.values[-1]:.2g}",
         "spectrum_coarsest": f"{1e3 * spectrum.step_size.values[0]:g}",
         "spectrum_ratio": percent((spectrum.step_size.values[:-1] / spectrum.step_size.values[1:]).max() - 1),
+        "spectrum_reductions": listed(f"{reduction:g}" for reduction in spectrum.reduction.values if reduction > 1),
         "spectrum_damping": f"{100 * spectrum.damping_ratio.item():g}",
         "spectrum_error": f"{100 * spectrum.allowed_error.item():g}",
         "spectrum_long": f"{LONG:g}",

@@ -139,11 +139,6 @@ class GroundMotion(eqx.Module):
         rows = [np.pad(motion.acceleration, (0, samples - len(motion.acceleration))) for motion in motions]
         return np.stack(rows), np.array([motion.dt for motion in motions])
 
-    def later(self, samples: int) -> "GroundMotion":
-        """The motion from a later sample on, followed by as many zeros, so that it shares the compiled program."""
-        rest = np.append(self.acceleration[samples:], np.zeros(samples))
-        return GroundMotion(rest, self.dt, title=self.title, source=self.source)
-
     @classmethod
     def read(cls, path: str | Path, unit: str | None = None, *, dt: float | None = None) -> "GroundMotion":
         """Read a record of acceleration and convert it to metres per second squared.

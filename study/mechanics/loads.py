@@ -71,14 +71,20 @@ def restarted(problem: Problem, factor: float) -> Problem:
     return excited(problem, factor)
 
 
-def later(problem: Problem, samples: int) -> Problem:
-    """The problem whose record begins with a later sample. Such problems share one compiled program."""
+def under_stochastic_record(problem: Problem, seed: int) -> Problem:
+    """The problem under a stochastic record with the title, samples and largest acceleration of its own record.
+
+    Such problems share one compiled program.
+    """
 
     def grounds(member: Any) -> tuple[GroundMotion, GroundMotion]:
         load: Any = member.load.load if isinstance(member.load, _Scaled) else member.load
         return member.ground, load.ground
 
-    ground = grounds(problem)[0].later(samples)
+    own = grounds(problem)[0]
+    ground = GroundMotion.kanai_tajimi(seed, duration=own.duration, dt=float(own.dt))
+    scale = abs(own.acceleration).max() / abs(ground.acceleration).max()
+    ground = GroundMotion(scale * ground.acceleration, own.dt, title=own.title, source=own.source)
     return eqx.tree_at(grounds, problem, (ground, ground)).examined()
 
 

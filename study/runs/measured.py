@@ -20,7 +20,7 @@ from study.marching.ensemble import FEW, TILE
 from study.marching.program import PAUSE_OF_LANES
 from study.marching.run import sweep
 from study.mechanics.definition import Problem
-from study.mechanics.loads import excited, later, restarted
+from study.mechanics.loads import excited, restarted, under_stochastic_record
 from study.observer.base import Observer
 from study.observer.motion import Quantity
 from study.scheme.base import Scheme
@@ -130,7 +130,7 @@ class Motion:
     def starts(self, others: int, scale: float) -> list[Starts]:
         """The motion's own start, the first of all, and ``others`` other starts.
 
-        Under a record, they begin 1, 2, ... samples later, since a multiple of the record would only scale a linear
+        Under a record, they have other, stochastic records, since a multiple of the record would only scale a linear
         motion. Otherwise the start is multiplied (:func:`study.mechanics.loads.restarted`) by equally spaced factors
         within ``VARIATION`` of one, or within ``VARIATION_WITH_KINKS``. A smooth motion that keeps its energy also
         begins in motion, since schemes are more accurate from rest: Fox-Goodwin's method is of fourth order there,
@@ -139,7 +139,7 @@ class Motion:
         that differ in initial values alone are in one item of the list, because their runs march side by side.
         """
         if self.problem.ground is not None and np.isfinite(self.spacing):
-            problems = [later(self.problem, samples) for samples in range(1, others + 1)]
+            problems = [under_stochastic_record(self.problem, seed) for seed in range(1, others + 1)]
         else:
             factors = 1 + (VARIATION_WITH_KINKS if self.kinked else VARIATION) * np.linspace(-1, 1, others)
             free = self.problem.conservative and not self.kinked
@@ -210,8 +210,8 @@ def measured(scheme: Scheme, starts: Starts, runs: pd.DataFrame) -> pd.DataFrame
     remaining = runs.assign(steps=steps).sort_values("steps", kind="stable")  # lanes of about one length end together
     parts, several = [], np.ndim(starts.problems[0].u0) > 0
     while len(remaining):
-        # FEW runs of several unknowns use the program of a single run. Runs of one unknown fill whole tiles with at most
-        # PAUSE_OF_LANES steps in all, since more would need a second program.
+        # FEW runs of several unknowns use the program of a single run. Runs of one unknown fill whole tiles and have at
+        # most PAUSE_OF_LANES steps in all, since more would need a second program.
         size = FEW if several else max(PAUSE_OF_LANES // remaining.steps.iloc[-1], 1)
         size -= size % TILE if size > TILE else 0
         remaining, part = remaining[:-size], remaining[-size:]

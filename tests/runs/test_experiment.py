@@ -175,25 +175,24 @@ def test_a_free_vibration_also_begins_in_motion():
         assert np.log2(rows.displacement[0] / rows.displacement[1]) == pytest.approx(order, abs=0.1)
 
 
-def test_a_record_decides_among_steps_that_divide_its_spacing_and_its_starts_are_its_later_samples():
-    """Two starts of a record: the own one, and one whose first sample is dropped.
+def test_a_record_decides_among_steps_that_divide_its_spacing_and_other_starts_have_other_records():
+    """Two starts of a record: the own one, and one with a stochastic record.
 
-    Only this test catches other starts that are no later samples, and steps wrongly taken to divide the spacing.
+    Only this test catches other starts with the same record, and steps wrongly taken to divide the spacing.
     """
     ds = runs("shaken", ["average_acceleration"], [0.1], [3.0], 3.0, 100, 1)
     assert ds.spacing == 0.02 and ds.starts == 2
     dividing = np.flatnonzero(ds.divides)
     assert {12.5, 25.0, 50.0} <= {*ds.steps_per_period.values[dividing].tolist()} and len(dividing) < ds.sizes["size"]
-    record = study.GroundMotion.el_centro()
-    later = study.Problem(
-        lambda u: 4 * np.pi**2 * u, 0.0, damping=0.2 * np.pi, ground=study.GroundMotion(record.acceleration[1:], 0.02)
-    )
-    exact = study.run(later, "rk4", dt=0.001, steps=3000).u.values
+    length = study.GroundMotion.el_centro().duration
+    ground = study.GroundMotion.kanai_tajimi(1, duration=length, dt=0.02)
+    other = study.Problem(lambda u: 4 * np.pi**2 * u, 0.0, damping=0.2 * np.pi, ground=ground)
+    exact = study.run(other, "rk4", dt=0.001, steps=3000).u.values
     needed = needs(ds, [0.1]).sel(quantity="displacement").isel(scheme=0, periods=0, allowed_error=0)
     for condition, divides in (("practice", 1), ("any_step", None)):
         one = needed.sel(condition=condition)
         assert divides is None or one.divides == divides
-        coarse = study.run(later, "average_acceleration", dt=one.step_size.item(), steps=int(3 / one.step_size))
+        coarse = study.run(other, "average_acceleration", dt=one.step_size.item(), steps=int(3 / one.step_size))
         error = abs(coarse.u.values - np.interp(coarse.t, np.arange(3001) / 1000, exact)).max() / abs(exact).max()
         assert one.largest_error.item() == pytest.approx(max(error, one.error.item()), rel=1e-3)
 
