@@ -41,15 +41,6 @@ def listed(
     return "; ".join(f"{title(name, data)}: {number(value, form, missing)}" for name, value in values.items())
 
 
-def with_interval(beyond: xr.DataArray) -> str:
-    """A share in percent with its exact interval of 95 % confidence, by Clopper and Pearson."""
-    from scipy.stats import binomtest  # here, as few numbers of the text need it
-
-    return share_with(
-        beyond.mean().item(), *binomtest(int(beyond.sum()), beyond.size).proportion_ci(0.95, method="exact")
-    )
-
-
 def share_with(share: float, low: float, high: float) -> str:
     """A share in percent with its interval of 95 % confidence."""
     return f"{words.percent(share)} (95 % interval {words.percent(low)} to {words.percent(high)})"

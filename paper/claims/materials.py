@@ -4,10 +4,11 @@ import numpy as np
 
 from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
 from paper.measures.kinks import GAINED, LOST, REMEMBER, at_equal_forces
+from paper.measures.shares import with_interval
 from paper.measures.spectrum import LONG, beyond_at_the_spacing, beyond_between
 from paper.requirements import fourfold
 from paper.terms import MATTERS, RULE, SECOND_ORDER, UNNOTICED
-from paper.wording import listed, number, with_interval
+from paper.wording import listed, number
 
 
 @claim(

@@ -1,7 +1,8 @@
 """Claims on the step under records of ground motion, decided by our runs."""
 
 from paper.claims.ledger import PRACTICE, Finding, claim, when
-from paper.measures.record_error import ONE_CURVE, SCHEME, over_period, predicted, scatter, share_of_runs
+from paper.measures.record_error import ONE_CURVE, SCHEME, over_period, predicted, scatter
+from paper.measures.shares import share_of_runs
 from paper.measures.what_moves import QUANTITIES, choice_spread, median_changes, without_drift
 from paper.wording import share_with
 from study.words import listed, number

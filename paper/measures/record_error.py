@@ -36,16 +36,3 @@ def over_period(errors: xr.Dataset, load: str) -> float:
     """97.5th percentile of measured error over predicted error of the period, at steps that do not divide."""
     off = errors.sel(scheme=SCHEME).isel(ratio=(errors.divides == 0).values)
     return float(np.nanpercentile(off.error.sel(load=load) / off.of_period, RANGE[1]))
-
-
-def share_of_runs(kept: xr.DataArray) -> tuple[float, float, float]:
-    """Share of the runs, over (record, ...), that keep a bound, and the ends of its 95 % interval over the records.
-
-    The runs under one record are not independent, so Student's interval is that of the mean over the records. ``kept``
-    is NaN where there is no run.
-    """
-    from scipy.stats import t as student  # here, as few products need it
-
-    share, of_records = kept.mean().item(), kept.mean([name for name in kept.dims if name != "record"]).values
-    half = student.ppf(0.975, len(of_records) - 1) * of_records.std(ddof=1) / np.sqrt(len(of_records))
-    return share, max(share - half, 0.0), min(share + half, 1.0)

@@ -3,16 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from paper.measures.record_error import (
-    ONE_CURVE,
-    RANGE,
-    SCHEME,
-    order,
-    over_period,
-    predicted,
-    scatter,
-    share_of_runs,
-)
+from paper.measures.record_error import ONE_CURVE, RANGE, SCHEME, order, over_period, predicted, scatter
+from paper.measures.shares import share_of_runs
 from paper.products import numbers
 from paper.wording import share_with
 from study.words import listed, number, span

@@ -2,9 +2,9 @@
 
 import xarray as xr
 
+from paper.measures.shares import with_interval
 from paper.measures.spectrum import LONG, beyond_at_the_spacing, beyond_between
 from paper.products import numbers
-from paper.wording import with_interval
 from study.words import listed, number, percent, span
 
 #: Period in s at which the oscillator, not the record, limits the step.

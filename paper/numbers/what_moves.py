@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from paper.measures.shares import with_interval
 from paper.measures.what_moves import (
     CHOSEN,
     QUANTITIES,
@@ -13,7 +14,6 @@ from paper.measures.what_moves import (
     without_drift,
 )
 from paper.products import numbers
-from paper.wording import with_interval
 from study.words import listed, number, span
 
 #: Changes of the answer for a single record that count, and that are large.
