@@ -117,3 +117,11 @@ def test_a_failed_lane_is_frozen_whole_with_its_neighbour():
     assert progress.failure[0] == 0 and progress.failure[1] % 3 == 0 < progress.failure[1] < 3000
     # the state of the failed lane is NaN, which ends Newton's iteration at once
     assert all(np.isnan(part[1]) and np.isfinite(part[0]) for part in jax.tree.leaves(progress.state.inner))
+
+
+def test_the_longest_lanes_fill_their_tiles_and_every_group_has_some():
+    """Empty places beside the longest lanes, or all long lanes in one group. Only this test catches either."""
+    tiles = ensemble._in_tiles(np.arange(150.0), (2, 2, 64), 8, np.nan)
+    assert tiles.shape == (2, 8, 64) and np.isnan(tiles[:, 2:]).all()
+    np.testing.assert_array_equal(tiles[:, 1], np.arange(22.0, 150.0).reshape(2, 64))
+    np.testing.assert_array_equal(tiles[1, 0, -22:], np.arange(22.0))
