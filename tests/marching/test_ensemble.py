@@ -120,7 +120,7 @@ def test_a_failed_lane_is_frozen_whole_with_its_neighbour():
 
 
 def test_the_longest_lanes_fill_their_tiles_and_every_group_has_some():
-    """Empty places beside the longest lanes, or all long lanes in one group. Only this test catches either."""
+    """Empty places in the tiles of the longest lanes, or all long lanes in one group. Only this test catches either."""
     tiles = ensemble._in_tiles(np.arange(150.0), (2, 2, 64), 8, np.nan)
     assert tiles.shape == (2, 8, 64) and np.isnan(tiles[:, 2:]).all()
     np.testing.assert_array_equal(tiles[:, 1], np.arange(22.0, 150.0).reshape(2, 64))
