@@ -20,6 +20,7 @@ from study.marching.march import March
 from study.marching.result import COMPLETED, NO_SOLUTION, Result
 from study.marching.shapes import CountPerRun, Displacements, PerRun
 from study.mechanics.definition import Problem
+from study.mechanics.ground import GroundLoad, GroundMotion
 from study.scheme.base import Scheme
 
 #: Maximum numbers of samples for which a program has room, in a run of one call and in a run of several calls. Few
@@ -52,11 +53,11 @@ LABELS = ("title", "source", "doi")
 
 
 def unlabelled(part: Any) -> Any:
-    """A copy of a march, problem or scheme without its labels and those of its parts; other objects unchanged.
+    """A copy of a march, problem, record or scheme without its labels and those of its parts; other objects unchanged.
 
     With the labels, a program would be compiled again if only a label changes.
     """
-    if not isinstance(part, March | Problem | Scheme):
+    if not isinstance(part, March | Problem | Scheme | GroundMotion | GroundLoad):
         return part
     copy = object.__new__(type(part))
     for name, value in vars(part).items():

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
+from study.algebra.reads import Reads, reads_of
 from study.algebra.scalars import check_unmasked, is_number, is_whole
 from study.mechanics.record_files import UNITS, Samples, read_record
 
@@ -98,6 +99,11 @@ class GroundMotion(eqx.Module):
         slope, time_after = (a[i + 1] - a[i]) / dt, jnp.maximum(t - last * dt, 0.0)
         v_t = v[i] + a[i] * elapsed + slope * elapsed**2 / 2
         return v_t, u[i] + v[i] * elapsed + a[i] * elapsed**2 / 2 + slope * elapsed**3 / 6 + v_t * time_after
+
+    @property
+    def reads(self) -> Reads:
+        """What the record reads apart from its numbers: not its labels, so that records share a compiled program."""
+        return reads_of(type(self).__call__)
 
     @property
     def kinks(self) -> np.ndarray:

@@ -208,6 +208,8 @@ def test_labels_and_samples_share_one_compilation(caplog):
     schemes = [study.Newmark(beta=0.3, gamma=0.6, title=title, source=title) for title in ("one", "other")]
     assert times_compiled(*((p, s, n) for p in problems for s in schemes for n in (10, 500))) == 1
     assert times_compiled((problems[0], study.Newmark(beta=0.31, gamma=0.6), 10)) == 1
+    records = [study.GroundMotion(np.full(9, a), 0.1, title=str(a), source=str(a)) for a in (1.0, 2.0)]
+    assert times_compiled(*((study.Problem(force, u0=1.0, ground=record), schemes[0], 10) for record in records)) == 1
 
 
 def test_a_word_in_a_force_is_no_label():
