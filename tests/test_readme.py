@@ -81,6 +81,17 @@ def test_the_readme_states_the_law_of_longer_durations():
     assert steps * 10**0.5 <= longer < steps * 10**0.5 + 10
 
 
+def test_the_readme_states_the_amplitudes():
+    slower, ductility = re.findall(
+        r"spring's period is ([\d.]+) times .* oscillator reaches ([\d.]+) times", " ".join(README.split())
+    )[0]
+    spring, yielding = study.problems["softening"], study.problems["yielding"]
+    small = 2 * np.pi / np.sqrt(spring.stiffness_at(0.0).item())
+    assert f"{study.step_bound(spring, 'central_difference').period.item() / small:.1f}" == slower
+    motion = study.run(yielding, "rk4", dt=1e-3, steps=10_000)
+    assert f"{np.abs(motion.u).max().item() / 0.1:.1f}" == ductility
+
+
 def test_the_texts_state_how_limits_depend_on_damping():
     def limit(scheme: str, damping_ratio: float) -> float:
         return study.LinearTheory(scheme, np.linspace(0.01, 0.7, 100), damping_ratio).stability_limit()

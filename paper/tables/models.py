@@ -10,7 +10,6 @@ from paper.tables.decision import REQUIRES, answer, limits_of, sentence
 MODELS = {
     "frame under an earthquake": ("records", "peak drift"),
     "free vibration over a long time": ("softening", "displacement"),
-    "elastic motion under a record": ("shaken", "displacement"),
     "yielding": ("yielding", "displacement"),
     "impact and contact": ("bouncing", "displacement"),
     "stiff constraint": ("elastic_pendulum", "displacement"),
