@@ -11,7 +11,6 @@ import xarray as xr
 from paper.products import reader
 from paper.tables.decision import column, sentence, steps_of
 from paper.tables.models import MODELS
-from study.analysis.duration import step_exponent
 from study.runs.needs import TIED, cost
 from study.scheme.codes import names_in_codes
 from study.words import number
@@ -21,8 +20,8 @@ FIRST = {"model": "free vibration over a long time", "error": "1 %"}
 
 #: Variables of the needs that a row shows or is ranked by.
 _USED = (
-    "step_size steps_per_period omega_step force_evaluations error largest_error smaller_steps verdict spacing".split()
-)
+    "step_size steps_per_period omega_step force_evaluations error largest_error smaller_steps verdict exponent spacing"
+).split()
 
 _FORM = """<form id="answers" class="narrow" hidden>
 <label>model <select name="model"></select></label>
@@ -52,12 +51,9 @@ def _rows(needed: xr.Dataset) -> list[list[Any]]:
     dims = ("problem", "quantity", "allowed_error", "scheme")
     costs = cost(needed).transpose(*dims).values
     used = needed.reset_coords("spacing")[[*_USED]].transpose(*dims).reset_coords(drop=True)
-    names = used.quantity.values.tolist()
-    free, order, loss = (needed[name].values.tolist() for name in ("free_vibration", "order", "order_of_loss"))
     rows = []
     for places in np.argwhere(used.step_size.notnull().values).tolist():
         need = used.isel(dict(zip(dims, places, strict=True)))
-        problem, quantity, _, scheme = places
         decides = need.largest_error if need.largest_error.notnull() else need.error
         rows.append(
             [
@@ -67,7 +63,7 @@ def _rows(needed: xr.Dataset) -> list[list[Any]]:
                 number(need.omega_step.item(), 2),
                 _number(need.force_evaluations.item(), 12),
                 _number(decides.item(), 12),
-                step_exponent(order[scheme], loss[scheme], names[quantity]) if free[problem] else None,
+                _number(need.exponent.item(), 12),
                 _number(costs[tuple(places)], 12),
             ]
         )

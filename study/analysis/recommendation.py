@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from study.analysis.duration import FREE, round_down, step_exponent, step_over
+from study.analysis.duration import FREE, round_down, step_over
 from study.registry import UnknownName, did_you_mean
 from study.words import measured, number, percent, printed_unit, step_size, step_with_unit, text_of, typed
 
@@ -152,7 +152,7 @@ def _ranked(table: pd.DataFrame) -> list:
 
 
 def over_duration(
-    table: Recommended, dataset: xr.Dataset, quantity: str, error: float, known: float, duration: float
+    table: Recommended, titles: pd.Series, law: pd.Series, error: float, known: float, duration: float
 ) -> Recommended:
     """The table for a longer duration than that of the runs, with steps by the law of :mod:`study.analysis.duration`.
 
@@ -161,14 +161,12 @@ def over_duration(
     table
         Table with the columns ``kind``, ``step_size``, ``omega_step`` and ``force_evaluations_per_time`` of runs over
         ``known``.
-    dataset
-        Dataset of the table, with titles, ``order`` and ``order_of_loss`` of the schemes.
+    titles, law
+        Titles of the schemes, and the exponents with which their steps fall.
     known, duration
         Durations in s.
     """
-    data = dataset.sel(scheme=table.index.values)
-    law = [step_exponent(p, q, quantity) for p, q in zip(data.order.values, data.order_of_loss.values, strict=True)]
-    titles = data.scheme_title.to_series()
+    law = law[table.index]
     steps = [step_over(step, a, known, duration) for step, a in zip(table.step_size, law, strict=True)]
     rounded = table.step_size.copy()
     rounded[:] = [round_down(step) if step > 0 else np.nan for step in steps]
@@ -187,7 +185,7 @@ def over_duration(
     ).sort_values("force_evaluations", kind="stable")
     longer.attrs = {
         "answer": [
-            f"{percent(error)} of {quantity} over {number(duration)} s, {row.kind}: {titles[name]}, "
+            f"{percent(error)} of {table.attrs['quantity']} over {number(duration)} s, {row.kind}: {titles[name]}, "
             f"{step_with_unit(row.step_size)} (extrapolated)"
             for name, row in firsts(longer).iterrows()
         ],

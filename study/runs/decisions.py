@@ -11,7 +11,7 @@ from study.declaration.options import FallingErrors, PlainNames
 from study.experiments import coordinates
 from study.marching.timing import Timed
 from study.problem.named import problems as problems_by_name
-from study.runs.needs import ATTRIBUTES, CODES, decisions, needs, of_problems
+from study.runs.needs import ATTRIBUTES, CODES, decisions, exponents, needs, of_problems
 from study.scheme.codes import names_in_codes
 from study.scheme.named import schemes as schemes_by_name
 from study.words import listed
@@ -60,7 +60,8 @@ def needs_and_decisions(problems: PlainNames, allowed_errors: FallingErrors) -> 
     """Find what each scheme needs on each problem, and the cheapest scheme of each kind.
 
     ``needs`` is over (problem, scheme, quantity, allowed_error, condition), as :func:`study.runs.needs.of_problems`
-    returns it, with the computing times of the problems whose ``cost`` is ``seconds``; ``decisions`` is over (problem,
+    returns it, with the computing times of the problems whose ``cost`` is ``seconds``, and the ``exponent`` with which
+    the step of a free vibration falls over more periods; ``decisions`` is over (problem,
     quantity, allowed_error, kind, filter), as :func:`study.runs.needs.decisions` returns it.
     """
     needed = of_problems([needs(io.open_dataset(f"runs/{problem}"), allowed_errors) for problem in problems])
@@ -75,6 +76,7 @@ def needs_and_decisions(problems: PlainNames, allowed_errors: FallingErrors) -> 
             {"long_name": f"1 if {listed(CODES)} has it", "units": "1"},
         ),
     )
+    needed["exponent"] = exponents(needed)
     decided = decisions(needed)
     for ds, title in ((needed, "Step sizes that schemes need"), (decided, "Cheapest schemes for allowed errors")):
         for name in ATTRIBUTES.keys() & ds.variables.keys():

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
+from study.analysis.duration import step_exponent
 from study.io import flags
 from study.sizes import CERTAIN, Kept, unbroken
 
@@ -64,6 +65,10 @@ ATTRIBUTES = {
     "smaller_steps": {"long_name": "number of smaller step sizes that keep the error", "units": "1"},
     "verdict": flags("how the search for the step ended", VERDICTS, np.int8),
     **COSTS,
+    "exponent": {
+        "long_name": "a in: step size proportional to n^(-a) over n periods; NaN if the motion has no such law",
+        "units": "1",
+    },
     "seconds": {"long_name": "computing time over simulated time, NaN if it is not the cost", "units": "1"},
     "cost": {"long_name": "variable that decides which scheme is the cheapest"},
     "scheme": {"long_name": "time integration scheme"},
@@ -219,6 +224,16 @@ def of_problems(parts: Sequence[xr.Dataset]) -> xr.Dataset:
         datasets.append(problem_needs.drop_vars(labels).expand_dims("problem"))
     ds = xr.concat(datasets, "problem", join="outer", coords="all", compat="override", data_vars="all")
     return ds.assign(verdict=ds.verdict.fillna(NO_VALUE).astype(np.int8))
+
+
+def exponents(needed: xr.Dataset) -> xr.DataArray:
+    """The exponent a with which a step falls over n periods, over (problem, scheme, quantity).
+
+    It follows the law of :mod:`study.analysis.duration`, and is NaN unless the motion is a free vibration.
+    """
+    schemes = zip(needed.order.values, needed.order_of_loss.values, strict=True)
+    law = [[step_exponent(p, q, name) for name in needed.quantity.values] for p, q in schemes]
+    return xr.DataArray(law, dims=("scheme", "quantity")).where(needed.free_vibration == 1)
 
 
 def cost(needed: xr.Dataset) -> xr.DataArray:

@@ -8,7 +8,7 @@ import xarray as xr
 
 from study import io
 from study.algebra.scalars import is_number
-from study.analysis.duration import FREE
+from study.analysis.duration import FREE, step_exponent
 from study.analysis.recommendation import Recommended, chosen, of_assessment, over_duration
 from study.registry import UnknownName, did_you_mean
 from study.runs.needs import MOTION, NO_VALUE, UNCERTAIN, ranked
@@ -161,7 +161,13 @@ def recommend(
             f"the runs last {known:.4g} s, and steps are extrapolated to {duration:.4g} s only for {FREE} that is not "
             "chaotic: assess the problem with this duration."
         )
-    return over_duration(table, dataset, table.attrs["quantity"], allowed_error, known, duration)
+    quantity, schemes = table.attrs["quantity"], dataset.scheme_title.to_series()
+    if "condition" in dataset.dims:
+        law = dataset.exponent.sel(quantity=quantity).to_series()
+    else:
+        orders = zip(dataset.order.values, dataset.order_of_loss.values, strict=True)
+        law = pd.Series([step_exponent(p, q, quantity) for p, q in orders], schemes.index)
+    return over_duration(table, schemes, law, allowed_error, known, duration)
 
 
 def _opened(name: str, folder: Path) -> xr.Dataset:

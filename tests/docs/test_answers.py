@@ -7,7 +7,7 @@ import pytest
 from docs import answers
 from docs.plan import PAGES
 from study import io
-from study.runs.needs import ATTRIBUTES, decisions, needs, of_problems
+from study.runs.needs import ATTRIBUTES, decisions, exponents, needs, of_problems
 from tests.browser import check_page, set_width
 from tests.runs.made_up import runs, with_kinds
 
@@ -34,7 +34,8 @@ def needed():
     ds.verdict.attrs = ATTRIBUTES["verdict"]
     names = {"cheap": "central_difference", "dear": "rk4", "stiff": "bathe"}
     law = {"order": ("scheme", [2, 4, 2]), "order_of_loss": ("scheme", [math.inf, 5, 3])}
-    return ds.assign_coords(scheme=[names[name] for name in ds.scheme.values], **law)
+    ds = ds.assign_coords(scheme=[names[name] for name in ds.scheme.values], **law)
+    return ds.assign(exponent=exponents(ds))
 
 
 @pytest.fixture

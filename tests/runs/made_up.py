@@ -3,6 +3,8 @@
 import numpy as np
 import xarray as xr
 
+from study.runs.needs import exponents
+
 #: Names, titles and kinds of the schemes.
 SCHEMES = ("cheap", "dear", "stiff")
 #: Steps in a time scale of two seconds.
@@ -58,10 +60,11 @@ def runs(error, problem: str = "swing", **others) -> xr.Dataset:
 
 def with_kinds(needed: xr.Dataset) -> xr.Dataset:
     """Needs with the properties of the schemes that decisions use; codes have the dear and the stiff scheme."""
-    return needed.assign_coords(
+    needed = needed.assign_coords(
         explicit=("scheme", [1, 1, 0]),
         in_codes=("scheme", [0, 1, 1]),
         order=("scheme", [4, 2, 2]),
         order_of_loss=("scheme", [5, 3, 3]),
         scheme_title=("scheme", ["Cheap", "Dear", "Stiff"]),
     )
+    return needed.assign(exponent=exponents(needed))
