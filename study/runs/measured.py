@@ -102,7 +102,7 @@ class Motion:
         solvers = " and ".join(route.name for route in reference.routes)
         return cls(problem, duration, quantities, first, apart | {ENERGY: 0.0}, solvers, grid)
 
-    @property
+    @cached_property
     def names(self) -> list[str]:
         """Names of the quantities."""
         return quantities_of(self.problem)
