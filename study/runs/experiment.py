@@ -122,6 +122,7 @@ class _Ladder:
         self.periods, self.decided = np.array(periods), periods.index(decided)
         self.several = sum(len(group.problems) for group in starts) > 1
         self.rows, self.varied = pd.DataFrame(), pd.DataFrame()
+        self._own = self._largest = pd.DataFrame()
         self.confirming: set[float] = set()
 
     def _rows(self, starts: Starts, counts: Iterable[float], lengths: Mapping[int, Sequence[float]]) -> pd.DataFrame:
@@ -146,12 +147,14 @@ class _Ladder:
             self.rows = pd.concat([self.rows, rows[rows.start == 0]], ignore_index=True)
             if few:
                 self.varied = pd.concat([self.varied, rows[rows.start > 0]], ignore_index=True)
+            self._own, self._largest = self._errors()
 
     def vary(self, counts: Iterable[float]) -> None:
         """Make runs from other starts over the number of periods that decides."""
         for starts in self.starts:
             if others := self._others(starts):
                 self.varied = pd.concat([self.varied, self._rows(starts, counts, others)], ignore_index=True)
+        self._own, self._largest = self._errors()
 
     def _errors(self) -> tuple[pd.DataFrame, pd.DataFrame]:
         """Errors from the own start, and the largest from all starts, in ascending (steps_per_period, periods)."""
@@ -166,7 +169,8 @@ class _Ladder:
         """The runs over (steps_per_period, periods), and ``error`` and ``largest_error`` also over quantity."""
         names, order = self.motion.names, ("steps_per_period", "quantity", "periods")
         ds = self.rows.drop(columns=[*names, "start"]).set_index([order[0], order[2]]).to_xarray()
-        error, largest = (errors.to_xarray().to_dataarray("quantity").transpose(*order) for errors in self._errors())
+        both = (self._own, self._largest)
+        error, largest = (errors.to_xarray().to_dataarray("quantity").transpose(*order) for errors in both)
         return ds.assign(error=error, largest_error=largest)
 
     def needed(self, limits: list[Limit], dividing: bool = False) -> list[tuple[float, float]]:
@@ -175,16 +179,18 @@ class _Ladder:
         Every limit is in the list twice, without and with the bounds of the whole motion. ``dividing`` admits only
         steps that divide the spacing of a record.
         """
-        own, largest = (errors.iloc[::-1] for errors in self._errors())
-        tried, shape = own.index.unique("steps_per_period").values, (-1, len(self.periods))
-        results = list[tuple[float, float]]()
+        names, shape = [*self._own], (-1, len(self.periods), self._own.shape[1])
+        own, largest = (errors.values.reshape(shape)[::-1] for errors in (self._own, self._largest))
+        tried = self._own.index.unique("steps_per_period").values[::-1]
         part = (divides(self.scale / tried, self.motion.spacing) == 1) | (not dividing)
-        fine_first, proposed = tried[part], ~np.isin(tried[part], [*self.confirming])
-        bounded = [np.fmax(own[name], largest[name]) <= WHOLE_MOTION[name] for name in own if name in WHOLE_MOTION]
-        whole = np.logical_and.reduce([*bounded, np.full(len(own), True)]).reshape(shape)[:, ::-1]
-        for meets in (True, whole[part]):
+        fine_first, own, largest = tried[part], own[part], largest[part]
+        proposed, results = ~np.isin(fine_first, [*self.confirming]), list[tuple[float, float]]()
+        whole = np.full(own.shape[:2], True)
+        for name in WHOLE_MOTION.keys() & {*names}:
+            whole &= np.fmax(own, largest)[..., names.index(name)] <= WHOLE_MOTION[name]
+        for meets in (True, whole):
             for quantity, allowed in limits:
-                error, worst = (values[quantity].values.reshape(shape)[part, ::-1] for values in (own, largest))
+                error, worst = (errors[..., names.index(quantity)] for errors in (own, largest))
                 kept = keeps(error, worst, self.periods, allowed) & meets
                 place = int(unbroken(kept[:, self.decided]).sum())
                 coarser = fine_first[place] if place < len(fine_first) else 0.0
