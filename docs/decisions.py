@@ -116,6 +116,20 @@ def by_model(results: Path) -> str:
     return table(head, rows, numbers_from=len(head))
 
 
+def frame(results: Path) -> str:
+    """The steps for the peak drift under all records by scheme and period, as a table in Markdown."""
+    read = reader(results)
+    decision = answers(read("decisions"))["frame under an earthquake"]
+    chosen = dict.fromkeys([*filter(None, decision.scheme.values.tolist()), "average_acceleration"])
+    needed = read("spectrum").largest_step_size.sel(condition="practice").min(["record", "reduction"], skipna=False)
+    rows = [
+        [study.schemes[name].title, *(f"{number(1e3 * step, 3)} ms" if step > 0 else "–" for step in steps.values)]
+        for name, steps in ((name, needed.sel(scheme=name)) for name in chosen)
+    ]
+    head = ["scheme", *(f"T = {number(period)} s" for period in needed.period.values)]
+    return table(head, rows, numbers_from=1)
+
+
 def tables(results: Path) -> dict[str, str]:
     """All tables of decisions and of input lines in Markdown, by name."""
     read = reader(results)
@@ -139,6 +153,7 @@ def tables(results: Path) -> dict[str, str]:
     return {
         **recommended(results),
         "by_model": by_model(results),
+        "frame": frame(results),
         "decisions": table(head, rows, numbers_from=len(head)),
         "input_lines": table(_HEAD, lines, numbers_from=len(_HEAD)),
     }

@@ -25,7 +25,7 @@ if (form) {
   };
 
   const roundedUp = (number) => {
-    const unit = 10 ** (Math.floor(Math.log10(number)) - 1);
+    const unit = Math.max(10 ** (Math.floor(Math.log10(number)) - 2), 1);
     return Number((Math.ceil(number / unit - 1e-9) * unit).toPrecision(12));
   };
   // the law of study/analysis/duration.py: the step falls with n^(-a), and a shorter duration keeps it

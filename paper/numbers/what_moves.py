@@ -7,6 +7,7 @@ from paper.measures.shares import with_interval
 from paper.measures.what_moves import (
     CHOSEN,
     QUANTITIES,
+    SINGLE,
     choice_spread,
     coarsest_step,
     median_changes,
@@ -50,6 +51,8 @@ def of_what_moves(moves: xr.Dataset) -> dict:
         "moves_intensity": f"{moves.intensity.item():g}",
         "moves_periods": listed(f"{period:g}" for period in moves.period.values),
         "moves_without_drift": listed(collapsed) if collapsed else None,
+        "moves_single_share": f"{100 * SINGLE:g}",
+        "moves_single_rest": f"{100 * (1 - SINGLE):g}",
         "moves_chosen": listed(map(str, CHOSEN)),
         "moves_hardening": f"{100 * moves.hardening.item():g}",
         "moves_p_delta": f"{100 * moves.p_delta.item():g}",
@@ -68,7 +71,7 @@ def of_what_moves(moves: xr.Dataset) -> dict:
         entries[f"moves_{short}_worst"] = number(100 * float(single.where(np.isfinite(single)).max()), 3)
         entries[f"moves_{short}_large"] = _most(single, LARGE)
         coarsest = coarsest_step(quantity)
-        entries[f"moves_{short}_coarsest"] = _spacings(coarsest) if np.isfinite(coarsest) else None
+        entries[f"moves_{short}_coarsest"] = _spacings(coarsest) if np.isfinite(coarsest) else "none"
         known = abs(change).dropna("period")
         smaller.append(known.size and (known.sel(variant="spacing") < known.sel(variant="damping")).all())
         chosen = xr.concat([choice_spread(quantity, count) for count in CHOSEN], "choice").min("choice")
