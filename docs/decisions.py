@@ -12,7 +12,7 @@ from paper.tables.decision import NO_BREAK, answer, beware, column, limits_of, r
 from paper.tables.models import FILTER, answers
 from study.runs.needs import CODES, FILTERS, MOTION
 from study.scheme.codes import NameInCode, names_in_codes
-from study.words import number
+from study.words import number, step_with_unit
 
 _HEAD = ("scheme", "code", "name and parameters", "remark")
 
@@ -121,10 +121,15 @@ def frame(results: Path) -> str:
     read = reader(results)
     decision = answers(read("decisions"))["frame under an earthquake"]
     chosen = dict.fromkeys([*filter(None, decision.scheme.values.tolist()), "average_acceleration"])
-    needed = read("spectrum").largest_step_size.sel(condition="practice").min(["record", "reduction"], skipna=False)
+    spectrum = read("spectrum")
+    needed = spectrum.largest_step_size.sel(condition="practice").min(["record", "reduction"], skipna=False)
+    spacing = spectrum.spacing.item()
     rows = [
-        [study.schemes[name].title, *(f"{number(1e3 * step, 3)} ms" if step > 0 else "–" for step in steps.values)]
-        for name, steps in ((name, needed.sel(scheme=name)) for name in chosen)
+        [
+            study.schemes[name].title,
+            *(step_with_unit(step, spacing) if step > 0 else "–" for step in needed.sel(scheme=name).values),
+        ]
+        for name in chosen
     ]
     head = ["scheme", *(f"T = {number(period)} s" for period in needed.period.values)]
     return table(head, rows, numbers_from=1)
