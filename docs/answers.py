@@ -11,7 +11,7 @@ import xarray as xr
 from paper.products import reader
 from paper.tables.decision import column, sentence, steps_of
 from paper.tables.models import MODELS
-from study.runs.needs import TIED, cost
+from study.runs.needs import TIED, cost, keeps_part
 from study.scheme.codes import names_in_codes
 from study.words import number
 
@@ -41,15 +41,15 @@ def _number(value: float, digits: int = 6) -> float | None:
     return float(f"{value:.{digits}g}") if np.isfinite(value) else None
 
 
-def _rows(needed: xr.Dataset) -> list[list[Any]]:
+def _rows(needed: xr.Dataset, partly: xr.DataArray) -> list[list[Any]]:
     """A row for each scheme that keeps an error: places of problem, quantity, error and scheme, then its numbers.
 
     The numbers are the step in words, the steps in a period, Δt·ω, the forces in a second, the error by which ties are
-    decided, the exponent of the law of :mod:`study.analysis.duration`, None if the law does not apply, and the cost by
-    which schemes are ranked.
+    decided, the exponent of the law of :mod:`study.analysis.duration`, None if the law does not apply, the cost by
+    which schemes are ranked, and whether velocity, acceleration or energy is wrong with this step.
     """
     dims = ("problem", "quantity", "allowed_error", "scheme")
-    costs = cost(needed).transpose(*dims).values
+    costs, wrong = cost(needed).transpose(*dims).values, partly.transpose(*dims).values
     used = needed.reset_coords("spacing")[[*_USED]].transpose(*dims).reset_coords(drop=True)
     rows = []
     for places in np.argwhere(used.step_size.notnull().values).tolist():
@@ -65,6 +65,7 @@ def _rows(needed: xr.Dataset) -> list[list[Any]]:
                 _number(decides.item(), 12),
                 _number(need.exponent.item(), 12),
                 _number(costs[tuple(places)], 12),
+                int(wrong[tuple(places)]),
             ]
         )
     return rows
@@ -72,6 +73,7 @@ def _rows(needed: xr.Dataset) -> list[list[Any]]:
 
 def data(needed: xr.Dataset) -> dict[str, Any]:
     """The needs of all schemes as lists of numbers and words."""
+    partly = keeps_part(needed)
     needed = needed.sel(condition="practice")
     codes = defaultdict[str, dict[str, str]](dict)
     for entry in names_in_codes():
@@ -119,7 +121,7 @@ def data(needed: xr.Dataset) -> dict[str, Any]:
         "errors": [column(error) for error in needed.allowed_error.values],
         "schemes": schemes,
         "codes": sorted({code for scheme in schemes for code in scheme["codes"]}),
-        "rows": _rows(needed),
+        "rows": _rows(needed, partly),
     }
 
 

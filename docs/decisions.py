@@ -9,10 +9,13 @@ import study
 from docs.text import table
 from paper.products import reader
 from paper.tables.decision import NO_BREAK, answer, beware, column, limits_of, rows_of, sentence, steps_of
-from paper.tables.models import FILTER, answers
-from study.runs.needs import CODES, FILTERS, MOTION
+from paper.tables.models import FILTER, USUAL, answers
+from study.runs.needs import CODES, FILTERS, MOTION, keeps_part
 from study.scheme.codes import NameInCode, names_in_codes
 from study.words import number, step_with_unit
+
+#: Mark of a step with which velocity, acceleration or energy is wrong.
+PARTLY = "‡"
 
 _HEAD = ("scheme", "code", "name and parameters", "remark")
 
@@ -45,14 +48,27 @@ def short_cell(decision: xr.Dataset, limits: Mapping[str, float], costs: bool = 
     return f"{words['Scheme']}: {', '.join(parts)}"
 
 
-def _decided(decisions: xr.Dataset, limits: Mapping[str, float], costs: bool = False) -> dict[tuple, list[str]]:
-    """The cells of each problem, quantity and kind, one for each allowed error."""
-    rows = {}
+def _decided(
+    decisions: xr.Dataset, limits: Mapping[str, float], costs: bool = False, needs: xr.Dataset | None = None
+) -> dict[tuple, list[str]]:
+    """The cells of each problem, quantity and kind, one for each allowed error.
+
+    With ``needs``, a cell ends with ``PARTLY`` if its step does not keep the whole motion.
+    """
+    rows, partly = {}, None if needs is None else keeps_part(needs)
+    place = ("problem", "quantity", "allowed_error", "scheme")
     for problem, quantity, kind in rows_of(decisions.expand_dims("filter")):
         decision = decisions.sel(problem=problem, quantity=quantity, kind=kind)
         cells = [decision.sel(allowed_error=error) for error in decision.allowed_error.values]
         title = sentence(decision.problem_title.item())
-        rows[title, quantity, kind] = [short_cell(cell, limits, costs) for cell in cells]
+        marks = [
+            partly is not None and cell.step_size > 0 and partly.sel({name: cell[name] for name in place})
+            for cell in cells
+        ]
+        rows[title, quantity, kind] = [
+            f"{short_cell(cell, limits, costs)}{f'{NO_BREAK}{PARTLY}' if mark else ''}"
+            for cell, mark in zip(cells, marks, strict=True)
+        ]
     return rows
 
 
@@ -67,7 +83,7 @@ def recommended(results: Path) -> dict[str, str]:
     read = reader(results)
     decisions = read("decisions").sel(filter="codes")
     shown = decisions.sel(quantity=[name for name in MOTION if name in decisions.quantity.values])
-    decided = _decided(shown, limits_of(read("spectral")))
+    decided = _decided(shown, limits_of(read("spectral")), needs=read("needs"))
     chosen = {*shown.scheme.values.ravel()}
     lines = [
         [study.schemes[entry.scheme].title, entry.code, f"`{entry.name}`", entry.note]
@@ -103,7 +119,7 @@ def by_model(results: Path) -> str:
     """The schemes of the programs for an error of one percent by kind of model, as a table in Markdown."""
     read = reader(results)
     decisions, limits = answers(read("decisions")), limits_of(read("spectral"))
-    usual = read("needs").sel(scheme="average_acceleration", condition=FILTERS[FILTER][0])
+    usual = read("needs").sel(scheme=USUAL, condition=FILTERS[FILTER][0])
     chosen = {name for decision in decisions.values() for name in decision.scheme.values.ravel()}
     lines = {entry.scheme: f"`{entry.name}`" for entry in _input_lines(chosen, ("OpenSees",))}
     rows = []
@@ -120,7 +136,7 @@ def frame(results: Path) -> str:
     """The steps for the peak drift under all records by scheme and period, as a table in Markdown."""
     read = reader(results)
     decision = answers(read("decisions"))["frame under an earthquake"]
-    chosen = dict.fromkeys([*filter(None, decision.scheme.values.tolist()), "average_acceleration"])
+    chosen = dict.fromkeys([*filter(None, decision.scheme.values.tolist()), USUAL])
     spectrum = read("spectrum")
     needed = spectrum.largest_step_size.sel(condition="practice").min(["record", "reduction"], skipna=False)
     spacing = spectrum.spacing.item()

@@ -60,7 +60,7 @@ if (form) {
       const counted = problem.records || step === "not known" ? step : `${step} steps in a period`;
       const line = element("p", "");
       line.append(element("b", `${scheme.title}: ${counted}`), `${omega && `, ωΔt = ${omega}`}, `,
-        scheme.explicit ? "explicit" : "implicit");
+        scheme.explicit ? "explicit" : "implicit", best[11] ? " (velocity, acceleration or energy is wrong)" : "");
       if (code.value) line.append(": ", element("code", scheme.codes[code.value]));
       parts.push(line);
     }
@@ -76,7 +76,7 @@ if (form) {
       head.append(element("th", name));
     for (const row of groups.flat()) {
       const line = body.insertRow(), [step, omega] = steps(row, problem), scheme = needs.schemes[row[3]];
-      for (const text of [scheme.title, scheme.explicit ? "explicit" : "implicit", step, omega,
+      for (const text of [scheme.title + (row[11] ? " ‡" : ""), scheme.explicit ? "explicit" : "implicit", step, omega,
         Number(row[7].toPrecision(3)).toLocaleString("en"),
         ...timed.map(() => `${Number((1e3 * cost(row)).toPrecision(2))} ms`)]) line.append(element("td", text));
     }
@@ -84,6 +84,7 @@ if (form) {
     scroll.className = "wide";
     scroll.append(table);
     if (groups.length) parts.push(scroll);
+    if (groups.flat().some((row) => row[11])) parts.push(element("p", "‡ Velocity, acceleration or energy is wrong with this step."));
     document.getElementById("answer").replaceChildren(...parts);
   };
 

@@ -5,7 +5,7 @@ import xarray as xr
 
 from paper.products import numbers
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
-from paper.tables.models import ERROR, FILTER, MODELS, answers
+from paper.tables.models import ERROR, FILTER, MODELS, USUAL, answers
 from paper.tables.whole_motion import ERROR as WHOLE
 from study.runs.needs import FILTERS, WHOLE_MOTION, keeps_part, needs
 from study.sizes import fewest
@@ -134,17 +134,25 @@ def of_decisions(decisions: xr.Dataset, needs: xr.Dataset, softening: xr.Dataset
 
 @numbers(runs=[f"runs/{problem}" for problem in DISPLACED])
 def of_longer_runs(decisions: xr.Dataset, runs: list[xr.Dataset]) -> dict:
-    """Kinds of models with a step in the short table that is finer than the decided duration alone needs."""
-    shorter, finer = dict(zip(DISPLACED, runs, strict=True)), list[str]()
+    """Kinds of models with a step in the short table that is finer than the decided duration alone needs.
+
+    ``models_longer`` is among the chosen schemes, ``models_longer_or_usual`` also among average acceleration.
+    """
+    shorter, finer, or_usual = dict(zip(DISPLACED, runs, strict=True)), list[str](), list[str]()
     for model, decided in answers(decisions).items():
         if ds := shorter.get(decided.problem.item()):
-            alone = needs(ds.sel(periods=[ds.decided.item()]), [ERROR]).squeeze(["periods", "allowed_error"])
-            chosen = [*filter(None, decided.scheme.values)]
-            of = {"scheme": chosen, "quantity": decided.quantity.item(), "condition": FILTERS[FILTER][0]}
-            steps = decided.step_size.values[decided.scheme.values != ""]
-            if (steps < alone.sel(of).step_size.values * (1 - ROUND_OFF)).any():
-                finer.append(model)
-    return {"models_longer": listed(finer) if finer else None}
+            place = {"quantity": decided.quantity.item(), "condition": FILTERS[FILTER][0], "allowed_error": ERROR}
+            alone, longer = (
+                needs(part, [ERROR]).sel(place).sel(periods=ds.decided.item()).step_size.to_series()
+                for part in (ds.sel(periods=[ds.decided.item()]), ds)
+            )
+            schemes = {*alone.index[~(longer >= alone * (1 - ROUND_OFF)) & alone.notna()]}
+            finer += [model] * bool(schemes & {*decided.scheme.values})
+            or_usual += [model] * bool(schemes & {*decided.scheme.values, USUAL})
+    return {
+        "models_longer": listed(finer) if finer else None,
+        "models_longer_or_usual": listed(or_usual) if or_usual else None,
+    }
 
 
 @numbers(requires={"cpu_time.schemes": ["average_acceleration", "rk4"], "cpu_time.problems": ["hardening"]})

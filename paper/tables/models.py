@@ -18,6 +18,8 @@ MODELS = {
 }
 #: Allowed error of the answers, and the filter of their candidates.
 ERROR, FILTER = 0.01, "codes"
+#: Scheme that is taken by habit, with which the answers are compared.
+USUAL = "average_acceleration"
 
 
 def answers(decisions: xr.Dataset) -> dict[str, xr.Dataset]:
