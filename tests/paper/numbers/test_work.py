@@ -3,7 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from paper.numbers.work import _further_runs, _starts, cheapest
+from paper.numbers.work import DISPLACED, _further_runs, _starts, cheapest, of_longer_runs
+from study.runs.needs import decisions, needs, of_problems
+from tests.runs.made_up import runs, with_kinds
 
 
 def test_a_run_that_is_exact_by_accident_is_no_cheapest_run():
@@ -36,3 +38,21 @@ def test_steps_next_to_whole_parts_of_the_period_and_further_durations():
     runs = xr.Dataset(coords=known | {"periods": [50.0, 100.0, 150.0], "decided": 100})
     assert _further_runs(runs) == {"beside": "0.01", "longer_durations": "150"}
     assert _further_runs(runs.isel(size=[0, 1]))["beside"] is None
+
+
+def test_a_longer_run_decides_a_step_of_the_usual_scheme_or_of_a_chosen_one():
+    """Over twice the duration the error may be four times the allowed one."""
+    lasting, accidental = [0.2, 0.008, 0.005, 0.002], [0.2, 0.05, 0.02, 0.008]
+
+    def longer(usual, chosen):
+        parts = [runs([lasting] * 3, problem="softening"), runs([usual, chosen, lasting], problem="softening")]
+        parts[1] = parts[1].assign_coords(periods=[20.0], duration=("periods", [40.0]))
+        ds = xr.concat(parts, "periods", data_vars="minimal")
+        ds = ds.assign_coords(scheme=["average_acceleration", "dear", "stiff"])
+        decided = decisions(with_kinds(of_problems([needs(ds, [0.01])])))
+        return of_longer_runs(decided, [ds if name == "softening" else None for name in DISPLACED])
+
+    model = "free vibration over a long time"
+    assert longer(lasting, lasting) == {"models_longer": None, "models_longer_or_usual": None}
+    assert longer(accidental, lasting) == {"models_longer": None, "models_longer_or_usual": model}
+    assert longer(lasting, accidental) == {"models_longer": model, "models_longer_or_usual": model}
