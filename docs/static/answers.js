@@ -54,7 +54,8 @@ if (form) {
     });
     const groups = [true, false].map((explicit) =>
       ranked(admitted.filter((row) => needs.schemes[row[3]].explicit === explicit))).filter((group) => group.length);
-    groups.sort((a, b) => cost(a[0]) - cost(b[0]));
+    const first = groups.length && decide(groups.map(([best]) => best));
+    groups.sort((a, b) => (b[0] === first) - (a[0] === first));
     for (const [best] of groups) {
       const scheme = needs.schemes[best[3]], [step, omega] = steps(best, problem);
       const counted = problem.records || step === "not known" ? step : `${step} steps in a period`;

@@ -45,8 +45,8 @@ def control_cost(
 
     In all runs, steps end at the samples of the exact motion. ``samples_per_period`` of the sections ``kinks`` and
     ``structures`` is the number of samples in a period. The error is the largest distance from the samples, relative
-    to the largest displacement. The number of force evaluations of a controlled run includes all its trial steps, the
-    estimates, and the trial run that measures the sizes of the motion if one of them is zero at the start. The
+    to the largest displacement. The number of force evaluations of a controlled run includes all its trial steps and
+    the estimates, but not the trial run that measures the sizes of the motion if one of them is zero at the start. The
     estimator is the default estimator of the scheme.
 
     Results of controlled runs have the shape (problem, scheme, tolerance), and results with equal steps the shape

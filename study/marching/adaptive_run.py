@@ -72,6 +72,8 @@ _STEP_ATTRIBUTES = {
     "rejected_by_solver": {"long_name": "trial steps before it without balance or finite state", "units": "1"},
 }
 
+_TRIAL_RUN = {"trial_run_force_evaluations": {"long_name": "forces of the run that measures the sizes", "units": "1"}}
+
 _RUN_ATTRIBUTES = {
     "steps": {"long_name": "number of steps", "units": "1"},
     "steps_rejected_by_estimate": {"long_name": "trial steps that the estimate rejected", "units": "1"},
@@ -213,7 +215,7 @@ class Adaptive:
         shape = (lanes, *np.shape(self._problem.u0))
         self._starts = () if make else tuple(np.broadcast_to(x, shape) if lanes else x for x in starts)
         self._labels = Labels(self._problem, scheme, observers)
-        self._labels.attributes |= _STEP_ATTRIBUTES
+        self._labels.attributes |= _STEP_ATTRIBUTES | _TRIAL_RUN
 
     def dataset(self, control: Control, on_failure: str) -> xr.Dataset:
         """March to the end, and label the result."""
@@ -266,11 +268,13 @@ class Adaptive:
         turns = max(1, int(PAUSE / 8 / (several * unknowns**1.5)))
         begin = self._march_of, lanes, adaptive, self._over, self._starts
         trial, initial, stored = _begin(*begin, dt, tolerance, room)
+        measuring = np.zeros(self._lanes or (), int)
         if control.estimator.relative and not all(np.all(np.asarray(size)) for size in trial.scales):
             # estimates are relative to sizes of the motion so far, and at least one size is zero at the start
             grid = np.union1d(np.linspace(0.0, control.times[-1], TRIAL_STEPS + 1), control.times)
             scales, effort = _scales_of_trial(*begin, grid)
-            trial = trial._replace(scales=tuple(map(jnp.maximum, trial.scales, scales)), rejected=effort)
+            trial = trial._replace(scales=tuple(map(jnp.maximum, trial.scales, scales)))
+            measuring = np.asarray(effort.forces)
         parts = []
         while True:
             trial, stored, values = _proceed(
@@ -281,7 +285,9 @@ class Adaptive:
                 parts.append((np.asarray(trial.place), {n: np.asarray(x) for n, x in stored.items()}))
                 trial = trial._replace(place=jnp.zeros_like(trial.place))
             if ended:
-                return trial, _joined(parts, lanes), {n: np.asarray(x) for n, x in values.items()}
+                results = {n: np.asarray(x) for n, x in values.items()}
+                results |= dict.fromkeys(_TRIAL_RUN, measuring) if "force_evaluations" in results else {}
+                return trial, _joined(parts, lanes), results
             check_time()
 
     def _report_energy(self, change: np.ndarray, largest: np.ndarray, control: Control) -> None:

@@ -53,8 +53,9 @@ class Evaluations(Reduction):
     size alone is new when the step size changes, and counts unless it is diagonal or matrix-free. A linear problem
     takes one such matrix for each balance of a step.
 
-    With controlled steps, the trial steps that were rejected, the estimates, and a trial run that measures the sizes of
-    the motion are counted too. A run that starts again with a safeguard is counted alone.
+    With controlled steps, the trial steps that were rejected and the estimates are counted too. The forces of a trial
+    run that measures the sizes of the motion stand apart, in ``trial_run_force_evaluations``. A run that starts again
+    with a safeguard is counted alone.
     """
 
     variables = {

@@ -241,6 +241,12 @@ def cost(needed: xr.Dataset) -> xr.DataArray:
     return needed.seconds.where(needed.cost == "seconds", needed.force_evaluations)
 
 
+def cheapest(needed: xr.Dataset, along: str) -> xr.DataArray:
+    """Place of the cheapest along a dimension: costs up to ``TIED`` times the least tie, the smallest error decides."""
+    costs, error = cost(needed), needed.largest_error.fillna(needed.error)
+    return error.where(costs <= TIED * costs.min(along)).fillna(np.inf).argmin(along)
+
+
 def decisions(needed: xr.Dataset) -> xr.Dataset:
     """The cheapest scheme of each kind, over (problem, quantity, allowed_error, kind, filter).
 
@@ -261,8 +267,7 @@ def _decided(needed: xr.Dataset, admitted: xr.DataArray) -> xr.Dataset:
     """The decision among the admitted schemes of a dataset of needs."""
     costs, verdict = cost(needed).where(admitted), xr.where(admitted, needed.verdict, NO_VALUE)
     ties = costs <= TIED * costs.min("scheme")
-    error = needed.largest_error.fillna(needed.error).where(ties).fillna(np.inf)
-    place, exists = error.argmin("scheme"), ties.any("scheme")
+    place, exists = cheapest(needed.where(admitted), "scheme"), ties.any("scheme")
     numbers = needed.drop_vars([str(name) for name in needed.coords if "scheme" in needed[name].dims])
     decision = numbers.isel(scheme=place)
     decision = decision.assign({name: decision[name].where(exists) for name in decision if name != "verdict"})
@@ -276,17 +281,17 @@ def ranked(needed: xr.Dataset) -> list[str]:
     """Names of the schemes that keep an error, kind by kind: each is the decision among those that remain.
 
     ``needed`` has the needs for one problem, quantity, allowed error and condition, over scheme. The kind of the
-    cheapest scheme is first.
+    decision among both is first.
     """
-    kinds = []
+    kinds = list[list[str]]()
     for flag in (1, 0):
         remaining, names = (needed.explicit == flag) & cost(needed).notnull(), list[str]()
         while remaining.any():
             names.append(_decided(needed, remaining).scheme.item())
             remaining &= remaining.scheme != names[-1]
-        kinds.append(names)
-    costs = cost(needed).to_series()
-    return sum(sorted(filter(None, kinds), key=lambda names: costs[names].min()), list[str]())
+        kinds += [names] if names else []
+    best = _decided(needed, needed.scheme.isin([names[0] for names in kinds])).scheme.item()
+    return sum(sorted(kinds, key=lambda names: names[0] != best), list[str]())
 
 
 def dominated(measures: xr.DataArray, scheme: str, equal: float = 1e-6) -> list[str]:

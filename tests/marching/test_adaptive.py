@@ -145,6 +145,19 @@ def test_stated_times_are_joined_with_those_of_the_load():
 
 
 @pytest.mark.slow
+def test_the_forces_of_a_trial_run_stand_apart():
+    """From rest, a trial run measures the largest velocity: 200 steps of Bathe's method, each with two substeps."""
+
+    def counted(v0):
+        problem = study.Problem(lambda u: u + u**3, u0=1.0, v0=v0)
+        return study.run(problem, "rk4", tolerance=[1e-3, 1e-5], duration=10.0, observe=["effort"])
+
+    rest, moving = counted(0.0), counted(0.02)
+    assert (rest.trial_run_force_evaluations > 400).all() and (moving.trial_run_force_evaluations == 0).all()
+    np.testing.assert_allclose(rest.force_evaluations, moving.force_evaluations, rtol=0.1)
+    assert "trial_run_force_evaluations" not in study.run(DRIVEN, "rk4", tolerance=1e-3, duration=1.0)
+
+
 def test_a_lane_is_a_run():
     tolerances = [1e-4, 1e-3, 1e-2]
     lanes = study.run(DRIVEN, "hht_alpha", tolerance=tolerances, duration=4.0)

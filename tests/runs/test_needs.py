@@ -126,6 +126,16 @@ def test_computing_time_decides_for_many_unknowns():
     assert [ranked(one.isel(problem=k)) for k in (0, 1)] == [["cheap", "dear", "stiff"], ["stiff", "dear", "cheap"]]
 
 
+def test_of_two_kinds_that_tie_the_more_accurate_one_is_first():
+    """The implicit scheme needs a twentieth more forces than the cheap explicit one, and has a smaller error."""
+    needed = with_kinds(of_problems([needs(runs(FINE), [0.1])])).sel(condition="practice", quantity="displacement")
+    needed = needed.squeeze(["problem", "allowed_error"])
+    forces = xr.DataArray([100.0, 150.0, 105.0], dims="scheme")
+    for error, first in (([0.05, 0.01, 0.02], "stiff"), ([0.02, 0.01, 0.05], "cheap")):
+        made = needed.assign(force_evaluations=forces, error=("scheme", error), largest_error=("scheme", error))
+        assert ranked(made)[0] == first
+
+
 def test_a_scheme_dominates_if_it_is_worse_in_nothing_and_better_in_something():
     of = xr.DataArray([[1.0, 2.0, np.inf], [3.0, 3.0, np.inf]], {"scheme": ["a", "b", "c"]}, ["respect", "scheme"])
     assert dominated(of, "b") == ["a"] and dominated(of, "a") == [] and dominated(of, "c") == ["a", "b"]

@@ -3,18 +3,18 @@
 import numpy as np
 import xarray as xr
 
-from paper.numbers.work import DISPLACED, _further_runs, _starts, cheapest, of_longer_runs
+from paper.numbers.work import DISPLACED, _further_runs, _starts, fastest, of_longer_runs
 from study.runs.needs import decisions, needs, of_problems
 from tests.runs.made_up import runs, with_kinds
 
 
-def test_a_run_that_is_exact_by_accident_is_no_cheapest_run():
+def test_a_run_that_is_exact_by_accident_is_no_fastest_run():
     """The error of the quick scheme at its second step is small by cancellation."""
     coords = {"scheme": ["quick", "steady"], "steps_per_period": [8, 16, 32]}
     error = xr.DataArray([[1e-3, 1e-12, 1e-8], [1e-9, 5e-11, 1e-12]], coords)
     time = xr.DataArray([[1e-3, 2e-3, 4e-3], [2e-3, 5e-3, 9e-3]], coords)
-    assert cheapest(error, time, "scheme", "steps_per_period") == ("steady", 5.0)
-    assert np.isnan(cheapest(error.sel(scheme=["quick"]), time.sel(scheme=["quick"]), "scheme", "steps_per_period")[1])
+    assert fastest(error, time, "scheme", "steps_per_period") == ("steady", 5.0)
+    assert np.isnan(fastest(error.sel(scheme=["quick"]), time.sel(scheme=["quick"]), "scheme", "steps_per_period")[1])
 
 
 def test_further_starts_are_counted_without_the_own_one():
