@@ -105,8 +105,8 @@ def recommend(
             How the search for the step size ended.
         ``tolerance``, ``controlled_force_evaluations``, ``control_over_equal``
             Only if the assessment had a controller: the tolerance that keeps the error, the number of internal forces
-            evaluated in the run with this tolerance, and the ratio of this number to ``force_evaluations``. If the
-            ratio is below one, controlled steps are cheaper.
+            evaluated in the run with this tolerance, without a trial run, and the ratio of this number to
+            ``force_evaluations``. If the ratio is below one, controlled steps are cheaper.
 
         For a problem of the study, the rows are those of ``needs`` with steps that divide the spacing of a record, kind
         by kind, and in each kind the cheapest scheme first. The columns are ``kind``, ``step_size``, ``omega_step``,
