@@ -235,11 +235,22 @@ def test_the_step_for_a_period_of_a_frame_serves_up_to_the_next(monkeypatch):
     shared = {key: options[key] for key in ("records", "reductions", "duration")} | {"periods": periods}
     reference, steps = exact_peaks(**shared), _steps_of_a_frame()
     monkeypatch.setattr(study.io, "open_dataset", lambda name: reference)
-    ds, _ = spectrum(**shared, schemes=[*steps], coarsest=0.02, finest=options["finest"], allowed_error=0.01)
+    run = {"schemes": [*steps], "coarsest": 0.02, "finest": options["finest"], "allowed_error": 0.01}
+    ds, _ = spectrum(**shared, **run)
     kept = 1e3 * ds.largest_step_size.sel(condition="practice").min(["record", "reduction"], skipna=False)
     for name, milliseconds in steps.items():
         of_shorter = np.array(milliseconds)[np.searchsorted([0.2, 0.5, 1, 2], periods) - 1]
         assert (kept.sel(scheme=name).values >= of_shorter * (1 - 1e-9)).all(), name
+    pattern = r"central difference at ([\d.]+), ([\d.]+) and ([\d.]+) s, one of (\d+) runs errs by up to ([\d.]+) %"
+    ((*periods, count, most),) = {*re.findall(pattern, " ".join(README.split())), *re.findall(pattern, ANSWERS)}
+    shared["periods"] = [float(period) for period in periods]
+    reference = exact_peaks(**shared)
+    ds, _ = spectrum(**shared, **run)
+    error = ds.error.sel(scheme="central_difference").sel(step_size=0.004, method="nearest")
+    assert ((error > 0.01).sum(["record", "reduction"]) == 1).all()
+    assert error.size == 3 * int(count) and f"{100 * error.max().item():.2f}" == most
+    assert (ds.error.sel(scheme="average_acceleration").sel(step_size=0.0025, method="nearest") <= 0.01).all()
+    assert (ds.error.sel(scheme="fox_goodwin").sel(step_size=0.005, method="nearest") <= 0.01).all()
 
 
 def test_the_results_of_the_readme_are_those_of_the_study():
