@@ -80,7 +80,7 @@ def of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
     measured = accuracy.sel(steps_per_period=64, periods=3, scheme="hht_alpha_1996", problem=["hardening", "softening"])
     loss = measured.amplitude_decay / linear.amplitude_decay
     return {"damping_is_larger": bool((loss > 1).all())} | {
-        f"kept_hht_alpha_1996_{name}": f"{ratio:.1f}" for name, ratio in by_name(loss).items()
+        f"kept_hht_alpha_1996_{name}": f"{ratio:.2f}" for name, ratio in by_name(loss).items()
     }
 
 
