@@ -46,7 +46,7 @@ def _rows(needed: xr.Dataset, partly: xr.DataArray) -> list[list[Any]]:
 
     The numbers are the step in words, the steps in a period, Δt·ω, the forces in a second, the error by which ties are
     decided, the exponent of the law of :mod:`study.analysis.duration`, None if the law does not apply, the cost by
-    which schemes are ranked, and whether velocity, acceleration or energy is wrong with this step.
+    which schemes are ranked, and whether the whole motion needs another step.
     """
     dims = ("problem", "quantity", "allowed_error", "scheme")
     costs, wrong = cost(needed).transpose(*dims).values, partly.transpose(*dims).values

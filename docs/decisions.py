@@ -14,7 +14,7 @@ from study.runs.needs import CODES, FILTERS, MOTION, keeps_part
 from study.scheme.codes import NameInCode, names_in_codes
 from study.words import number, step_with_unit
 
-#: Mark of a step with which velocity, acceleration or energy is wrong.
+#: Mark of a step that keeps its quantity, while the whole motion needs another step.
 PARTLY = "‡"
 
 _HEAD = ("scheme", "code", "name and parameters", "remark")
@@ -53,7 +53,7 @@ def _decided(
 ) -> dict[tuple, list[str]]:
     """The cells of each problem, quantity and kind, one for each allowed error.
 
-    With ``needs``, a cell ends with ``PARTLY`` if its step does not keep the whole motion.
+    With ``needs``, a cell ends with ``PARTLY`` if the whole motion needs another step.
     """
     rows, partly = {}, None if needs is None else keeps_part(needs)
     place = ("problem", "quantity", "allowed_error", "scheme")

@@ -61,7 +61,7 @@ if (form) {
       const counted = problem.records || step === "not known" ? step : `${step} steps in a period`;
       const line = element("p", "");
       line.append(element("b", `${scheme.title}: ${counted}`), `${omega && `, ωΔt = ${omega}`}, `,
-        scheme.explicit ? "explicit" : "implicit", best[11] ? " (velocity, acceleration or energy is wrong)" : "");
+        scheme.explicit ? "explicit" : "implicit", best[11] ? " (the whole motion needs another step)" : "");
       if (code.value) line.append(": ", element("code", scheme.codes[code.value]));
       parts.push(line);
     }
@@ -85,7 +85,7 @@ if (form) {
     scroll.className = "wide";
     scroll.append(table);
     if (groups.length) parts.push(scroll);
-    if (groups.flat().some((row) => row[11])) parts.push(element("p", "‡ Velocity, acceleration or energy is wrong with this step."));
+    if (groups.flat().some((row) => row[11])) parts.push(element("p", "‡ The whole motion, with displacement, velocity, acceleration and energy, needs another step."));
     document.getElementById("answer").replaceChildren(...parts);
   };
 

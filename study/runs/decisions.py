@@ -61,8 +61,8 @@ def needs_and_decisions(problems: PlainNames, allowed_errors: FallingErrors) -> 
 
     ``needs`` is over (problem, scheme, quantity, allowed_error, condition), as :func:`study.runs.needs.of_problems`
     returns it, with the computing times of the problems whose ``cost`` is ``seconds``, and the ``exponent`` with which
-    the step of a free vibration falls over more periods; ``decisions`` is over (problem,
-    quantity, allowed_error, kind, filter), as :func:`study.runs.needs.decisions` returns it.
+    the step of a free vibration falls over more periods; ``decisions`` is over (problem, quantity, allowed_error, kind,
+    filter), as :func:`study.runs.needs.decisions` returns it.
     """
     needed = of_problems([needs(io.open_dataset(f"runs/{problem}"), allowed_errors) for problem in problems])
     needed["seconds"] = computing_times(needed)

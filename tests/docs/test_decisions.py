@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import study
-from docs.decisions import PARTLY, recommended, short_cell
+from docs.decisions import PARTLY, _decided, recommended, short_cell
 from paper.explorer.page import _decisions as in_explorer
 from paper.tables.decision import column, sentence, tabulate
 from study.runs.needs import ATTRIBUTES, DECIDED, decisions, needs, of_problems
@@ -119,6 +119,16 @@ def _check_one_answer(
                     assert first.step_size.tolist() == ([best.step_size.item()] if best.scheme.item() else [])
                     checked += 1
     assert checked == len(in_article)
+
+
+@pytest.mark.parametrize("velocity, marked", [(0.1, False), (2.0, True)])
+def test_a_step_that_does_not_keep_the_velocity_is_marked(velocity, marked):
+    data = runs([[0.2, 0.05, 0.005, 0.0005]] * 3, problem="hardening", velocity=np.full((3, 4), velocity))
+    needed = with_kinds(of_problems([needs(data, [0.1])]))
+    decided = decisions(needed).sel(filter="codes", quantity=["displacement"])
+    decided.verdict.attrs = ATTRIBUTES["verdict"]
+    cells = [cell for row in _decided(decided, {}, needs=needed).values() for cell in row]
+    assert [cell.endswith(PARTLY) for cell in cells] == [marked, marked]
 
 
 def test_tables_explorer_and_recommend_give_one_answer(tmp_path):
