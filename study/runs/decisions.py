@@ -1,6 +1,9 @@
 """The step that each scheme needs on each problem, and the decisions that follow."""
 
+import os
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -34,10 +37,12 @@ def computing_times(needed: xr.Dataset) -> xr.DataArray:
     for problem in needed.problem.values[needed.cost.values == "seconds"].tolist():
         step_sizes = needed.step_size.sel(problem=problem)
         duration = (step_sizes.decided * step_sizes.time_scale).item()
-        runs = {
-            name: Timed(problems_by_name[problem], schemes_by_name[name], ())
-            for name in step_sizes.dropna("scheme", how="all").scheme.values.tolist()
-        }
+        names = step_sizes.dropna("scheme", how="all").scheme.values.tolist()
+        # nothing is timed while the programs are compiled
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            of_scheme = partial(Timed, problems_by_name[problem], reductions=())
+            timed = pool.map(of_scheme, [schemes_by_name[name] for name in names])
+            runs = dict(zip(names, timed, strict=True))
         for scheme, run in [*runs.items()] * ROUNDS:
             progress(f"time of {scheme} on {problem}")
             sizes, place = step_sizes.sel(scheme=scheme), {"problem": problem, "scheme": scheme}
