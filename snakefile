@@ -81,18 +81,18 @@ for step in plan["steps"]:
                 # the report of Snakemake lists these outputs with heading and label by job
                 (
                     report(
-                        kept(one),
-                        category=lambda wildcards, jobs=listed[one]: jobs[
+                        kept(file),
+                        category=lambda wildcards, jobs=listed[file]: jobs[
                             wildcards.get("job", "")
                         ][0],
-                        labels=lambda wildcards, jobs=listed[one]: {
+                        labels=lambda wildcards, jobs=listed[file]: {
                             "content": jobs[wildcards.get("job", "")][1]
                         },
                     )
-                    if one in listed
-                    else kept(one)
+                    if file in listed
+                    else kept(file)
                 )
-                for one in step["outputs"]
+                for file in step["outputs"]
             ),
         log:
             f"results/logs/{name}.log",

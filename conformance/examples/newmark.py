@@ -51,4 +51,4 @@ def step(problem, scheme, dt, steps):
         a = new
         problem.commit(u)
         rows.append((u, v, a))
-    return [np.array(one) for one in zip(*rows, strict=True)]
+    return [np.array(history) for history in zip(*rows, strict=True)]

@@ -136,7 +136,7 @@ def record_error(schemes: Schemes) -> xr.Dataset:
     """
     exact = io.open_dataset("reference/record_error")
     spacings, periods = exact.spacing.values, exact.period.values
-    grounds = [GroundMotion(one[np.isfinite(one)], dt) for one, dt in zip(exact.ground.values, spacings, strict=True)]
+    grounds = [GroundMotion(a[np.isfinite(a)], dt) for a, dt in zip(exact.ground.values, spacings, strict=True)]
     ratios = np.array([float(ratio) for ratio in RATIOS])
     sizes = ratios * spacings[:, None]
     progress("means of the records over steps")

@@ -81,10 +81,10 @@ def under_stochastic_record(problem: Problem, seed: int) -> Problem:
         load: Any = member.load.load if isinstance(member.load, _Scaled) else member.load
         return member.ground, load.ground
 
-    own = grounds(problem)[0]
-    ground = GroundMotion.kanai_tajimi(seed, duration=own.duration, dt=float(own.dt))
-    scale = abs(own.acceleration).max() / abs(ground.acceleration).max()
-    ground = GroundMotion(scale * ground.acceleration, own.dt, title=own.title, source=own.source)
+    record = grounds(problem)[0]
+    ground = GroundMotion.kanai_tajimi(seed, duration=record.duration, dt=float(record.dt))
+    scale = abs(record.acceleration).max() / abs(ground.acceleration).max()
+    ground = GroundMotion(scale * ground.acceleration, record.dt, title=record.title, source=record.source)
     return eqx.tree_at(grounds, problem, (ground, ground)).examined()
 
 
