@@ -10,12 +10,15 @@ from docs.text import table
 from paper.products import reader
 from paper.tables.decision import NO_BREAK, answer, beware, column, limits_of, rows_of, sentence, steps_of
 from paper.tables.models import FILTER, USUAL, answers
-from study.runs.needs import CODES, FILTERS, MOTION, keeps_part
+from study.runs.needs import CODES, FILTERS, KINDS, MOTION, cheapest, keeps_part
 from study.scheme.codes import NameInCode, names_in_codes
 from study.words import number, step_with_unit
 
 #: Mark of a step that keeps its quantity, while the whole motion needs another step.
 PARTLY = "‡"
+
+#: What the time scale of a problem is, if it is no period of the motion.
+_COUNTED = {"elastic_pendulum": "turn", "stiff_soft": "period of the support", "impact_bar": "passage of a small wave"}
 
 _HEAD = ("scheme", "code", "name and parameters", "remark")
 
@@ -106,17 +109,21 @@ def measured(decision: xr.Dataset) -> str:
     if decision.problem.item() == "records":
         return f"{title}: {starts} runs, samples every {number(1e3 * decision.spacing.item())} ms"
     unknowns, periods = decision.unknowns.item(), decision.decided.item()
+    counted = _COUNTED.get(decision.problem.item(), "period")
     parts = [
         title,
         *([f"{unknowns} unknowns"] if unknowns > 1 else []),
-        f"{number(periods)} period{'s' * (periods != 1)} T = {number(decision.time_scale.item(), 2)} s",
+        f"{number(periods)} {counted}{'s' * (periods != 1)} T = {number(decision.time_scale.item(), 2)} s",
         f"{starts} {'record' if decision.spacing > 0 else 'start'}{'s' * (starts != 1)}",
     ]
     return ", ".join(parts)
 
 
 def by_model(results: Path) -> str:
-    """The schemes of the programs for an error of one percent by kind of model, as a table in Markdown."""
+    """The schemes of the programs for an error of one percent by kind of model, as a table in Markdown.
+
+    The cheaper of the explicit and the implicit scheme is in bold type.
+    """
     read = reader(results)
     decisions, limits = answers(read("decisions")), limits_of(read("spectral"))
     usual = read("needs").sel(scheme=USUAL, condition=FILTERS[FILTER][0])
@@ -124,10 +131,14 @@ def by_model(results: Path) -> str:
     lines = {entry.scheme: f"`{entry.name}`" for entry in _input_lines(chosen, ("OpenSees",))}
     rows = []
     for model, decision in decisions.items():
-        kinds = [decision.sel(kind=kind) for kind in ("explicit", "implicit")]
+        kinds = [decision.sel(kind=kind) for kind in KINDS]
+        cells = [short_cell(kind, limits) for kind in kinds]
+        if (decision.step_size > 0).any():
+            best = cheapest(decision, "kind").item()
+            cells[best] = f"**{cells[best]}**"
         line = next((lines[kind.scheme.item()] for kind in reversed(kinds) if kind.scheme.item() in lines), "–")
         need = usual.sel({name: decision[name] for name in ("problem", "quantity", "allowed_error")})
-        rows.append([model, *(short_cell(kind, limits) for kind in kinds), line, step_cell(need), measured(decision)])
+        rows.append([model, *cells, line, step_cell(need), measured(decision)])
     head = ["model", "explicit", "implicit", "OpenSees, implicit", "by average acceleration", "measured"]
     return table(head, rows, numbers_from=len(head))
 

@@ -20,6 +20,7 @@ import study
 from docs.decisions import by_model, frame
 from paper import products
 from paper.claims import ledger
+from paper.tables.models import MODELS
 from reference.experiments.spectrum import spectrum as exact_peaks
 from study.analysis.duration import step_exponent
 from study.runs.records import spectrum
@@ -229,7 +230,7 @@ def _steps_of_a_frame() -> dict[str, list[float]]:
 @pytest.mark.exhaustive
 def test_the_step_for_a_period_of_a_frame_serves_up_to_the_next(monkeypatch):
     """The README's advice at periods that the study does not run, under all its records, elastic and yielding."""
-    (stated,) = re.findall(r"this keeps the error at ([\d., ]+) and ([\d.]+) s too", " ".join(README.split()))
+    (stated,) = re.findall(r"This keeps the error at ([\d., ]+) and ([\d.]+) s too", " ".join(README.split()))
     periods = [float(period) for period in re.findall(r"[\d.]+", " ".join(stated))]
     options = yaml.safe_load((PROJECT / "config" / "study.yaml").read_text())["spectrum"]
     shared = {key: options[key] for key in ("records", "reductions", "duration")} | {"periods": periods}
@@ -241,7 +242,7 @@ def test_the_step_for_a_period_of_a_frame_serves_up_to_the_next(monkeypatch):
     for name, milliseconds in steps.items():
         of_shorter = np.array(milliseconds)[np.searchsorted([0.2, 0.5, 1, 2], periods) - 1]
         assert (kept.sel(scheme=name).values >= of_shorter * (1 - 1e-9)).all(), name
-    pattern = r"central difference at ([\d.]+), ([\d.]+) and ([\d.]+) s, one of (\d+) runs errs by up to ([\d.]+) %"
+    pattern = r"difference at ([\d.]+), ([\d.]+) and ([\d.]+) s[:,] one of (\d+) runs at each errs by up to ([\d.]+) %"
     ((*periods, count, most),) = {*re.findall(pattern, " ".join(README.split())), *re.findall(pattern, ANSWERS)}
     shared["periods"] = [float(period) for period in periods]
     reference = exact_peaks(**shared)
@@ -267,7 +268,10 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     assert f"Over n > {n['decided_periods']} periods" in words
     partly = f"wrong at some of the steps for these kinds: {n['models_partly']}."
     assert partly in words
-    assert f"decides a step of these kinds: {n['models_longer_or_usual']}." in words
+    assert f"longer runs a step of these kinds would be coarser: {n['models_longer_or_usual']}." in words
+    of_rows = [study.open_dataset(f"runs/{problem}", results) for problem, _ in MODELS.values() if problem != "records"]
+    assert {ds.periods.values[-1] / ds.decided.item() for ds in of_rows} == {1.5, 2}
+    assert "was also run, from the first start, for 1.5 or 2 times the duration" in words
     assert n["moves_step_is_least"]
     runs = study.open_dataset("runs/softening", results).sel(scheme="central_difference", quantity="displacement")
     from_rest = runs.error.sel(periods=100).swap_dims(size="steps_per_period").dropna("steps_per_period")
