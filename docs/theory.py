@@ -82,7 +82,7 @@ def _of_rule(scheme: study.Scheme) -> tuple[float, float]:
         observe=["newton_iterations", "trajectory"],
     )
     exact = starts[0][:, None] * np.cos(run.t.values) + starts[1][:, None] * np.sin(run.t.values)
-    counted = forces_of(scheme)
+    counted = forces_of(scheme, several=False)
     iterations = run.newton_iterations.isel(lane=0).item()
     return counted.per_step + counted.per_iteration * iterations / STEPS, float(abs(run.u.values - exact).max())
 

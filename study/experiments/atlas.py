@@ -184,5 +184,7 @@ def atlas(
             attrs={"title": f"Outcome of {periods} periods with every scheme, over step size and amplitude"},
         )
         .expand_dims("scheme")
-        .assign_coords(coordinates.scheme_coordinates([scheme]) | coordinates.forces_coordinates([scheme]))
+        .assign_coords(
+            coordinates.scheme_coordinates([scheme]) | coordinates.forces_coordinates([scheme], several=False)
+        )
     )

@@ -52,9 +52,9 @@ def scheme_coordinates(names: Sequence[str]) -> dict:
     }
 
 
-def forces_coordinates(names: Sequence[str]) -> dict:
-    """Numbers of forces along ``scheme``, on springs without a velocity-dependent force."""
-    counted = [forces_of(schemes[name]) for name in names]
+def forces_coordinates(names: Sequence[str], several: bool) -> dict:
+    """Numbers of forces along ``scheme``, with one or several unknowns, without a velocity-dependent force."""
+    counted = [forces_of(schemes[name], several) for name in names]
     return {
         "forces_per_step": (
             "scheme",

@@ -83,7 +83,9 @@ def spectral(
         theories.append(_of_scheme(schemes_by_name[name], step_size_over_period, damping_ratios))
     return (
         xr.concat(theories, "scheme")
-        .assign_coords(**coordinates.scheme_coordinates(schemes), **coordinates.forces_coordinates(schemes))
+        .assign_coords(
+            **coordinates.scheme_coordinates(schemes), **coordinates.forces_coordinates(schemes, several=True)
+        )
         .assign_attrs(title="Linear theory of the schemes, from the derivative of their steps")
         .transpose("scheme", "step_size_over_period", "damping_ratio")
     )

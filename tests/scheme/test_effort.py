@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import study
+from study.analysis.forces import forces_of
 from study.building import Effort
 from study.scheme.contract import started, stepped
 from study.scheme.wrapper.with_history import WithHistory
@@ -95,6 +96,14 @@ def test_the_forces_of_a_safeguard_are_counted(kind):
     calls: list[float] = []
     effort = _check(study.schemes["average_acceleration"], _problem(kind, calls).with_safeguard(), calls, dt=10.0)
     assert effort.restarts == 1 and effort.converged
+
+
+def test_a_discrete_gradient_needs_fewer_forces_with_one_unknown():
+    scheme = study.schemes["energy_momentum"]
+    assert forces_of(scheme) == (1, 2) and forces_of(scheme, several=False) == (1, 1)
+    ds = study.run("hardening", scheme, dt=0.01, steps=100, observe=["effort", "newton_iterations"])
+    # one more at the start
+    assert ds.force_evaluations == 1 + 100 + ds.newton_iterations
 
 
 def test_the_force_that_corrects_an_acceleration_is_counted():
