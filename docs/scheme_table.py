@@ -9,7 +9,7 @@ from docs.text import described, narrowed
 from docs.theory import ROUND_OFF, STEPS
 from study.analysis.forces import forces_of
 from study.scheme.codes import names_in_codes
-from study.words import number
+from study.words import number, up_to
 
 #: Heading of each column, and its meaning if the heading is not enough.
 COLUMNS = {
@@ -21,7 +21,7 @@ COLUMNS = {
     "ρ∞": "spectral radius at infinite frequency",
     "period, %": f"relative error of the period at {STEPS} steps a period, in linear theory",
     "amplitude, %": f"loss of amplitude a period at {STEPS} steps a period, in linear theory",
-    "forces": "evaluations of the force: per step if explicit, per Newton iteration if implicit",
+    "forces": "evaluations of the force with several unknowns: per step if explicit, per Newton iteration if implicit",
     "memory": "vectors of the size of u that a step passes to the next",
     "time, ns": "median time of a step on the softening spring, at the smallest step size; a dash if not measured",
 }
@@ -67,7 +67,8 @@ def _row(subject: Subject, library: Library) -> str:
         if isinstance(cell, str):
             parts.append(f"<td>{html.escape(cell)}</td>")
         else:
-            parts.append(f'<td data-value="{cell!r}">{number(cell)}{damped if heading == "order" else ""}</td>')
+            printed = up_to(cell) if heading == "largest stable ωΔt" else number(cell)
+            parts.append(f'<td data-value="{cell!r}">{printed}{damped if heading == "order" else ""}</td>')
     return f'<tr data-words="{words}">{"".join(parts)}</tr>'
 
 

@@ -11,7 +11,7 @@ import xarray as xr
 
 import study
 from docs.text import definitions, table
-from docs.theory import PERIODS, ROUND_OFF, STEPS, TRIED
+from docs.theory import PERIODS, ROUND_OFF, STEPS, TRIED, Theory
 from paper.measures.orders import lost as loses_order
 from paper.measures.outcomes import fewest_steps, most_steps
 from paper.tables.decision import steps_of
@@ -199,13 +199,21 @@ def _good(subject: "Subject", library: "Library") -> Iterator[str]:
         yield f"small errors without damping, where its order is {scheme.order}"
 
 
+def _stable_again(theory: Theory) -> bool:
+    """Whether a scheme with a stability limit is stable at steps above it."""
+    radius = theory.linear.spectral_radius
+    above = 2 * np.pi * radius.step_size_over_period > theory.limit * (1 + 1e-3)
+    return bool((above & (radius <= 1 + ROUND_OFF)).any())
+
+
 def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
     scheme, theory, data = subject.scheme, subject.theory, library.data
     if theory.limit == 0:
         growth = number(-100 * theory.decay_of_rule, 2)
         yield f"long undamped motions, which grow at any step: at {STEPS} per period by {growth}\u00a0% per period"
     elif math.isfinite(theory.limit):
-        yield f"structures with ωΔt above {up_to(theory.limit)} in any mode, where it is unstable without damping"
+        unstable = f"unstable without damping{', except in parts' if _stable_again(theory) else ''}"
+        yield f"structures with ωΔt above {up_to(theory.limit)} in any mode, where it is {unstable}"
     elif theory.at_infinity > 1 - ROUND_OFF:
         yield "modes that are excited and that the step does not resolve, which it does not damp (ρ∞ = 1)"
     if abs(theory.decay_of_rule) > DAMPS and theory.limit > 0:
@@ -244,9 +252,10 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
                 f"the energy within {percent(LEVEL)}"
             )
     if subject.name in kinks.scheme.values and scheme.order >= 2:
-        first = kinks.problem_title.values[kinks.observed_order.sel(scheme=subject.name).values < 1.5].tolist()
-        if first:
-            yield f"small errors on the {listed(first)}, where its observed order is one"
+        orders = zip(kinks.problem_title.values, kinks.observed_order.sel(scheme=subject.name).values, strict=True)
+        low = [f"{title} (observed order {number(order, 2)})" for title, order in orders if order < 1.5]
+        if low:
+            yield f"small errors on the {listed(low)}"
     if subject.name in structures.scheme.values:
         lost = _lost(structures)
         faults = lost.sel(scheme=subject.name) & ~lost.all("scheme")

@@ -6,6 +6,7 @@ from pathlib import Path
 from paper.products import Product, enter
 from paper.requirements import as_many
 from study.io import read
+from study.words import listed
 
 #: Common part of the texts.
 LAYOUT = Path(__file__).parent / "text" / "layout.typ"
@@ -62,11 +63,12 @@ TITLES = {"manuscript": "Article", "supplement": "Supplement", "replication": "R
 
 def places() -> dict[tuple[str, str], str]:
     """Where the texts have a figure or table, as in "Figure S3 of the supplement", by its kind and name."""
-    return {
-        (label.split()[0].lower(), name): f"{label} of the {TITLES[text.stem].lower()}"
-        for text in TEXTS
-        for label, name in numbered(text)
-    }
+    labels: dict[tuple[str, str], list[str]] = {}
+    for text in TEXTS:
+        for label, name in numbered(text):
+            of_part = labels.setdefault((label.split()[0].lower(), name), [])
+            of_part.append(f"{label} of the {TITLES[text.stem].lower()}")
+    return {part: listed(of_part) for part, of_part in labels.items()}
 
 
 def files_of(text: Path) -> list[tuple[str, str]]:

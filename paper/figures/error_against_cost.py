@@ -22,7 +22,7 @@ SCHEMES = {
 #: General solvers of the figure, with their markers, and in each panel the distance in points of the name from the last
 #: point, to the left of it if negative. The Taylor method of heyoka evaluates no force.
 GENERAL: dict[str, tuple[str, list[tuple[float, float]]]] = {
-    "scipy_dop853": ("o", [(-3, 4), (-4, -7)]),
+    "scipy_dop853": ("o", [(-3, 4), (-4, -1)]),
     "cvode_adams": ("s", [(-4, -7), (-4, -7)]),
     "tsit5": ("v", [(5, -2.5), (5, -2.5)]),
     "heyoka": ("D", [(-4, -7)]),

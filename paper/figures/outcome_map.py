@@ -73,7 +73,7 @@ def outcome_map(ax: Axes, outcomes: xr.Dataset, limit: float) -> None:
 
     Parameters
     ----------
-    one
+    outcomes
         Map of one scheme on one problem.
     limit
         Stability limit of ωΔt on the linear oscillator. If it is infinite, no line is drawn.
@@ -103,8 +103,9 @@ def patches(outcomes: np.ndarray, best: str = OUTCOME_STYLES["accurate"][0]) -> 
 
 
 def legend(figure: Figure, outcomes: np.ndarray, cases: bool = True) -> None:
-    """Draw the legend of :func:`outcome_map` below the panels."""
-    handles = [*patches(outcomes), Line2D([], [], label="linear limit of stability", **LIMIT)]
+    """Draw the legend of :func:`outcome_map` below the panels, with the limit of stability if a panel has one."""
+    limits = [Line2D([], [], label="linear limit of stability", **LIMIT)] * any(ax.lines for ax in figure.axes)
+    handles = [*patches(outcomes), *limits]
     for case in PAPER_CASES if cases else ():
         handles.append(Line2D([], [], marker=case.marker, linestyle="", color="black", markersize=6, label=case.title))
     legend_below(figure, columns=4, handles=handles)

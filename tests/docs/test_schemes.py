@@ -13,7 +13,7 @@ from docs.drawing import ACCENT, INK, panel, svg
 from docs.scheme_page import Library, scheme_page
 from docs.scheme_results import orders
 from docs.scheme_table import COLUMNS, table_of
-from docs.scheme_verdict import verdict
+from docs.scheme_verdict import _stable_again, verdict
 from docs.theory import PERIODS, TRIED, error_of_displacement, theory_of
 from study.runs.needs import needs, of_problems
 from study.scheme.codes import names_in_codes, steps_in_decks
@@ -63,6 +63,7 @@ def test_linear_theory_of_a_page():
     theory = theory_of(study.schemes["average_acceleration"])
     assert theory.linear.linear_order == pytest.approx(2, abs=0.05)
     assert theory.order_with_damping == pytest.approx(2, abs=0.05)
+    assert not _stable_again(theory_of(study.schemes["rk4"])) and _stable_again(theory_of(study.schemes["blanes_moan4"]))
     assert np.isinf(theory.limit) and theory.at_infinity == pytest.approx(1) and theory.linear.memory == 3
     # the period is too long by (ωΔt)²/12
     delay = PERIODS * (2 * np.pi) ** 3 / (12 * TRIED**2)
