@@ -99,7 +99,7 @@ def of_control_cost(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> d
     best, (problem, scheme) = min(pairs)
     stiff = ratio.sel(problem=STIFF[0], scheme=SCHEME).item()
     fewest, _ = with_control(control_cost, ALLOWED)
-    loosest = control_cost.force_evaluations.sel(tolerance=control_cost.tolerance.max())
+    loosest = control_cost.force_evaluations.sortby("tolerance").isel(tolerance=-1)
     abaqus = control_of_codes.sel(problem=PROBLEM, code="Abaqus")
     return {
         "cost_allowed": f"{100 * ALLOWED:g}",
