@@ -20,7 +20,6 @@ import study
 from docs.decisions import by_model, frame
 from paper import products
 from paper.claims import ledger
-from paper.tables.models import MODELS
 from reference.experiments.spectrum import spectrum as exact_peaks
 from study.analysis.duration import step_exponent
 from study.runs.records import spectrum
@@ -268,10 +267,6 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     assert f"Over n > {n['decided_periods']} periods" in words
     partly = f"wrong at some of the steps for these kinds: {n['models_partly']}."
     assert partly in words
-    assert f"longer runs a step of these kinds would be coarser: {n['models_longer_or_usual']}." in words
-    of_rows = [study.open_dataset(f"runs/{problem}", results) for problem, _ in MODELS.values() if problem != "records"]
-    assert {ds.periods.values[-1] / ds.decided.item() for ds in of_rows} == {1.5, 2}
-    assert "was also run, from the first start, for 1.5 or 2 times the duration" in words
     assert n["moves_step_is_least"]
     runs = study.open_dataset("runs/softening", results).sel(scheme="central_difference", quantity="displacement")
     from_rest = runs.error.sel(periods=100).swap_dims(size="steps_per_period").dropna("steps_per_period")
