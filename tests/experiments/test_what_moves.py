@@ -42,6 +42,15 @@ def test_collapse_scales_with_strength():
 
 
 @pytest.mark.slow
+def test_the_first_collapse_does_not_depend_on_the_intensities_tried():
+    """Would catch too few intensities: those tried are others in units of another strength."""
+    options = yaml.safe_load((Path(__file__).parents[2] / "config" / "study.yaml").read_text())["what_moves"]
+    collapse = what_moves(**options | {"periods": [0.2]}).collapse_intensity
+    ratio = collapse.sel(variant="strength") / collapse.sel(variant="reference")
+    assert ratio.values == pytest.approx(0.9, rel=3e-3)
+
+
+@pytest.mark.slow
 def test_the_load_is_the_record_between_its_samples_and_zero_after_it():
     samples = np.random.default_rng(0).normal(size=(3, 5))
     load = _Oscillators("average_acceleration", samples, 0.1).problem(jnp.array(1.0), 2.0, 1.0, 0.05, 1.0).load
