@@ -113,7 +113,7 @@ def measured(decision: xr.Dataset) -> str:
     parts = [
         title,
         *([f"{unknowns} unknowns"] if unknowns > 1 else []),
-        f"{number(periods)} {counted}{'s' * (periods != 1)} T = {number(decision.time_scale.item(), 2)} s",
+        f"{number(periods)} {counted}{'s' * (periods != 1)} of T = {number(decision.time_scale.item(), 2)} s",
         f"{starts} {'record' if decision.spacing > 0 else 'start'}{'s' * (starts != 1)}",
     ]
     return ", ".join(parts)
