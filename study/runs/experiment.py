@@ -36,7 +36,7 @@ CONFIRMING, CONFIRMING_SEVERAL = 30, 4
 FEW_STARTS = 4
 #: Number of next finer steps of two digits that also confirm a step of several unknowns.
 NEXT = 2
-#: Factor of the number of steps that confirm a step of one unknown and a smooth force if the step is coarse.
+#: Factor of the number of steps that confirm a step of one unknown if the step is coarse.
 DENSER = 3
 #: Relative distances of further steps from whole numbers of steps in a time scale, and the number up to which they are
 #: run. A resonance holds some schemes at an even number of steps in a period: the error is small there only, and the
@@ -242,21 +242,22 @@ class _Ladder:
     def _finer(self, need: float, finest: int) -> list[float]:
         """Numbers of steps that confirm a need, up to twice as many, on one geometric ladder.
 
-        With one unknown they also lie next to whole numbers, and with kinks of the force at numbers of two digits. With
+        With one unknown they also lie next to whole numbers or, with kinks of the force, at numbers of two digits. With
         several unknowns they also are the next numbers of two digits.
         """
         if need == math.inf:
             return []
         of_octave = CONFIRMING_SEVERAL if self.motion.several else CONFIRMING
-        if need < COARSE and not self.motion.several and not self.motion.kinked:
+        if need < COARSE and not self.motion.several:
             of_octave *= DENSER
         first = math.ceil(math.log2(need / COARSEST) * of_octave - 0.5)
         numbers = [COARSEST * 2 ** ((first + k + 0.5) / of_octave) for k in range(of_octave)]
         if self.motion.several:
             return numbers + [count for count in between(need, 2 * need) if count <= finest][:NEXT]
+        if self.motion.kinked:  # the starts have different periods, so that no step is a whole part of all
+            return numbers + between(need, min(2 * need, finest))
         whole = range(math.ceil(need), int(min(2 * need, COARSE)) + 1)
-        numbers += [k * (1 + beside) for k in whole for beside in BESIDE]
-        return numbers + (between(need, min(2 * need, finest)) if self.motion.kinked else [])
+        return numbers + [k * (1 + beside) for k in whole for beside in BESIDE]
 
 
 def between(coarser: float, need: float) -> list[int]:
