@@ -76,7 +76,7 @@ def test_the_readme_states_the_law_of_longer_durations():
     for fraction, names in stated.items():
         for one in (study.schemes[name] for name in names):
             assert step_exponent(one.order, one.order_of_loss) == pytest.approx(unicodedata.numeric(fraction))
-    steps, longer = _stated(r"Over 1,000 periods the (\d+) steps of central difference thus become ([\d,]+)\.")
+    steps, longer = _stated(r"1,000 periods the (\d+) steps of central difference thus become ([\d,]+), rounded up\.")
     assert f"Central difference: {steps} steps" in README.replace("\u00a0", " ")
     assert steps * 10**0.5 <= longer < steps * 10**0.5 + 10
 

@@ -25,5 +25,5 @@ def draw(history: xr.Dataset) -> Figure:
         ax.plot(history.t, v, label="scheme", **styles[name] | {"linestyle": "-", "linewidth": 0.7, "markersize": 2.5})
         letter(ax, index, run.scheme_title.item())
     axes[-1, 0].set_xlabel("elapsed time $t$ (s)")
-    figure.supylabel("velocity of the first mass (1/s)", fontsize="medium")
+    figure.supylabel("velocity of the first mass (m/s)", fontsize="medium")
     return figure
