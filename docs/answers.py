@@ -2,6 +2,7 @@
 
 import json
 from collections import defaultdict
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -9,14 +10,14 @@ import numpy as np
 import xarray as xr
 
 from paper.products import reader
-from paper.tables.decision import column, sentence, steps_of
+from paper.tables.decision import column, limits_of, omega_step_of, sentence, steps_of
 from paper.tables.models import MODELS
 from study.runs.needs import TIED, cost, keeps_part
 from study.scheme.codes import names_in_codes
 from study.words import number
 
 #: First choices of the form: the kind of model, and the allowed error.
-FIRST = {"model": "free vibration over a long time", "error": "1 %"}
+FIRST = {"model": "frame under an earthquake", "error": "1 %"}
 
 #: Variables of the needs that a row shows or is ranked by.
 _USED = (
@@ -41,7 +42,7 @@ def _number(value: float, digits: int = 6) -> float | None:
     return float(f"{value:.{digits}g}") if np.isfinite(value) else None
 
 
-def _rows(needed: xr.Dataset, partly: xr.DataArray) -> list[list[Any]]:
+def _rows(needed: xr.Dataset, partly: xr.DataArray, limits: Mapping[str, float]) -> list[list[Any]]:
     """A row for each scheme that keeps an error: places of problem, quantity, error and scheme, then its numbers.
 
     The numbers are the step in words, the steps in a period, Δt·ω, the forces in a second, the error by which ties are
@@ -60,7 +61,7 @@ def _rows(needed: xr.Dataset, partly: xr.DataArray) -> list[list[Any]]:
                 *places,
                 steps_of(need),
                 _number(need.steps_per_period.item()),
-                number(need.omega_step.item(), 2),
+                omega_step_of(need, limits),
                 _number(need.force_evaluations.item(), 12),
                 _number(decides.item(), 12),
                 _number(need.exponent.item(), 12),
@@ -71,8 +72,8 @@ def _rows(needed: xr.Dataset, partly: xr.DataArray) -> list[list[Any]]:
     return rows
 
 
-def data(needed: xr.Dataset) -> dict[str, Any]:
-    """The needs of all schemes as lists of numbers and words."""
+def data(needed: xr.Dataset, limits: Mapping[str, float]) -> dict[str, Any]:
+    """The needs of all schemes as lists of numbers and words; ``limits`` has the limits of Δt·ω by scheme."""
     partly = keeps_part(needed)
     needed = needed.sel(condition="practice")
     codes = defaultdict[str, dict[str, str]](dict)
@@ -121,11 +122,13 @@ def data(needed: xr.Dataset) -> dict[str, Any]:
         "errors": [column(error) for error in needed.allowed_error.values],
         "schemes": schemes,
         "codes": sorted({code for scheme in schemes for code in scheme["codes"]}),
-        "rows": _rows(needed, partly),
+        "rows": _rows(needed, partly, limits),
     }
 
 
 def form(results: Path) -> str:
     """The form, its place for the answer and its data, as HTML in Markdown."""
-    text = json.dumps(data(reader(results)("needs")), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    read = reader(results)
+    answered = data(read("needs"), limits_of(read("spectral")))
+    text = json.dumps(answered, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return _FORM.replace("DATA", text.replace("<", "\\u003c"))

@@ -48,6 +48,10 @@ if (form) {
 
   const show = () => {
     const problem = needs.problems[model.value], parts = [];
+    if (!problem.records && !(periods.value > 0)) {
+      document.getElementById("answer").replaceChildren(element("p", "Give the duration as a number of periods above zero."));
+      return;
+    }
     const admitted = rowsOf().filter((row) => {
       const scheme = needs.schemes[row[3]];
       return (!kind.value || scheme.explicit === (kind.value === "explicit")) && (!code.value || code.value in scheme.codes);

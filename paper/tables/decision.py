@@ -46,6 +46,13 @@ def forces_of(need: xr.Dataset) -> str:
     return f"{need.force_evaluations.item() * scale:,.0f}"
 
 
+def omega_step_of(need: xr.Dataset, limits: Mapping[str, float]) -> str:
+    """Δt·ω with two digits, or with more if a value just below the limit would be printed as the limit."""
+    omega_step, limit = need.omega_step.item(), limits.get(need.scheme.item(), np.inf)
+    digits = next((digits for digits in range(2, 7) if f"{omega_step:.{digits}g}" != f"{limit:.{digits}g}"), 2)
+    return number(omega_step, digits)
+
+
 def answer(need: xr.Dataset, limits: Mapping[str, float]) -> dict[str, str]:
     """A decision as words and numbers, by column; the scheme is a dash if none keeps the error.
 
@@ -55,16 +62,14 @@ def answer(need: xr.Dataset, limits: Mapping[str, float]) -> dict[str, str]:
     if not need.step_size > 0:
         return {name: "–" if name == "Scheme" else "" for name in COLUMNS}
     times = number(1e3 * need.seconds.item() * need.time_scale.item(), 2) if need.cost.item() == "seconds" else ""
-    omega_step, limit = need.omega_step.item(), limits.get(need.scheme.item(), np.inf)
-    # a value just below its limit is not printed as the limit
-    digits = next((digits for digits in range(2, 7) if f"{omega_step:.{digits}g}" != f"{limit:.{digits}g}"), 2)
+    limit = limits.get(need.scheme.item(), np.inf)
     cells = (
         need.scheme_title.item(),
         "…" if need.ties > 1 else "",
         steps_of(need),
         forces_of(need),
         times,
-        number(omega_step, digits),
+        omega_step_of(need, limits),
         up_to(limit) if np.isfinite(limit) else "",
     )
     return dict(zip(COLUMNS, cells, strict=True))

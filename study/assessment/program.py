@@ -158,9 +158,10 @@ def _verdicts(search: Search, names: list[str], allowed: list[float]) -> xr.Data
 
 
 def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
-    """The verdict on a scheme, with the time of the recommended run and the spread of times.
+    """The verdict on a scheme, with the time of a run with the recommended step and the spread of times.
 
-    The spread is taken over the runs in the octave below the recommended step.
+    Both follow from the runs in the octave below this step, whose times are in proportion to their steps: a single run
+    may have been slow by other work on the machine.
     """
     runs = {run.dt: run for run in search.refinement.runs_of(scheme)}
     row = dict.fromkeys(NUMBERS, np.nan) | {"verdict": UNCERTAIN, "steps_tried": 0}
@@ -172,8 +173,7 @@ def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
     if not needed.largest:
         return row | {"verdict": FINEST_FAILS}
     around = [run.seconds * run.dt for run in runs.values() if needed.recommended / 2 <= run.dt <= needed.recommended]
-    seconds = runs[needed.recommended].seconds
-    low, high = np.quantile(around, [0.25, 0.75])
+    low, middle, high = np.quantile(around, [0.25, 0.5, 0.75])
     return row | {
         "verdict": COARSEST_KEEPS if needed.largest == max(runs) else FOUND,
         "largest_step_size": needed.largest,
@@ -181,7 +181,7 @@ def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
         "steps_tried": needed.tried,
         "largest_error": needed.largest_error,
         "recommended_error": search.errors[scheme, needed.recommended][limit[0]],
-        "seconds": seconds,
+        "seconds": middle / needed.recommended,
         "seconds_spread": (high - low) / needed.recommended,
     }
 

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+import xarray as xr
 
 from docs import answers
 from docs.plan import PAGES
@@ -42,6 +43,9 @@ def needed():
 def page(browser, needed, tmp_path):
     """The form in the browser."""
     io.write(needed.assign_attrs(source=io.SOURCE), tmp_path / "needs.nc")
+    limits = (("scheme", "damping_ratio"), [[math.inf]] * needed.sizes["scheme"])
+    spectral = xr.Dataset({"stability_limit": limits}, {"scheme": needed.scheme.values, "damping_ratio": [0.0]})
+    io.write(spectral.assign_attrs(source=io.SOURCE), tmp_path / "spectral.nc")
     script, style = ((PAGES.parent / "static" / name).read_text() for name in ("answers.js", "site.css"))
     head = f'<meta charset="utf-8"><meta name="viewport" content="width=device-width"><style>{style}</style>'
     head += '<link rel="icon" href="data:,">'
@@ -96,12 +100,17 @@ def test_the_choices_fit_a_phone(page):
 
 def test_a_program_and_a_duration_narrow_the_answer(page):
     """OpenSees has Bathe's method as TRBDF2. Four times the periods need 2 and 4^(2/3) times the steps."""
+    _choose(page, "model", "Free vibration over a long time: softeninging thing")
     _choose(page, "error", "10 %")
     _choose(page, "code", "OpenSees")
     assert page.execute_script(BEST) == ["Cheap: 16 steps in a period", "Stiff: 16 steps in a period"]
     assert "integrator TRBDF2" in page.execute_script("return document.querySelector('#answer').innerText")
-    page.execute_script(
-        "const {periods} = document.forms.answers.elements; periods.value = 40;"
+    last = (
+        "const {periods} = document.forms.answers.elements; periods.value = arguments[0];"
         "periods.dispatchEvent(new Event('input', {bubbles: true}))"
     )
+    page.execute_script(last, -5)
+    assert page.execute_script(BEST) == []
+    assert "above zero" in page.execute_script("return document.querySelector('#answer').innerText")
+    page.execute_script(last, 40)
     assert page.execute_script(BEST) == ["Cheap: about 32 steps in a period", "Stiff: about 41 steps in a period"]

@@ -5,6 +5,7 @@ import re
 import time
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 import study
 from study.assessment.failures import failed_runs
+from study.assessment.program import _row
 from study.assessment.search import VERDICTS, round_step
 from study.program import runs, search, truth
 from study.program.attempt import STATUSES, WHOLE, Run
@@ -510,3 +512,18 @@ def test_a_scheme_that_goes_to_another_motion_says_so(tmp_path):
     with pytest.warns(RuntimeWarning, match="to another motion: halving its steps to .* leaves an error of 50"):
         ds = study.assess(program(_on_another_branch, tmp_path, ["a", "b", "stray"]), allowed_errors=[0.1])
     assert [VERDICTS[code] for code in ds.verdict.values.ravel()] == ["found", "found", "not_even_the_finest_step"]
+
+
+def test_one_slow_run_does_not_decide_the_time_of_a_step():
+    """Would catch a time measured once: other work on the machine slows single runs of a program."""
+    sizes = np.geomspace(0.1, 0.05, 9).tolist()
+    of_scheme = [Run("rk4", dt, "completed", "", (50 if dt == 0.1 else 1) / dt, 0.0, np.array([]), {}) for dt in sizes]
+    searched = SimpleNamespace(
+        refinement=SimpleNamespace(runs_of=lambda scheme: of_scheme),
+        certain=lambda *case: True,
+        unfinished=lambda *case: False,
+        needed=lambda *case: SimpleNamespace(largest=0.1, recommended=0.1, tried=9, largest_error=0.01),
+        errors={("rk4", 0.1): {"displacement": 0.01}},
+    )
+    row = _row(searched, "rk4", ("displacement", 0.01))
+    assert row["seconds"] == pytest.approx(10) and row["seconds_spread"] == pytest.approx(0)
