@@ -29,6 +29,11 @@ PROGRAM_ATTRIBUTES = {
     "status": flags("how the run ended", STATUSES, np.int8),
     "reason": {"long_name": "reason why the run failed"},
     "seconds_per_run": {"long_name": "wall time of the run", "units": "s"},
+    "seconds": {
+        "long_name": "time of a run with the recommended step, the median of the runs that confirm it",
+        "units": "s",
+    },
+    "seconds_spread": {"long_name": "interquartile range of the times of these runs", "units": "s"},
     "reference_uncertainty": {"long_name": "relative difference of the two reference schemes", "units": "1"},
     "repeated": {"long_name": "relative difference of a repeated run", "units": "1"},
     "highest_frequency": {"long_name": "highest circular frequency of small motions, unknown", "units": "s-1"},
