@@ -134,11 +134,8 @@ def of_decisions(decisions: xr.Dataset, needs: xr.Dataset, softening: xr.Dataset
 
 @numbers(runs=[f"runs/{problem}" for problem in DISPLACED])
 def of_longer_runs(decisions: xr.Dataset, runs: list[xr.Dataset]) -> dict:
-    """Kinds of models with a step in the short table that is finer than the decided duration alone needs.
-
-    ``models_longer`` is among the chosen schemes, ``models_longer_or_usual`` also among average acceleration.
-    """
-    shorter, finer, or_usual = dict(zip(DISPLACED, runs, strict=True)), list[str](), list[str]()
+    """Kinds of models with a step, also of average acceleration, that only the longer runs require."""
+    shorter, finer = dict(zip(DISPLACED, runs, strict=True)), list[str]()
     for model, decided in answers(decisions).items():
         if ds := shorter.get(decided.problem.item()):
             place = {"quantity": decided.quantity.item(), "condition": FILTERS[FILTER][0], "allowed_error": ERROR}
@@ -147,12 +144,8 @@ def of_longer_runs(decisions: xr.Dataset, runs: list[xr.Dataset]) -> dict:
                 for part in (ds.sel(periods=[ds.decided.item()]), ds)
             )
             schemes = {*alone.index[~(longer >= alone * (1 - ROUND_OFF)) & alone.notna()]}
-            finer += [model] * bool(schemes & {*decided.scheme.values})
-            or_usual += [model] * bool(schemes & {*decided.scheme.values, USUAL})
-    return {
-        "models_longer": listed(finer) if finer else None,
-        "models_longer_or_usual": listed(or_usual) if or_usual else None,
-    }
+            finer += [model] * bool(schemes & {*decided.scheme.values, USUAL})
+    return {"models_longer": listed(finer) if finer else None}
 
 
 @numbers(requires={"cpu_time.schemes": ["average_acceleration", "rk4"], "cpu_time.problems": ["hardening"]})

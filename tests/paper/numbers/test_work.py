@@ -53,6 +53,6 @@ def test_a_longer_run_decides_a_step_of_the_usual_scheme_or_of_a_chosen_one():
         return of_longer_runs(decided, [ds if name == "softening" else None for name in DISPLACED])
 
     model = "free vibration over a long time"
-    assert longer(lasting, lasting) == {"models_longer": None, "models_longer_or_usual": None}
-    assert longer(accidental, lasting) == {"models_longer": None, "models_longer_or_usual": model}
-    assert longer(lasting, accidental) == {"models_longer": model, "models_longer_or_usual": model}
+    assert longer(lasting, lasting) == {"models_longer": None}
+    assert longer(accidental, lasting) == {"models_longer": model}
+    assert longer(lasting, accidental) == {"models_longer": model}
