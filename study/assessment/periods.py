@@ -83,7 +83,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
         return float(duration)
     period = _period(problem)
     if period is None:
-        raise ValueError(f"'{problem.title}' has no period that gives the length of the runs: give duration=.")
+        raise ValueError(f"'{problem.title}' has no period that gives the length of the runs: give a duration.")
     return PERIODS * period
 
 

@@ -270,7 +270,7 @@ def test_chaos_ends_what_a_reference_can_say(undrawn):
 @pytest.mark.parametrize(
     "arguments, sentence",
     [
-        ({"duration": None}, "'driven' has no period that gives the length of the runs: give duration="),
+        ({"duration": None}, "'driven' has no period that gives the length of the runs: give a duration"),
         ({"duration": -1.0}, "duration must be a time in seconds greater than zero, not -1.0"),
         ({"allowed_errors": [2.0]}, "allowed_errors must be fractions between 0 and 1"),
         ({"schemes": []}, "schemes is empty"),

@@ -15,7 +15,7 @@ from tests.pipeline.pipeline import SMALL, call_snakemake, copied, make
     "options, sentence",
     [
         ({"problem": "examples/driven.py:drive", "duration": 20.0}, "has no 'drive'; did you mean 'driven'?"),
-        ({"problem": "examples/driven.py:driven"}, "has no period that gives the length of the runs: give duration="),
+        ({"problem": "examples/driven.py:driven"}, "has no period that gives the length of the runs: give a duration"),
         ({"problem": "hardnening"}, "there is no problem 'hardnening'; did you mean 'hardening'?"),
         ({"problem": "hardening", "quantities": "examples/driven.py:driven"}, "must be a dict, not Problem."),
     ],
