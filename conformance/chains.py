@@ -214,10 +214,10 @@ motion = DYNA_NON_LINE(
     INCREMENT=_F(LIST_INST=times), NEWTON=_F(MATRICE="TANGENTE", REAC_ITER=1),
     CONVERGENCE=_F(RESI_GLOB_MAXI={1e-9 * largest!r}, ITER_GLOB_MAXI=50), SCHEMA_TEMPS=_F({schema}))
 {read}
-values = [history.Valeurs() for history in ({", ".join(columns)},)]
+histories = [function.Valeurs() for function in ({", ".join(columns)},)]
 with open("{case["name"]}.csv", "w") as table:
     print("t,{",".join(columns)}", file=table)
-    for row in zip(values[0][0], *(times_and_values[1] for times_and_values in values)):
+    for row in zip(histories[0][0], *(history[1] for history in histories)):
         print(*row, sep=",", file=table)
 FIN()
 """

@@ -15,7 +15,7 @@ from paper.figures.style import OUTCOME_STYLES
 from paper.measures.orders import PERIODS, order_at_finest
 from paper.measures.outcomes import fewest_steps, most_steps
 from paper.published import printed_cpu_times, printed_energy_errors
-from study.words import listed, number
+from study.words import listed, number, percent
 
 if TYPE_CHECKING:
     from docs.scheme_page import Subject
@@ -235,11 +235,10 @@ def by_the_rule_of_thumb(theory: Theory) -> str:
     elongation, decay = theory.elongation_of_rule, theory.decay_of_rule
     if np.isnan(elongation):
         return "nothing oscillates"
-    # not by percent, which prints small numbers as zero
-    longer = f"{number(100 * abs(elongation), 2)}\u00a0% too {'long' if elongation > 0 else 'short'}"
+    longer = f"{percent(abs(elongation))} too {'long' if elongation > 0 else 'short'}"
     if abs(elongation) < ROUND_OFF:
         longer = "right"
     if abs(decay) < ROUND_OFF:
         return f"the period is {longer}, and the amplitude stays"
     changes = "falls" if decay > 0 else "grows"
-    return f"the period is {longer}, and the amplitude {changes} by {number(100 * abs(decay), 2)}\u00a0% per period"
+    return f"the period is {longer}, and the amplitude {changes} by {percent(abs(decay))} per period"

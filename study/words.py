@@ -13,7 +13,7 @@ SCALED_BY = {"": "largest value along time", "peak": "peak", "final": "final val
 # a power such as 5e-05; digits within a word, such as the hash of a commit, are not a number
 _POWER = re.compile(r"(?<![\w.])(\d(?:\.\d+)?)e([+-]?)0*(\d{1,3})(?!\w)")
 #: Largest fraction that :func:`percent` prints as zero, because it may be round-off.
-_ZERO = 1e-6
+_ZERO = 1e-9
 
 
 def _power_of_ten(match: re.Match) -> str:

@@ -179,18 +179,18 @@ def _opened(name: str, folder: Path) -> xr.Dataset:
         raise FileNotFoundError(f"there is no file '{name}'; `study assess --output {name}` writes it.")
     if (configured := folder / "assessment" / f"{name}.nc").exists():
         return io.read(configured)
-    kept = next(filter(Path.exists, [folder / f"{name}.nc", Path(f"{name}.nc")]), None)
-    if kept and not (folder / "needs.nc").exists():
-        return io.read(kept)
+    assessment = next(filter(Path.exists, [folder / f"{name}.nc", Path(f"{name}.nc")]), None)
+    if assessment and not (folder / "needs.nc").exists():
+        return io.read(assessment)
     needed = io.open_dataset("needs", folder)
     is_problem = name in needed.problem.values
-    if kept and is_problem:
+    if assessment and is_problem:
         raise ValueError(
-            f"{name!r} is a problem of the study and the file '{kept}'. Give '{kept}' for the file, or "
+            f"{name!r} is a problem of the study and the file '{assessment}'. Give '{assessment}' for the file, or "
             f"study.open_dataset('needs').sel(problem={name!r}) for the problem."
         )
-    if kept:
-        return io.read(kept)
+    if assessment:
+        return io.read(assessment)
     if is_problem:
         return needed.sel(problem=name)
     raise UnknownName(
