@@ -128,7 +128,7 @@ def by_model(results: Path) -> str:
     decisions, limits = answers(read("decisions")), limits_of(read("spectral"))
     usual = read("needs").sel(scheme=USUAL, condition=FILTERS[FILTER][0])
     chosen = {name for decision in decisions.values() for name in decision.scheme.values.ravel()}
-    lines = {entry.scheme: f"`{entry.name}`" for entry in _input_lines(chosen, ("OpenSees",))}
+    lines = {entry.scheme: f"`{entry.name.removeprefix('integrator ')}`" for entry in _input_lines(chosen, ("OpenSees",))}
     rows = []
     for model, decision in decisions.items():
         kinds = [decision.sel(kind=kind) for kind in KINDS]
@@ -136,10 +136,10 @@ def by_model(results: Path) -> str:
         if (decision.step_size > 0).any():
             best = cheapest(decision, "kind").item()
             cells[best] = f"**{cells[best]}**"
-        line = next((lines[kind.scheme.item()] for kind in reversed(kinds) if kind.scheme.item() in lines), "–")
+        named = ", ".join(lines.get(kind.scheme.item(), "–") for kind in kinds)
         need = usual.sel({name: decision[name] for name in ("problem", "quantity", "allowed_error")})
-        rows.append([model, *cells, line, step_cell(need), measured(decision)])
-    head = ["model", "explicit", "implicit", "OpenSees, implicit", "by average acceleration", "measured"]
+        rows.append([model, *cells, named, step_cell(need), measured(decision)])
+    head = ["model", "explicit", "implicit", "OpenSees `integrator` of both", "by average acceleration", "measured"]
     return table(head, rows, numbers_from=len(head))
 
 
