@@ -232,18 +232,18 @@ def own_scheme_answer(assessed: xr.Dataset, table: pd.DataFrame, name: str) -> s
         return step
     title = assessed.scheme_title.sel(scheme=competitors.idxmin()).item()
     counted = "forces" if counts.name == "force_evaluations" else "steps"
-    return f"{step}, {number(counts[name] / competitors.min(), 2)} times the {counted} of {title}"
+    return f"{step}, {number(counts[name] / competitors.min(), 2)} × the {counted} of {title}"
 
 
-def controller_answer(assessed: xr.Dataset, table: pd.DataFrame) -> str:
-    """The scheme and tolerance with the fewest forces, and their ratio to those of equal steps, in words."""
+def controller_answer(assessed: xr.Dataset, table: pd.DataFrame) -> tuple[str, str]:
+    """Scheme and tolerance with the fewest forces, and the ratio of these to those of equal steps, if known."""
     controlled = table["controlled_force_evaluations"].dropna()
     if controlled.empty:
-        return "no tolerance was found"
+        return "no tolerance was found", ""
     row = table.loc[controlled.idxmin()]
     title = assessed.scheme_title.sel(scheme=row.name).item()
-    ratio = f", {number(row.control_over_equal, 2)} times the forces of equal steps"
-    return f"{title} with tolerance {typed(row.tolerance)}{ratio if row.control_over_equal > 0 else ''}"
+    ratio = f"{number(row.control_over_equal, 2)} ×" if row.control_over_equal > 0 else ""
+    return f"{title}, tolerance {typed(row.tolerance)}", ratio
 
 
 def _requested_answers(assessed: xr.Dataset, table: pd.DataFrame, scope: str) -> list[str]:
@@ -255,7 +255,9 @@ def _requested_answers(assessed: xr.Dataset, table: pd.DataFrame, scope: str) ->
         sentences.append(f"{scope}, {titles[name]}: {own_scheme_answer(assessed, table, name)}")
     if "tolerance" in table:
         controller = assessed.attrs["controller"]
-        sentences.append(f"{scope}, controlled steps ({controller}): {controller_answer(assessed, table)}")
+        words, ratio = controller_answer(assessed, table)
+        ending = f", {ratio} the forces of equal steps" if ratio else ""
+        sentences.append(f"{scope}, controlled steps ({controller}): {words}{ending}")
     return sentences
 
 

@@ -54,12 +54,13 @@ def times_of_runs(assessed: xr.Dataset) -> xr.DataArray:
 
 
 def motion(quantity: xr.Dataset) -> str:
-    """The reference of a quantity along time, with its value as a point, as SVG; empty if it has no motion."""
+    """The reference of a quantity along time, with its largest value as a point, as HTML; empty if it has no motion."""
     from matplotlib.figure import Figure
 
     low, high = quantity.reference_low.values, quantity.reference_high.values
     if not np.isfinite(low).any():
         return ""
+    name = quantity.quantity.item()
     figure = Figure(figsize=(5.4, 2.2), layout="constrained")
     axes = figure.subplots()
     axes.fill_between(quantity.reference_t, low, high, color="black", lw=0.9)
@@ -68,10 +69,11 @@ def motion(quantity: xr.Dataset) -> str:
         index = np.abs(quantity.reference_t.values - largest.reference_time.item()).argmin()
         axes.plot(largest.reference_time, max(low[index], high[index], key=abs), "o", color=COLOURS[2], ms=6)
     unit = "" if quantity.quantity_units.item() == "1" else f", {printed_unit(quantity.quantity_units.item())}"
-    axes.set(xlabel="t, s", ylabel=f"{quantity.quantity.item()}{unit}", xlim=(0, None))
+    axes.set(xlabel="t, s", ylabel=f"{name}{unit}", xlim=(0, None))
     axes.grid(color="0.9")
     axes.set_axisbelow(True)
-    return svg_of(figure)
+    component = f", component {largest.component.item()}" if quantity.reference_value.count() > 1 else ""
+    return figure_of(svg_of(figure), f"Reference of {name}{component}, and its largest value as a point.")
 
 
 def _label(axis) -> None:

@@ -97,7 +97,8 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
         ds[name].attrs |= attributes
     best, witness = search.truth.best, search.truth.witness
     ds.attrs = io.provenance(f"Which scheme and which step: {program.title}", "study.assess", io.now()) | {
-        "model": f"the program {program.title}, {program.duration:.4g} s",
+        "model": f"the program {program.title}, {program.duration:.4g} s\n"
+        f"{int((ds.status != STATUSES.index('not_tried')).sum())} runs with steps from {dts[-1]:.4g} to {dts[0]:.4g} s",
         "reference": _described(best),
         "witness": _described(witness),
         "interpolation": INTERPOLATION,

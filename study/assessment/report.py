@@ -23,7 +23,7 @@ from study.assessment.failures import failed_runs
 from study.assessment.style import STYLE
 from study.assessment.tables import answers, controlled, input_lines, needs, summary, table_of, time_in_words
 from study.io import read, write
-from study.words import document, listed, number, step_size, text_of
+from study.words import document, listed, number, step_size, step_with_unit, text_of
 
 #: Largest number of schemes whose curves are emphasised.
 EMPHASISED = 6
@@ -40,7 +40,7 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     best = [
         f"{titles[row.Index]} ({row.kind}) with Δt = {step_size(row.step_size, assessed.attrs.get('spacing'))} s "
         f"({row.steps:.0f} steps{f', {time_in_words(row.seconds)}' if row.seconds > 0 else ''})"
-        f"{caveats(assessed, row)}"
+        f"{f', but {listed(limits)}' if (limits := caveats(assessed, row)) else ''}"
         for row in firsts(table).itertuples()
     ]
     ties = [titles[name] for name in suitable.index[1:] if suitable.ties_with_fastest[name]]
@@ -50,16 +50,16 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     )
 
 
-def caveats(assessed: xr.Dataset, row) -> str:
-    """What limits the use of a recommended step, a row of ``recommend``, as the end of a sentence; may be empty."""
-    text = ""
+def caveats(assessed: xr.Dataset, row) -> list[str]:
+    """Clauses that limit the use of a recommended step, a row of ``recommend``; may be empty."""
+    clauses = []
     if "largest_safe_step_size" in assessed and row.step_size >= assessed.map_step_size.min():
         safe = assessed.largest_safe_step_size.sel(scheme=row.Index)
-        text += "" if row.step_size <= safe else ", beyond its largest step without failure (see how it fails)"
-    text += ", the coarsest step tried" if row.verdict == "already the coarsest step" else ""
+        clauses += [] if row.step_size <= safe else ["some run fails at this or a finer step (see how it fails)"]
+    clauses += ["no coarser step was tried"] if row.verdict == "already the coarsest step" else []
     if row.most_wrong_error > assessed.allowed_error.max():
-        text += f", where {row.most_wrong} is wrong by {percent(row.most_wrong_error)}"
-    return text
+        clauses.append(f"{row.most_wrong} is wrong by {percent(row.most_wrong_error)}")
+    return clauses
 
 
 def tables_of(assessed: xr.Dataset, quantity: str) -> list[pd.DataFrame]:
@@ -78,14 +78,13 @@ def emphasised(assessed: xr.Dataset, tables: list[pd.DataFrame]) -> list[str]:
 
 def _answer(assessed: xr.Dataset, quantity: str, titles: dict[str, str]) -> str:
     """The requested and the best steps for a quantity, and what limits their use, as HTML."""
-    limits = assessed.allowed_error.values
     tables = tables_of(assessed, quantity)
-    notes = [
-        f"{percent(limit)}: {titles[row.Index]}{caveat}."
-        for limit, table in zip(limits, tables, strict=True)
+    notes = dict.fromkeys(
+        f"With {titles[row.Index]} at {step_with_unit(row.step_size, assessed.attrs.get('spacing'))}, {listed(clauses)}."
+        for table in tables
         for row in table.loc[list(dict.fromkeys([*asked_for(assessed), *firsts(table).index]))].itertuples()
-        if row.step_size > 0 and (caveat := caveats(assessed, row))
-    ]
+        if row.step_size > 0 and (clauses := caveats(assessed, row))
+    )
     return answers(assessed, tables, quantity, titles) + (f"<p>{text_of(' '.join(notes))}</p>" if notes else "")
 
 
@@ -108,10 +107,9 @@ def _quantity_section(assessed: xr.Dataset, quantity: str, titles: dict[str, str
         f"<h2>Error of {text_of(quantity)}</h2>",
         f'<div class="pair">{figure_of(against_step, caption)}',
         figure_of(against_time, f"The same errors against the time of a run{time_note}"),
-        f"</div>{summary(tables, limits, titles)}",
+        f"</div>{summary(tables, limits, titles)}{controlled(tables, limits, titles)}",
     ]
     for limit, table in zip(limits, tables, strict=True):
-        parts.append(f"{controlled(table, titles, percent(limit))}")
         parts.append(f"<details><summary>All numbers for {percent(limit)}</summary>{needs(table, titles)}</details>")
     return parts
 
@@ -152,12 +150,14 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     parts = [f'<div class="answer">{limited}{first}</div>']
     if others:
         words = text_of(listed(quantities[1:]))
-        parts.append(f"<details><summary>The same for {words}</summary>{''.join(others)}</details>")
+        parts.append(f'<details class="answers"><summary>The same for {words}</summary>{"".join(others)}</details>')
     model = "<br>".join(map(text_of, assessed.attrs.get("model", "").splitlines()))
     values = table_of(("reference", "value", "at t, s"), values_of_reference(assessed))
-    drawn = next((svg for name in quantities if (svg := motion(assessed.sel(quantity=name)))), "")
+    if assessed.quantity_units.isin(["1", "s-1", "s-2"]).any():
+        values = f"<div>{values}<p>Unknowns are in the unit of the model.</p></div>"
     parts.append(f'<h2>Model and reference motion</h2><p>{model}</p><div class="pair">{values}')
-    parts.append(f"{figure_of(drawn, 'The reference, and its largest value as a point.') if drawn else ''}</div>")
+    drawn = next((figure for name in quantities if (figure := motion(assessed.sel(quantity=name)))), "")
+    parts.append(f"{drawn}</div>")
     strong = (emphasised(assessed, tables_of(assessed, quantity)) for quantity in quantities)
     order = list(dict.fromkeys(itertools.chain.from_iterable(strong)))
     for quantity in quantities:

@@ -8,10 +8,10 @@ h1 { font-size: 1.6rem; line-height: 1.2; }
 h2 { font-size: 1.2rem; margin-top: 2rem; }
 details { margin-top: .5rem; }
 .answer { border-left: .4rem solid #0072b2; padding: .3rem 1rem; background: #f2f7fb; }
-.answer table { font-size: 1.1rem; }
-.answer td:nth-child(2) { font-weight: 700; }
-.answer td.text { min-width: 11rem; }
-.answer tr > :first-child { white-space: nowrap; }
+.answer td.text { min-width: 9rem; }
+.answer td:first-child { white-space: nowrap; }
+.answer th { white-space: normal; vertical-align: bottom; }
+@media screen and (min-width: 1100px) { .answer td.text { white-space: nowrap; } }
 .tight, .pair table { font-size: .85rem; }
 .tight th, .tight td { padding: .2rem .4rem; }
 .tight td:nth-child(2) { text-align: left; color: #555; }
@@ -43,13 +43,14 @@ dd { margin: 0; overflow-wrap: anywhere; }
   :root { font-size: 12.5px; }
   body { max-width: none; font-size: 9pt; padding: 0; }
   details { display: none; }
+  details.answers { display: block; }
+  details.answers::details-content { content-visibility: visible; block-size: auto; }
   figure, tr { break-inside: avoid; }
   h2 { break-after: avoid; }
   .pair { grid-template-columns: 1fr 1fr; }
   figure svg { max-width: 26rem; }
   .scroll { overflow: visible; }
   th, td, td.text, .answer td.text { white-space: normal; min-width: 0; padding: .25rem .3rem; }
-  .answer table { font-size: 1rem; }
   .tight { break-inside: avoid; }
   .tight th, .tight td { white-space: nowrap; padding: .2rem .25rem; }
   figure .wide { min-width: 0; }

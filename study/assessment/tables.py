@@ -1,6 +1,7 @@
 """Tables of the page of an assessment."""
 
 import itertools
+from collections import defaultdict
 from collections.abc import Iterable
 
 import numpy as np
@@ -22,16 +23,30 @@ def time_in_words(seconds: float) -> str:
     return f"{seconds * 1e9:.3g} ns"
 
 
-def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
-    """A table of HTML; ``text`` has the indices, from zero, of the columns of text."""
+def table_of(
+    head: Iterable[str],
+    rows: Iterable[Iterable[object]],
+    text: tuple[int, ...] = (),
+    strong: Iterable[tuple[int, int]] = (),
+) -> str:
+    """A table of HTML.
 
-    def row_of(tag: str, row: list[object]) -> str:
+    ``text`` has the indices, from zero, of the columns of text, and ``strong`` those of rows and columns of cells in
+    bold type.
+    """
+
+    def row_of(tag: str, row: list[object], bold: Iterable[int] = ()) -> str:
         kinds = (' class="text"' if i in text else "" for i in itertools.count())
         # an empty cell in the head of the table is not marked as a heading
         tags = (tag if cell else "td" for cell in row)
-        return "".join(f"<{t}{kind}>{text_of(cell)}</{t}>" for t, kind, cell in zip(tags, kinds, row, strict=False))
+        words = (f"<b>{text_of(cell)}</b>" if i in bold else text_of(cell) for i, cell in enumerate(row))
+        return "".join(f"<{t}{kind}>{word}</{t}>" for t, kind, word in zip(tags, kinds, words, strict=False))
 
-    cells, body = row_of("th", list(head)), "".join(f"<tr>{row_of('td', list(row))}</tr>" for row in rows)
+    bold = defaultdict[int, list[int]](list)
+    for i, k in strong:
+        bold[i].append(k)
+    cells = row_of("th", list(head))
+    body = "".join(f"<tr>{row_of('td', list(row), bold[i])}</tr>" for i, row in enumerate(rows))
     return f'<div class="scroll" tabindex="0"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
@@ -71,24 +86,24 @@ def needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
     return "".join(parts)
 
 
-def controlled(table: pd.DataFrame, titles: dict[str, str], error: str) -> str:
-    """A table of the tolerances that keep an error; empty if there is no such tolerance."""
-    suitable = table[table["tolerance"] > 0] if "tolerance" in table else table[:0]
+def controlled(tables: list[pd.DataFrame], limits: Iterable[float], titles: dict[str, str]) -> str:
+    """A table of the tolerances that keep the allowed errors; empty if there is no such tolerance."""
+    if "tolerance" not in tables[0] or all(table["tolerance"].isna().all() for table in tables):
+        return ""
+    names = ["tolerance", "controlled_force_evaluations", "control_over_equal"]
     rows = [
-        (
-            titles[row.Index],
-            f"{row.tolerance:g}",
-            f"{row.controlled_force_evaluations:,.0f}",
-            number(row.control_over_equal, 2),
-        )
-        for row in suitable.itertuples()
+        [titles[scheme], kind, *(number(value, 3) for table in tables for value in table.loc[scheme, names])]
+        for scheme, kind in tables[len(tables) // 2]["kind"].items()
     ]
-    head = (f"controlled steps, {error}", "tolerance", "forces", "forces over forces with equal steps")
-    return table_of(head, rows) if rows else ""
+    labels = [label for limit in limits for label in (f"{percent(limit)}: tolerance", "forces", "over equal")]
+    table = table_of(["controlled steps", "", *labels], rows).replace("<table>", '<table class="tight">')
+    return f"{table}<p>“Over equal” is the ratio of the forces to those of equal steps.</p>"
 
 
 def answers(assessed: xr.Dataset, tables: list[pd.DataFrame], quantity: str, titles: dict[str, str]) -> str:
     """A table with a line for each allowed error: what was asked for first, then the best scheme and step of each kind.
+
+    The requested scheme or controller, otherwise the fastest scheme, is in bold type.
 
     Parameters
     ----------
@@ -97,16 +112,21 @@ def answers(assessed: xr.Dataset, tables: list[pd.DataFrame], quantity: str, tit
     """
     requested = asked_for(assessed)
     head = [f"error of {quantity}", *(titles[name] for name in requested)]
-    head += [f"controlled steps, {assessed.attrs['controller']}"] if "controller" in assessed.attrs else []
-    rows = []
-    for limit, table in zip(assessed.allowed_error.values, tables, strict=True):
+    head += [f"controlled steps, {assessed.attrs['controller']} (× forces of equal steps)"] if "controller" in assessed.attrs else []
+    kinds = sorted({kind for table in tables for kind in firsts(table)["kind"]})
+    rows, strong = [], []
+    for i, (limit, table) in enumerate(zip(assessed.allowed_error.values, tables, strict=True)):
         cells = [own_scheme_answer(assessed, table, name) for name in requested]
-        cells += [printed(controller_answer(assessed, table))] if "tolerance" in table else []
-        best = [f"{best_of(assessed, row)} ({row.kind})" for _, row in firsts(table).iterrows()]
+        if "tolerance" in table:
+            words, ratio = controller_answer(assessed, table)
+            cells.append(printed(f"{words} ({ratio})" if ratio else words))
+        best = {row["kind"]: best_of(assessed, row) for _, row in firsts(table).iterrows()}
+        fastest = len(cells) + 1 + kinds.index(next(iter(best))) if best else 1
+        strong.append((i, 1 if cells else fastest))
         none = [f"no scheme was found ({listed(sorted(set(table.verdict)))})"]
-        rows.append((percent(limit), *cells, *(best or none)))
-    head += ["best", "best of the other kind"][: max(map(len, rows)) - len(head)]
-    return table_of(head, rows, text=tuple(range(1, len(head))))
+        rows.append((percent(limit), *cells, *([best.get(kind, "–") for kind in kinds] if best else none)))
+    head += kinds or ["scheme"]
+    return table_of(head, rows, text=tuple(range(1, len(head))), strong=strong)
 
 
 def _cells(table: pd.DataFrame, name: str, counts: str) -> tuple[str, str, str]:

@@ -16,6 +16,7 @@ from study.assessment.drawing import COLOURS, curves
 from study.assessment.report import answer, emphasised, page, tables_of
 from study.mechanics.definition import Problem
 from study.user_files import Unloadable, load
+from study.words import step_with_unit
 from tests.browser import WIDTHS, check_page, set_width
 
 MODEL = """
@@ -76,7 +77,7 @@ def test_the_command_writes_a_dataset_and_a_page_of_its_own(assessed):
     text = re.sub("<svg.*?</svg>", "", page, flags=re.DOTALL)
     assert "a &lt;swing&gt; &amp; more" in text and "<swing>" not in text
     assert not re.search(r"(src|href)=(?!.data:,)|@import|url\(", text) and "http" not in text
-    answer = text.index('<td>5\u00a0%</td><td class="text">Runge-Kutta, ')
+    answer = text.index('<td>5\u00a0%</td><td class="text"><b>Runge-Kutta, ')
     model = text.index("period of small motion 6.28 s")
     assert answer < text.index("<h2>") < model < text.index("<h2>Error of displacement")
     assert "relative to the largest value along time. Dashed" in text and "n^(−0.4) with Runge-Kutta; n^(−0.5)" in text
@@ -94,7 +95,7 @@ def test_your_own_scheme_stands_before_the_best_and_its_curve_is_emphasised(asse
     )
     title = ds.scheme_title.sel(scheme="newmark").item()
     text = page(ds)
-    assert f'<th>error of displacement</th><th class="text">{title}</th><th class="text">best</th>' in text
+    assert f'<th>error of displacement</th><th class="text">{title}</th><th class="text">explicit</th>' in text
     assert "With markers: your own, and the best of each kind." in text
     tables = tables_of(ds, "displacement")
     assert emphasised(ds, tables) == ["newmark", "rk4"]
@@ -112,8 +113,8 @@ def test_the_limit_of_stability_is_drawn_without_maps(model):
 @pytest.mark.slow
 def test_the_answer_has_no_column_for_a_kind_without_a_scheme(assessed, undrawn):
     ds = xr.load_dataset(assessed[0].with_suffix(".nc"))
-    assert 'best</th><th class="text">best of the other kind</th></tr>' in page(ds)
-    assert '<th class="text">best</th></tr>' in page(ds.sel(scheme=["rk4"]))
+    assert 'explicit</th><th class="text">implicit</th></tr>' in page(ds)
+    assert '<th class="text">explicit</th></tr>' in page(ds.sel(scheme=["rk4"]))
 
 
 @pytest.mark.slow
@@ -126,7 +127,7 @@ def test_the_limits_of_your_own_step_stand_below_the_answer(assessed, undrawn):
     step = ds.recommended_step_size.sel(scheme="newmark", quantity="displacement").item()
     ds.error.loc[{"scheme": "newmark", "quantity": "velocity", "step_size": step}] = 0.5
     title = ds.scheme_title.sel(scheme="newmark").item()
-    assert f"5\u00a0%: {title}, where velocity is wrong by 50\u00a0%." in page(ds)
+    assert f"With {title} at {step_with_unit(step)}, velocity is wrong by 50\u00a0%." in page(ds)
 
 
 @pytest.mark.parametrize("counted", [True, False])

@@ -183,5 +183,5 @@ def test_the_page_of_a_scheme_has_its_order_and_its_errors(tmp_path, capsys, und
     assert "study assess-scheme" in text
     # the answer begins with the scheme that was asked for; an explicit scheme has no radius at infinity
     first = text[: text.index("<h2>Model and reference motion")]
-    assert "Heun is unstable without damping at every step" in first and "times the forces of Runge-Kutta" in first
+    assert "Heun is unstable without damping at every step" in first and "× the forces of Runge-Kutta" in first
     assert re.search("<td>Heun</td><td>2</td><td>2.00</td><td>0</td><td>–</td>", text)

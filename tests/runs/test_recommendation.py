@@ -32,7 +32,7 @@ def test_the_other_errors_at_a_step_are_stated(assessed):
     table = study.recommend(assessed, allowed_error=0.01, quantity="energy")
     assert table.most_wrong.iloc[0] == "displacement" and table.most_wrong.isna().iloc[1]
     assert table.most_wrong_error.iloc[0] == pytest.approx(100 * 0.004)
-    assert "with Δt = 0.004 s (2500 steps, 12.5 µs), where displacement is wrong by 40\u00a0%." in answer(
+    assert "with Δt = 0.004 s (2500 steps, 12.5 µs), but displacement is wrong by 40\u00a0%." in answer(
         assessed, "energy", 0.01
     )
     assessed.error[:] = 0.1
@@ -94,7 +94,7 @@ def test_a_fraction_of_a_spacing_is_printed_as_such(assessed):
 def test_a_scheme_that_was_asked_for_is_compared(assessed):
     remark = "Central difference is unstable without damping at every step"
     assessed.attrs |= {"asked_for": "central_difference", "remarks": remark}
-    compared = "1\u00a0% of displacement, Central difference: 5\u00a0ms, 2 times the forces of Average acceleration"
+    compared = "1\u00a0% of displacement, Central difference: 5\u00a0ms, 2 × the forces of Average acceleration"
     table = study.recommend(assessed, allowed_error=0.01)
     *requested, best = table.attrs["answer"]
     assert requested == [remark, compared] and best == "1\u00a0% of displacement, best: Central difference, 5\u00a0ms"
