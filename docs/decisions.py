@@ -128,7 +128,8 @@ def by_model(results: Path) -> str:
     decisions, limits = answers(read("decisions")), limits_of(read("spectral"))
     usual = read("needs").sel(scheme=USUAL, condition=FILTERS[FILTER][0])
     chosen = {name for decision in decisions.values() for name in decision.scheme.values.ravel()}
-    lines = {entry.scheme: f"`{entry.name.removeprefix('integrator ')}`" for entry in _input_lines(chosen, ("OpenSees",))}
+    entries = _input_lines(chosen, ("OpenSees",))
+    lines = {entry.scheme: f"`{entry.name.removeprefix('integrator ')}`" for entry in entries}
     rows = []
     for model, decision in decisions.items():
         kinds = [decision.sel(kind=kind) for kind in KINDS]

@@ -35,10 +35,7 @@ def _integrator(problem: Problem, bits: int, formulation: Callable, **options) -
 def _check(problem: Problem, outcome, time) -> None:
     if outcome == hy.taylor_outcome.err_nf_state:
         after = f" after t = {time:g}" if np.isfinite(time) else ""
-        raise RouteFailed(
-            f"the motion of '{problem.title}' is no longer finite{after}: force and potential must be finite there, or "
-            "the duration shorter."
-        )
+        raise RouteFailed(f"the motion, force or potential of '{problem.title}' is no longer finite{after}.")
     if outcome not in (hy.taylor_outcome.time_limit, hy.taylor_outcome.success):
         raise RouteFailed(f"heyoka did not finish '{problem.title}': {outcome}.")
 

@@ -56,6 +56,10 @@ class Recommended(pd.DataFrame):
         return [*self.attrs.get("answer", ()), *self.attrs.get("notes", ())]
 
 
+#: Where the allowed errors of the study's own runs are set.
+SECTION = "the section runs of the configuration"
+
+
 def chosen(
     dataset: xr.Dataset, quantities: Sequence[str], error: float, quantity: str | None
 ) -> tuple[str, xr.Dataset]:
@@ -75,7 +79,7 @@ def chosen(
     if not np.isclose(limits, error, rtol=1e-9, atol=0).any():
         raise ValueError(
             f"allowed_error must be one that was assessed, {', '.join(f'{x:g}' for x in limits)}, not {error:g}; "
-            "allowed_errors of study.assess, or of the section runs of the configuration, sets others."
+            f"allowed_errors of {'study.assess' if 'recommended_step_size' in dataset else SECTION} sets others."
         )
     return quantity, dataset.sel(quantity=quantity).sel(allowed_error=error, method="nearest")
 

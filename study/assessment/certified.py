@@ -115,7 +115,7 @@ def certified(
         except (ValueError, RuntimeError) as error:
             if best is None:
                 raise NoReference(
-                    f"no reference of '{problem.title}' was found: {str(error).rstrip('.')}; try a shorter duration."
+                    f"no reference was found: {str(error).rstrip('.')}; try a shorter duration."
                 ) from error
             break
         differences = {name: errors.difference(q, problem, solution, comparison)[0] for name, q in quantities.items()}
@@ -175,7 +175,7 @@ def cases_of(
                 solution = nearby.solution(nearby.routes[0], grid, reference.rtol)
         except (ValueError, RuntimeError) as error:
             raise NoReference(
-                f"no reference of '{problem.title}' was found from a start one percent away: {str(error).rstrip('.')}; "
+                f"no reference was found from a start one percent away: {str(error).rstrip('.')}; "
                 "try a shorter duration."
             ) from error
         targets = {name: errors.target(quantity, neighbour, solution) for name, quantity in quantities.items()}

@@ -79,8 +79,9 @@ def emphasised(assessed: xr.Dataset, tables: list[pd.DataFrame]) -> list[str]:
 def _answer(assessed: xr.Dataset, quantity: str, titles: dict[str, str]) -> str:
     """The requested and the best steps for a quantity, and what limits their use, as HTML."""
     tables = tables_of(assessed, quantity)
+    spacing = assessed.attrs.get("spacing")
     notes = dict.fromkeys(
-        f"With {titles[row.Index]} at {step_with_unit(row.step_size, assessed.attrs.get('spacing'))}, {listed(clauses)}."
+        f"With {titles[row.Index]} at {step_with_unit(row.step_size, spacing)}, {listed(clauses)}."
         for table in tables
         for row in table.loc[list(dict.fromkeys([*asked_for(assessed), *firsts(table).index]))].itertuples()
         if row.step_size > 0 and (clauses := caveats(assessed, row))

@@ -112,7 +112,8 @@ def answers(assessed: xr.Dataset, tables: list[pd.DataFrame], quantity: str, tit
     """
     requested = asked_for(assessed)
     head = [f"error of {quantity}", *(titles[name] for name in requested)]
-    head += [f"controlled steps, {assessed.attrs['controller']} (× forces of equal steps)"] if "controller" in assessed.attrs else []
+    if "controller" in assessed.attrs:
+        head.append(f"controlled steps, {assessed.attrs['controller']} (× forces of equal steps)")
     kinds = sorted({kind for table in tables for kind in firsts(table)["kind"]})
     rows, strong = [], []
     for i, (limit, table) in enumerate(zip(assessed.allowed_error.values, tables, strict=True)):

@@ -45,8 +45,8 @@ def check_shapes(problem) -> None:
     """Refuse numbers whose shapes do not fit the shape of u₀."""
     shape = np.shape(problem.u0)
     if problem.u0 is None or len(shape) > 1 or shape == (0,):
-        description = "nothing" if problem.u0 is None else f"an array of shape {shape}"
-        raise ValueError(f"u0 must be a number or a vector (n,), not {description}.")
+        fault = "it is missing" if problem.u0 is None else f"not an array of shape {shape}"
+        raise ValueError(f"u0 must be a number or a vector (n,), {fault}.")
     if np.shape(problem.v0) != shape:
         raise ValueError(f"v0 must have the shape of u0, {shape}, not {np.shape(problem.v0)}.")
     for name in MATRICES:
