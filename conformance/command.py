@@ -8,7 +8,7 @@ from typing import Any
 
 from conformance.judge import CASES, judged
 from conformance.report import badge, page, summary, table
-from conformance.runners import of_command, of_folder, of_function
+from conformance.runners import command_runner, folder_runner, function_runner
 from conformance.writers import write
 
 
@@ -67,9 +67,9 @@ def conform(arguments: argparse.Namespace) -> None:
     if arguments.output:
         arguments.output.parent.mkdir(parents=True, exist_ok=True)
     if arguments.code is not None:
-        runner = of_function(arguments.code)
+        runner = function_runner(arguments.code)
     else:
-        runner = of_folder(arguments.collect) if arguments.command is None else of_command(arguments.command)
+        runner = folder_runner(arguments.collect) if arguments.command is None else command_runner(arguments.command)
     verdicts = judged(chosen, runner)
     result = summary(verdicts, arguments.tool, arguments.tool_version, arguments.note)
     print(table(verdicts))

@@ -31,7 +31,7 @@ TIMEOUT, CALL_TIMEOUT, IMPORT_TIMEOUT = 60.0, 300.0, 300.0
 Runner = Callable[[Mapping[str, Any], int], Motion]
 
 
-def of_step(step: Callable[..., Any]) -> Runner:
+def step_runner(step: Callable[..., Any]) -> Runner:
     """Runner of a Python function in this process.
 
     The function takes the problem, the scheme as a dictionary, the step size and the number of steps. It returns u, v
@@ -53,11 +53,11 @@ def of_step(step: Callable[..., Any]) -> Runner:
     return motion
 
 
-def of_function(place: str) -> Runner:
+def function_runner(place: str) -> Runner:
     """Runner of the function that ``MODULE:FUNCTION`` or ``FILE.py:FUNCTION`` names, in a process of its own.
 
-    A crash or a hang, also of compiled code, ends that process and fails one case. ``of_step`` states what the function
-    takes and returns.
+    A crash or a hang, also of compiled code, ends that process and fails one case. ``step_runner`` states what the
+    function takes and returns.
 
     Raises
     ------
@@ -112,7 +112,7 @@ class Worker:
 def _serve(place: str, pipe: Connection) -> None:
     """Answer with the motion of each case that arrives, or with the exception of its runner."""
     try:
-        runner = of_step(_imported(place))
+        runner = step_runner(_imported(place))
         pipe.send(None)
     except ValueError as error:
         pipe.send(error)
@@ -161,7 +161,7 @@ def _arrays(result: Any) -> Motion:
     return motion
 
 
-def of_command(template: str) -> Runner:
+def command_runner(template: str) -> Runner:
     """Runner of a command that reads a case from the file ``{case}`` and writes a table to the file ``{out}``.
 
     The case describes a single run. For a case of the kind ``order`` the command is called four times, each time with
@@ -214,7 +214,7 @@ def _ended(command: list[str]) -> tuple[int, str]:
     return process.returncode, message.strip()
 
 
-def of_folder(folder: Path) -> Runner:
+def folder_runner(folder: Path) -> Runner:
     """Runner of the tables ``NAME.csv`` in a folder, with half the step size in ``NAME-2.csv``, and so on.
 
     Raises

@@ -30,7 +30,7 @@ def test_the_study_passes():
     chosen = [case for case in ALL if case["name"][0] in "ABCDG" or case["name"][-3:] in ("AVG", "HHT", "BAT", "RK4")]
     moved = {case["name"] for case in ALL if case["name"][0] == "G" and case["name"][-3:] in ("GEN", "HHT")}
     with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
-        outcomes = verdicts(runners.of_step(time_integration_study.step), chosen)
+        outcomes = verdicts(runners.step_runner(time_integration_study.step), chosen)
     assert {outcome.name for outcome in outcomes if outcome.verdict != "pass"} == moved
     assert {outcome.verdict for outcome in outcomes if outcome.name in moved} == {"differs"}
     stored = json.loads((VERDICTS / "study.json").read_text(encoding="utf-8"))
@@ -46,5 +46,5 @@ def test_diffrax_has_average_acceleration_as_the_trapezoidal_rule():
 
     (case,) = [case for case in ALL if case["name"] == "G-LIN-AVG"]
     with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
-        (verdict,) = verdicts(runners.of_step(diffrax_code.step), [case])
+        (verdict,) = verdicts(runners.step_runner(diffrax_code.step), [case])
     assert verdict.verdict == "pass" and verdict.digits > 12

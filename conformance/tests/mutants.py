@@ -100,16 +100,16 @@ def runner(mutant: Mutant, folder: Path) -> runners.Runner:
     if mutant.file.endswith(".py"):
         module: Any = ModuleType("mutant")
         exec(mutant.text, module.__dict__)
-        return runners.of_step(module.step)
+        return runners.step_runner(module.step)
     file = folder / mutant.file
     if mutant.file.endswith(".js"):
         file.write_text(mutant.text[: mutant.text.index("const test =")] + _WRITES, encoding="utf-8")
-        return runners.of_command(f"node {file} {{case}} {{out}}")
+        return runners.command_runner(f"node {file} {{case}} {{out}}")
     file.write_text(mutant.text, encoding="utf-8")
     command: list[Any] = ["cc", "-O1", "-o", folder / "mutant", file, "-lm"]
     if subprocess.run(command, capture_output=True).returncode:
         raise ValueError("the program cannot be compiled")
-    return runners.of_command(f"{folder / 'mutant'} {{case}} {{out}}")
+    return runners.command_runner(f"{folder / 'mutant'} {{case}} {{out}}")
 
 
 def causes(mutant: Mutant, chosen: Sequence[dict[str, Any]], folder: Path) -> Counter[str]:

@@ -176,7 +176,7 @@ def test_a_mistake_has_one_name_in_all_cases():
     module: Any = ModuleType("mistaken")
     exec(TEXT.replace("/ (beta * tau**2)", "/ (gamma * tau**2)"), module.__dict__)
     for names in (("A-CUB-AVG", "A-CUB-DIS"), ("A-CUB-DIS", "A-CUB-AVG")):
-        verdicts = judged([BY_NAME[name] for name in names], runners.of_step(module.step))
+        verdicts = judged([BY_NAME[name] for name in names], runners.step_runner(module.step))
         assert [verdict.name for verdict in verdicts] == [*names]
         assert {verdict.cause for verdict in verdicts} == {
             "the term Δt² β a₁ in the displacement, for the balance alone has the factor γ/β"

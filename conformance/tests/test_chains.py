@@ -111,7 +111,7 @@ def test_commands_of_code_aster_state_the_case(name, scheme):
 
 def test_the_table_of_code_aster_is_the_motion_that_it_reads(tmp_path, monkeypatch):
     case, names = BY_NAME["F-FRAME-AVG"], Commands()
-    motion = runners.of_function("conformance.examples.newmark:step")(case, 1)
+    motion = runners.function_runner("conformance.examples.newmark:step")(case, 1)
     times = float(case["run"]["dt"]) * np.arange(case["run"]["steps"] + 1)
     columns = {"DEPL": "u", "VITE": "v", "ACCE": "a"}
 
@@ -123,7 +123,7 @@ def test_the_table_of_code_aster_is_the_motion_that_it_reads(tmp_path, monkeypat
     monkeypatch.chdir(tmp_path)
     names["RECU_FONCTION"] = function
     exec(_written(chains.code_aster, case), names)
-    assert judge(case, partial(runners.of_folder(tmp_path), case)).verdict == "pass"
+    assert judge(case, partial(runners.folder_runner(tmp_path), case)).verdict == "pass"
 
 
 def test_what_cannot_be_stated_has_no_file():

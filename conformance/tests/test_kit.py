@@ -107,7 +107,7 @@ def test_the_stored_end_of_a_case_of_order_is_exact():
 
 def test_the_example_in_numpy_passes_what_it_does():
     """Only this test judges a right program by all of the cases that it supports."""
-    outcomes = verdicts(runners.of_step(newmark.step))
+    outcomes = verdicts(runners.step_runner(newmark.step))
     assert counted(outcomes)["pass"] == sum(case["scheme"]["family"] in newmark.FAMILIES for case in ALL)
     assert set(counted(outcomes)) == {"pass", "skip"}
 
@@ -133,14 +133,14 @@ def test_a_mistake_in_the_numpy_program_is_caught_and_named(change):
     module: Any = ModuleType("mutated")
     source, cause = _mutated((KIT / "examples" / "newmark.py").read_text(encoding="utf-8"), change)
     exec(source, module.__dict__)
-    assert _caught(runners.of_step(module.step), QUICK, cause)
+    assert _caught(runners.step_runner(module.step), QUICK, cause)
 
 
 def test_an_acceleration_that_is_moved_to_the_new_step_is_an_alternative():
     module: Any = ModuleType("mutated")
     exec((KIT / "examples" / "newmark.py").read_text(encoding="utf-8").replace(*mutations.MOVED), module.__dict__)
     unequal = [case for case in ALL if "unequal_steps" in case["tags"]]
-    outcomes = verdicts(runners.of_step(module.step), unequal)
+    outcomes = verdicts(runners.step_runner(module.step), unequal)
     for outcome in outcomes:
         moved = outcome.name.endswith(("HHT", "GEN"))
         assert (
@@ -158,7 +158,9 @@ def test_unequal_steps_have_the_changes_that_their_cases_hold_no_values_of():
     ):
         module: Any = ModuleType("mutated")
         exec(text.replace(old, new), module.__dict__)
-        changed = [outcome for outcome in verdicts(runners.of_step(module.step), unequal) if outcome.verdict != "pass"]
+        changed = [
+            outcome for outcome in verdicts(runners.step_runner(module.step), unequal) if outcome.verdict != "pass"
+        ]
         assert changed and all(outcome.verdict == verdict and cause in outcome.cause for outcome in changed), changed
 
 
@@ -168,7 +170,7 @@ def test_a_wrong_order_and_a_growing_energy_name_their_cause():
     text = (KIT / "examples" / "newmark.py").read_text(encoding="utf-8")
     exec(text.replace('numbers.get("alpha_m", 0.0)', "0.0"), module.__dict__)
     chosen = [case for case in ALL if case["name"] in ("D-ORDER-GEN", "C-BOUND-GEN")]
-    energy, order = verdicts(runners.of_step(module.step), chosen)
+    energy, order = verdicts(runners.step_runner(module.step), chosen)
     assert re.fullmatch(r"the energy grows to \S+ times .*: α_m is missing in the balance", energy.sentence)
     assert re.fullmatch(r"the order is \S+, not 2", order.finding) and order.cause == "α_m is missing in the balance"
     assert order.where == "u differs from step 1 on, v differs from step 1 on"
@@ -182,7 +184,7 @@ def _compiled(source, folder):
     file = folder / "newmark.c"
     file.write_text(source, encoding="utf-8")
     subprocess.run(["cc", "-O1", "-o", program, file, "-lm"], check=True)
-    return runners.of_command(f"{program} {{case}} {{out}}")
+    return runners.command_runner(f"{program} {{case}} {{out}}")
 
 
 @needs_c
@@ -217,7 +219,7 @@ def test_the_reader_in_javascript_judges_a_case(tmp_path):
 
 def test_opensees_has_newmarks_method_and_starts_houbolts_by_average_acceleration():
     pytest.importorskip("openseespy.opensees", exc_type=ImportError)
-    runner = runners.of_function("conformance.codes.opensees:step")
+    runner = runners.function_runner("conformance.codes.opensees:step")
     chosen = [case for case in QUICK if case["name"].endswith(("AVG", "DIS", "HHT", "WIL", "HOU"))]
     outcomes = Counter((outcome.name[-3:], outcome.verdict) for outcome in verdicts(runner, chosen))
     assert {code for code, verdict in outcomes if verdict == "pass"} >= {"AVG", "DIS", "HHT", "WIL"}
@@ -226,7 +228,7 @@ def test_opensees_has_newmarks_method_and_starts_houbolts_by_average_acceleratio
 
 def test_the_third_set_of_opensees_moves_from_rest_as_the_schemes_do_and_not_from_a_motion():
     pytest.importorskip("openseespy.opensees", exc_type=ImportError)
-    runner = runners.of_function("conformance.codes.opensees:more")
+    runner = runners.function_runner("conformance.codes.opensees:more")
     for code in ("CDM", "HHT", "GEN"):
         for place, verdict in (("D-BASE", "pass"), ("A-LIN", "fail")):
             (case,) = [case for case in ALL if case["name"] == f"{place}-{code}"]
@@ -236,7 +238,7 @@ def test_the_third_set_of_opensees_moves_from_rest_as_the_schemes_do_and_not_fro
 
 def test_tables_of_a_folder_are_judged(tmp_path, capsys):
     case = next(case for case in ALL if case["name"] == "A-LIN-AVG")
-    motion = runners.of_step(newmark.step)(case, 1)
+    motion = runners.step_runner(newmark.step)(case, 1)
     rows = np.hstack([0.05 * np.arange(3.0)[:, None], *(np.array(motion[name]) for name in "uv")])
     np.savetxt(tmp_path / "A-LIN-AVG.csv", rows, delimiter=",", header="t,u1,v1", comments="", fmt="%.17g")
     main(["--collect", str(tmp_path)])

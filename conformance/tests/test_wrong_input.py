@@ -57,7 +57,7 @@ def _wrong(problem, scheme, dt, steps):
 
 
 def test_a_code_that_raises_or_returns_something_else_fails_with_a_sentence():
-    outcomes = _verdicts(runners.of_step(_wrong), [case for case in ALL if case["name"].startswith("A-LIN")])
+    outcomes = _verdicts(runners.step_runner(_wrong), [case for case in ALL if case["name"].startswith("A-LIN")])
     causes = {outcome.name: outcome.cause for outcome in outcomes}
     assert causes["A-LIN-WIL"] == "the code raises ZeroDivisionError: division by zero"
     assert causes["A-LIN-HOU"] == "u is not finite from step 0 on"
@@ -75,7 +75,7 @@ def test_a_code_that_raises_or_returns_something_else_fails_with_a_sentence():
     ],
 )
 def test_a_function_that_returns_no_motion_fails_with_a_sentence(result, sentence):
-    runner = runners.of_step(lambda problem, scheme, dt, steps: result)
+    runner = runners.step_runner(lambda problem, scheme, dt, steps: result)
     (verdict,) = _verdicts(runner, [case for case in ALL if case["name"] == "A-LIN-AVG"])
     assert (verdict.verdict, verdict.cause) == ("fail", sentence)
 
@@ -84,7 +84,7 @@ def test_a_function_may_import_its_neighbours_when_it_runs(tmp_path):
     (tmp_path / "neighbour.py").write_text("from conformance.examples.newmark import step", encoding="utf-8")
     text = "def late(*given):\n    from neighbour import step\n    return step(*given)\n"
     (tmp_path / "late_code.py").write_text(text, encoding="utf-8")
-    (verdict,) = _verdicts(runners.of_function(f"{tmp_path / 'late_code.py'}:late"), [ALL[0]])
+    (verdict,) = _verdicts(runners.function_runner(f"{tmp_path / 'late_code.py'}:late"), [ALL[0]])
     assert verdict.verdict == "pass"
 
 
@@ -113,7 +113,7 @@ _TABLE = "out.csv must have a line of names and rows with as many numbers, separ
 )
 def test_a_command_that_fails_is_a_failure_of_the_case(script, verdict, sentence, tmp_path):
     (tmp_path / "run.sh").write_text(script.replace("{out}", '"$2"'), encoding="utf-8")
-    runner = runners.of_command(f"sh {tmp_path / 'run.sh'} {{case}} {{out}}")
+    runner = runners.command_runner(f"sh {tmp_path / 'run.sh'} {{case}} {{out}}")
     (outcome,) = _verdicts(runner, [case for case in ALL if case["name"] == "A-LIN-AVG"])
     assert (outcome.verdict, outcome.cause) == (verdict, sentence)
 
@@ -121,7 +121,7 @@ def test_a_command_that_fails_is_a_failure_of_the_case(script, verdict, sentence
 def test_a_command_that_hangs_ends_with_the_programs_that_it_started(tmp_path, monkeypatch):
     monkeypatch.setattr(runners, "TIMEOUT", 0.5)
     (tmp_path / "run.sh").write_text(f"(sleep 1.5; touch {tmp_path / 'late'}) & wait", encoding="utf-8")
-    (verdict,) = _verdicts(runners.of_command(f"sh {tmp_path / 'run.sh'} {{case}} {{out}}"), ALL[:1])
+    (verdict,) = _verdicts(runners.command_runner(f"sh {tmp_path / 'run.sh'} {{case}} {{out}}"), ALL[:1])
     assert (verdict.verdict, verdict.cause) == ("fail", "the command takes longer than 0.5 s")
     time.sleep(1.5)
     assert not (tmp_path / "late").exists()
@@ -145,7 +145,7 @@ def step(problem, scheme, dt, steps):
 def test_a_function_that_hangs_or_ends_its_process_fails_and_the_next_case_runs(tmp_path, monkeypatch):
     """Only this test finds that compiled code that hangs or crashes ends the kit, or that no new process starts."""
     (tmp_path / "faulty.py").write_text(_FAULTY, encoding="utf-8")
-    runner = runners.of_function(f"{tmp_path / 'faulty.py'}:step")
+    runner = runners.function_runner(f"{tmp_path / 'faulty.py'}:step")
     monkeypatch.setattr(runners, "CALL_TIMEOUT", 0.5)
     chosen = [case for case in ALL if case["name"] in ("A-LIN-AVG", "A-LIN-BAT", "A-LIN-CDM", "A-LIN-HOU")]
     hung, exited, skipped, crashed = _verdicts(runner, chosen)
@@ -159,5 +159,5 @@ def test_an_energy_without_a_velocity_is_skipped(tmp_path):
     (case,) = [case for case in ALL if case["name"] == "B-BOUND-AVG"]
     rows = "".join(f"{100 * i},1\n" for i in range(101))
     (tmp_path / "B-BOUND-AVG.csv").write_text("t,u1\n" + rows, encoding="utf-8")
-    (verdict,) = _verdicts(runners.of_folder(tmp_path), [case])
+    (verdict,) = _verdicts(runners.folder_runner(tmp_path), [case])
     assert (verdict.verdict, verdict.cause) == ("skip", "an energy needs the velocity")
