@@ -29,8 +29,8 @@ dampers = materials.elements(materials.viscous_damper(coefficient=5.0e4, exponen
 
 def force(u, v, history):
     """Sum of the forces of storeys and dampers, and the updated history of the storeys."""
-    of_storeys, history = storeys(u, v, history)
-    return of_storeys + dampers(u, v), history
+    storey_forces, history = storeys(u, v, history)
+    return storey_forces + dampers(u, v), history
 
 
 frame = study.Problem(

@@ -66,9 +66,9 @@ def places() -> dict[tuple[str, str], str]:
     labels: dict[tuple[str, str], list[str]] = {}
     for text in TEXTS:
         for label, name in numbered(text):
-            of_part = labels.setdefault((label.split()[0].lower(), name), [])
-            of_part.append(f"{label} of the {TITLES[text.stem].lower()}")
-    return {part: listed(of_part) for part, of_part in labels.items()}
+            part_labels = labels.setdefault((label.split()[0].lower(), name), [])
+            part_labels.append(f"{label} of the {TITLES[text.stem].lower()}")
+    return {part: listed(part_labels) for part, part_labels in labels.items()}
 
 
 def files_of(text: Path) -> list[tuple[str, str]]:

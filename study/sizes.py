@@ -62,7 +62,9 @@ def fewest(error: xr.DataArray, counts: xr.DataArray, allowed: float, along: str
     return counts.where(np.isfinite(counts))
 
 
-def largest_with_margin(size: Sizes, error: Sizes, allowed: float, own: Any = True, octave: float = 2.0) -> float:
+def largest_with_margin(
+    size: Sizes, error: Sizes, allowed: float, from_own_start: Any = True, octave: float = 2.0
+) -> float:
     r"""Largest random size that keeps an error, as all smaller ones do, with a margin for scatter; zero if none does.
 
     The result is the largest size h that meets the condition
@@ -80,12 +82,12 @@ def largest_with_margin(size: Sizes, error: Sizes, allowed: float, own: Any = Tr
         Size and error of each run; the error of a failed run is NaN, which counts as too large.
     allowed
         Allowed error.
-    own
+    from_own_start
         Whether each run has the problem's own start. All runs must keep the error, and these alone give the margin.
     octave
         Ratio r of two sizes if one step is twice as long as the other.
     """
-    below = own & (size < size[~(error <= allowed)].min(initial=np.inf))
+    below = from_own_start & (size < size[~(error <= allowed)].min(initial=np.inf))
     size, error = size[below], error[below]
     while size.size:
         largest = size.max()

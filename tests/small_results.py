@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from study import io
-from study.runs.needs import ATTRIBUTES, needs, of_problems
+from study.runs.needs import ATTRIBUTES, joined_needs, needs
 from tests.runs.made_up import runs, with_kinds
 
 VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step")
@@ -82,7 +82,7 @@ def needed() -> xr.Dataset:
     """The needs of three schemes on a softening and a hardening spring."""
     errors = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2, 0.02, 0.005, 0.0005]]
     parts = [needs(runs(errors, problem), [0.1, 0.01]) for problem in ("softening", "hardening")]
-    found = with_kinds(of_problems(parts))
+    found = with_kinds(joined_needs(parts))
     found.verdict.attrs = ATTRIBUTES["verdict"]
     return found
 

@@ -39,12 +39,12 @@ def lines(data: Path) -> dict[str, set[tuple[int, int]]]:
 
 def slow(seconds: dict[str, float], lines_of: dict[str, set[tuple[int, int]]]) -> list[str]:
     """The slowest functions, as long as another function runs each of their lines."""
-    runs = Counter(line for of_function in lines_of.values() for line in of_function)
+    runs = Counter(line for code_lines in lines_of.values() for line in code_lines)
     chosen = list[str]()
     for name, time in sorted(seconds.items(), key=lambda item: item[1], reverse=True):
-        of_function = lines_of.get(name, set())  # empty if another process runs the code
-        if time >= SLOW and of_function and name.startswith("tests/") and all(runs[line] > 1 for line in of_function):
-            runs.subtract(of_function)
+        code_lines = lines_of.get(name, set())  # empty if another process runs the code
+        if time >= SLOW and code_lines and name.startswith("tests/") and all(runs[line] > 1 for line in code_lines):
+            runs.subtract(code_lines)
             chosen.append(name)
     return chosen
 

@@ -3,7 +3,7 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import curve_styles, legend_in, of_families
+from paper.figures.style import curve_styles, figure_of_families, legend_in
 from paper.products import figure
 
 PROBLEM, PERIODS = "hardening", 100
@@ -24,7 +24,7 @@ TOP = 3
 def draw(data: xr.Dataset) -> Figure:
     """Error of the displacement against computing time; grey: the Runge-Kutta method and heyoka, in every panel."""
     data = data.sel(problem=PROBLEM, periods=PERIODS)
-    figure, columns = of_families(data, 1, 4.2)
+    figure, columns = figure_of_families(data, 1, 4.2)
     common = data.sel(scheme="rk4")
     peer = data.sel(solver="heyoka")
     for part, (ax, below) in columns:

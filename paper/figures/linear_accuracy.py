@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import curve_styles, legend_in, of_families, thinned
+from paper.figures.style import curve_styles, figure_of_families, legend_in, thinned
 from paper.products import figure
 
 #: Largest Δt/T in the figure, as in textbooks.
@@ -21,7 +21,7 @@ def draw(spectral: xr.Dataset) -> Figure:
     data = spectral.sel(damping_ratio=0.0, step_size_over_period=slice(None, TO))
     stable = 2 * np.pi * data.step_size_over_period <= data.stability_limit
     elongation, damping = data.period_elongation.where(stable), data.algorithmic_damping.where(stable)
-    figure, columns = of_families(data, 2, 2.7)
+    figure, columns = figure_of_families(data, 2, 2.7)
     for part, (above, below, place_of_legend) in columns:
         for place, (name, look) in enumerate(curve_styles(part.scheme).items()):
             title = part.scheme_title.sel(scheme=name).item()

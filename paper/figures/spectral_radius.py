@@ -3,7 +3,7 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import curve_styles, legend_in, of_families, thinned
+from paper.figures.style import curve_styles, figure_of_families, legend_in, thinned
 from paper.products import figure
 
 #: Δt/T below which all spectral radii look like 1.
@@ -18,7 +18,7 @@ FROM = 0.02
 def draw(spectral: xr.Dataset) -> Figure:
     """ρ against Δt/T; a scheme is unstable where its curve exceeds one."""
     data = spectral.sel(damping_ratio=0.0, step_size_over_period=slice(FROM, None))
-    figure, columns = of_families(data, 1, 3.0)
+    figure, columns = figure_of_families(data, 1, 3.0)
     for part, (ax, below) in columns:
         for place, (name, look) in enumerate(curve_styles(part.scheme).items()):
             run = part.sel(scheme=name)

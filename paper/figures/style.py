@@ -185,7 +185,9 @@ def legend_in_gap(figure: Figure, axes: np.ndarray, number: int, columns: int) -
     place.legend(handles=handles, loc="center left", borderaxespad=0, handlelength=2.2)
 
 
-def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, list[tuple[xr.Dataset, np.ndarray]]]:
+def figure_of_families(
+    dataset: xr.Dataset, rows: int, height: float
+) -> tuple[Figure, list[tuple[xr.Dataset, np.ndarray]]]:
     """A figure as wide as the page: a column of panels for each family, and a place for a legend below each column.
 
     Parameters

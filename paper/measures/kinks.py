@@ -22,8 +22,8 @@ def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
         np.log(values) for values in (kinks.steps_per_period * kinks.force_evaluations_per_step, kinks.error)
     )
 
-    def ratio(wanted: np.ndarray, of_wanted: np.ndarray, forces: np.ndarray, errors: np.ndarray) -> np.ndarray:
-        return np.exp(np.interp(wanted, forces, errors, right=np.nan) - of_wanted)
+    def ratio(wanted: np.ndarray, wanted_errors: np.ndarray, forces: np.ndarray, errors: np.ndarray) -> np.ndarray:
+        return np.exp(np.interp(wanted, forces, errors, right=np.nan) - wanted_errors)
 
     arguments = [values.sel(scheme=name) for name in ("rk4", "central_difference") for values in (forces, error)]
     along = [["steps_per_period"]]

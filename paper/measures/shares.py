@@ -15,12 +15,12 @@ def share_of_runs(kept: xr.DataArray) -> tuple[float, float, float]:
     from scipy.stats import binomtest  # here, as few products need it
     from scipy.stats import t as student
 
-    share, of_record = kept.mean().item(), kept.mean([name for name in kept.dims if name != "record"]).values
-    if np.isin(of_record, [0, 1]).all():
-        low, high = binomtest(int(of_record.sum()), len(of_record)).proportion_ci(0.95, method="exact")
+    share, record_shares = kept.mean().item(), kept.mean([name for name in kept.dims if name != "record"]).values
+    if np.isin(record_shares, [0, 1]).all():
+        low, high = binomtest(int(record_shares.sum()), len(record_shares)).proportion_ci(0.95, method="exact")
         return share, low, high
-    number = len(of_record)
-    half = student.ppf(0.975, number - 1) * of_record.std(ddof=1) / np.sqrt(number) if number > 1 else np.inf
+    number = len(record_shares)
+    half = student.ppf(0.975, number - 1) * record_shares.std(ddof=1) / np.sqrt(number) if number > 1 else np.inf
     return share, max(share - half, 0.0), min(share + half, 1.0)
 
 

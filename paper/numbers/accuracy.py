@@ -20,7 +20,7 @@ _SOLVERS = ["cvode_adams", "cvode_bdf", "dopri8", "tsit5", "heyoka"]
 @numbers(
     agreement="reference_agreement", requires={"agreement.tolerances": [1e-9], "references.problems": ["hardening"]}
 )
-def of_agreement(agreement: xr.Dataset) -> dict:
+def agreement_numbers(agreement: xr.Dataset) -> dict:
     """True errors of general solvers on the hardening spring, at one tolerance and at the best tolerance."""
     error = agreement.displacement_error.sel(periods=100, problem="hardening")
     # a mapping, because `sel` has an argument with the name `tolerance`
@@ -45,7 +45,7 @@ def of_agreement(agreement: xr.Dataset) -> dict:
         "accuracy.steps_per_period": [32, 64],
     },
 )
-def of_accuracy(accuracy: xr.Dataset) -> dict:
+def accuracy_numbers(accuracy: xr.Dataset) -> dict:
     """Errors of schemes over a hundred periods, and numbers of errors that the reference does not resolve."""
     accuracy = accuracy.sel(periods=100)
     run = accuracy.sel(problem="hardening", scheme="average_acceleration").sel(steps_per_period=64)
@@ -74,7 +74,7 @@ def of_accuracy(accuracy: xr.Dataset) -> dict:
         "accuracy.periods": [3],
     },
 )
-def of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
+def promise_numbers(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
     """Loss of amplitude of the α-method on the springs over the loss by linear theory."""
     linear = spectral.sel(damping_ratio=0.0, scheme="hht_alpha_1996").interp(step_size_over_period=1 / 64)
     measured = accuracy.sel(steps_per_period=64, periods=3, scheme="hht_alpha_1996", problem=["hardening", "softening"])
@@ -96,7 +96,7 @@ def _meaning(runs: xr.Dataset, name: str) -> int:
         "large_steps.problems": PROBLEMS,
     },
 )
-def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
+def linear_theory_numbers(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
     """Properties of the schemes by linear theory, and the schemes that depart from linear theory on the springs."""
     free = spectral.sel(damping_ratio=0.0)
     damped = spectral.sel(damping_ratio=spectral.damping_ratio.max())
@@ -131,7 +131,7 @@ def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
 @numbers(
     references=["reference/hardening", "reference/softening", "reference/softening_large", "reference/double_well"]
 )
-def of_references(references: list[xr.Dataset]) -> dict:
+def reference_numbers(references: list[xr.Dataset]) -> dict:
     """Largest relative uncertainties of the exact periods and motions of the springs."""
     period = max((reference.period_certified / reference.period).item() for reference in references)
     motion = max((reference.u_certified / abs(reference.u).max()).item() for reference in references)

@@ -27,7 +27,7 @@ def windows(steps: np.ndarray, inside: np.ndarray) -> str | None:
 
 
 @numbers(requires={"chaos.schemes": SCHEMES})
-def of_chaos(chaos: xr.Dataset) -> dict:
+def chaos_numbers(chaos: xr.Dataset) -> dict:
     """Exponents, contraction, orders of mean squares, and steps with regular motion."""
     ueda, fewest = ueda_of(chaos), np.array(list(fewest_steps(chaos).values()))
     sufficient = [

@@ -14,7 +14,7 @@ JUDGED = [
 
 
 @numbers(claims="claims.csv")
-def of_claims(claims: pd.DataFrame) -> dict:
+def claim_numbers(claims: pd.DataFrame) -> dict:
     """Counts of claims by verdict, for the paper and for each additional section."""
     ours = claims["section"].isin(list(OURS))
     parts = {"claims": claims[~ours]} | {prefix: claims[claims["section"] == name] for name, prefix in OURS.items()}

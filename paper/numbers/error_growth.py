@@ -28,7 +28,7 @@ def _middle(values: np.ndarray) -> str | None:
 
 
 @numbers(growth="error_growth")
-def of_error_growth(growth: xr.Dataset) -> dict:
+def error_growth_numbers(growth: xr.Dataset) -> dict:
     """Exponents of growth, and the cases in which an extrapolated step keeps the error."""
     entries = {}
     for name, (measure, keeps) in EXPONENTS.items():

@@ -27,7 +27,7 @@ def _orders(kinks: xr.Dataset, problem: str, *schemes: str) -> str:
         "kinks.steps_per_period": fourfold,
     },
 )
-def of_kinks(kinks: xr.Dataset, reference: xr.Dataset) -> dict:
+def kink_numbers(kinks: xr.Dataset, reference: xr.Dataset) -> dict:
     """Observed orders with kinks, and the gain in accuracy that Runge-Kutta keeps, at steps that resolve the motion."""
     kinks = kinks.isel(steps_per_period=np.flatnonzero(kinks.steps_per_period.values >= RESOLVED))
     coarsest = kinks.isel(steps_per_period=0)

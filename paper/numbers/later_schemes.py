@@ -101,7 +101,9 @@ def _later(decisions: xr.Dataset, needs: xr.Dataset) -> dict[str, str]:
 
 
 @numbers(claims="claims.csv")
-def of_later_schemes(claims: pd.DataFrame, decisions: xr.Dataset, needs: xr.Dataset, later_schemes: xr.Dataset) -> dict:
+def later_scheme_numbers(
+    claims: pd.DataFrame, decisions: xr.Dataset, needs: xr.Dataset, later_schemes: xr.Dataset
+) -> dict:
     """Facts and values of the ledger, the bound on the tangent, and the share of later schemes among the choices."""
     ledger = claims.set_index("claim")
     facts = {

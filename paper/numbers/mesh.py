@@ -9,7 +9,7 @@ from study.words import number, span
 
 
 @numbers()
-def of_mesh(mesh: xr.Dataset) -> dict:
+def mesh_numbers(mesh: xr.Dataset) -> dict:
     """Crossovers, steps and iterations of the implicit scheme, and the price of the stiffer row."""
     explicit = mesh.sel(scheme="central_difference")
     ratio = crossovers(mesh)

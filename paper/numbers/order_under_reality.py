@@ -15,7 +15,7 @@ ONE, TWO = 1.6, 2.5
 
 
 @numbers(orders="order_under_reality", requires={"order_under_reality.schemes": ["generalized_alpha"]})
-def of_order_under_reality(orders: xr.Dataset) -> dict:
+def observed_order_numbers(orders: xr.Dataset) -> dict:
     """Observed orders under the circumstances, and the schemes that do not converge with the stiffest support."""
     observed, data = orders.observed_order, {"orders": orders}
     displacement = observed.sel(quantity="displacement")

@@ -16,7 +16,7 @@ def _observed_order(file: str) -> str | None:
 
 
 @numbers()
-def of_other_programs() -> dict:
+def other_program_numbers() -> dict:
     """Programs that fail a case, cases that OpenSees passes, and the order of its generalized-α."""
     opensees, from_zero = verdicts("opensees.json"), verdicts("opensees_from_zero.json")
     # sets of integrators of one program have names with an underscore, after the name of the program

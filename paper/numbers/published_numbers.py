@@ -17,7 +17,7 @@ _NEEDED = ["arenstorf", "van_der_pol", "loaded_bar"]
         "published_numbers.schemes": ["average_acceleration", "central_difference", "rk4"],
     }
 )
-def of_published_numbers(published_numbers: xr.Dataset) -> dict:
+def known_displacement_numbers(published_numbers: xr.Dataset) -> dict:
     """Steps that schemes need for the known displacements."""
     orbit = steps_of_orbit(published_numbers)
     bar = published_numbers.sel(problem="loaded_bar", scheme="central_difference")

@@ -17,7 +17,7 @@ _STOCHASTIC = "Boore (2003)"
     errors="record_error",
     requires={"record_error.schemes": [SCHEME, "rk4"]},
 )
-def of_record_error(errors: xr.Dataset) -> dict:
+def record_error_numbers(errors: xr.Dataset) -> dict:
     """Ratios of measured and predicted errors, scatter about three predictors, shares of runs, and orders."""
     average = errors.sel(scheme=SCHEME)
     law = predicted(average)

@@ -20,7 +20,7 @@ def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
 
 
 @numbers(requires=REPRODUCED_TABLES)
-def of_cells(energy_error: xr.Dataset) -> dict:
+def table_cell_numbers(energy_error: xr.Dataset) -> dict:
     """Computed and printed errors of Tables 1 and 2, compared cell by cell."""
     printed = printed_energy_errors()
     cells = 100 * cells_of_tables(energy_error).max_energy_error
@@ -64,7 +64,7 @@ def _caught(drift: xr.Dataset) -> np.ndarray:
 
 
 @numbers(drift="energy_drift", requires=RESONANCE)
-def of_drift(drift: xr.Dataset) -> dict:
+def drift_numbers(drift: xr.Dataset) -> dict:
     """Energy drift of the Runge-Kutta method over step size, with its resonances."""
     parts, caught = drift.steps_per_period, _caught(drift)
     # steps per period of the runs that are held at twenty steps per oscillation, NaN for other runs
@@ -86,7 +86,7 @@ def of_drift(drift: xr.Dataset) -> dict:
 
 
 @numbers(portrait="phase_portrait/softening", requires={"phase_portrait.softening.schemes": SCHEMES})
-def of_the_softening_spring(portrait: xr.Dataset) -> dict:
+def softening_spring_numbers(portrait: xr.Dataset) -> dict:
     """Energy that schemes have lost by the end of their runs on the softening spring."""
     lost = -100 * portrait.energy_error.isel(t=-1)
     damped, faithful = lost.sel(scheme=DISSIPATIVE), abs(lost.sel(scheme=FAITHFUL))
@@ -106,7 +106,7 @@ def of_the_softening_spring(portrait: xr.Dataset) -> dict:
         "step_window.step_size_over_period": spans(1 / 8),
     },
 )
-def of_instability(portrait: xr.Dataset, window: xr.Dataset) -> dict:
+def instability_numbers(portrait: xr.Dataset, window: xr.Dataset) -> dict:
     """Largest energy over the initial one, in the run of 1996 and at steps and starts close to those of this run."""
     close = 1 + window.largest_gain
     alpha = window.largest_gain.sel(scheme="hht_alpha_1996")
@@ -140,7 +140,7 @@ def of_instability(portrait: xr.Dataset, window: xr.Dataset) -> dict:
         "sensitivity.problem": "double_well",
     },
 )
-def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
+def double_well_numbers(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
     """Chaos in the double well from neighbouring starts, and the steps at which explicit schemes fail."""
     runs = sensitivity.sel(scheme="average_acceleration")
     parted = runs.parted_at_step.drop_sel(start=0)

@@ -14,7 +14,7 @@ SHORT = 0.2
 @numbers(
     requires={"spectrum.schemes": ["average_acceleration", "rk4"], "spectrum.periods": [SHORT, LONG]},
 )
-def of_spectrum(spectrum: xr.Dataset) -> dict:
+def spectrum_numbers(spectrum: xr.Dataset) -> dict:
     """Steps that suffice under all records, among commensurate and among all steps; shares of runs beyond the error."""
     needed = spectrum.largest_step_size.min(["record", "reduction"], skipna=False)
     at_spacing, between = (of(spectrum, "average_acceleration") for of in (beyond_at_the_spacing, beyond_between))

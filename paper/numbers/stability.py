@@ -13,7 +13,7 @@ from study.words import at_most, span
 
 
 @numbers()
-def of_long_times(long_times: xr.Dataset) -> dict:
+def long_time_numbers(long_times: xr.Dataset) -> dict:
     """Growth and size of round-off."""
     last = long_times.isel(periods=-1)
     return {
@@ -58,7 +58,7 @@ def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str
         "stability.bifurcation.scheme": "average_acceleration",
     },
 )
-def of_stability(
+def stability_numbers(
     atlas: xr.Dataset,
     roots: xr.Dataset,
     bifurcation: xr.Dataset,

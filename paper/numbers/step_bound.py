@@ -11,7 +11,7 @@ from study.words import at_most, span
 
 
 @numbers(bound="stability/step_bound", rule="stability/step_rule", requires={"step_rule.schemes": SCHEMES})
-def of_step_bound(bound: xr.Dataset, rule: xr.Dataset) -> dict:
+def step_bound_numbers(bound: xr.Dataset, rule: xr.Dataset) -> dict:
     """Numbers of potentials and motions, of confirmed predictions, and the steps that keep the allowed error."""
     over, described = over_convex(bound, rule)
     bound = bound.sel(scheme=SCHEMES)

@@ -38,7 +38,7 @@ from study.words import span
         **REPRODUCED_TABLES,
     },
 )
-def of_step_control(
+def step_control_numbers(
     estimates: xr.Dataset, step_control: xr.Dataset, controlled_1996: xr.Dataset, energy_error: xr.Dataset
 ) -> dict:
     """Ratios of estimates to true errors, drift of the energy, and the tables of 1996 with controlled steps."""
@@ -87,7 +87,7 @@ def of_step_control(
 
 
 @numbers(requires={"control_cost.problems": STIFF, "control_cost.schemes": [SCHEME]})
-def of_control_cost(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> dict:
+def control_cost_numbers(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> dict:
     """Numbers of cases (problem and scheme) in which step control saves force evaluations, and the steps of Abaqus."""
     ratio = ratio_of_forces(control_cost, ALLOWED)
     known = ratio.stack(case=ratio.dims).dropna("case")

@@ -16,14 +16,14 @@ NO_RULE = 3.0
 
 
 @numbers(rule="stability/step_rule", requires={"step_rule.schemes": SCHEMES})
-def of_step_rule(rule: xr.Dataset) -> dict:
+def step_rule_numbers(rule: xr.Dataset) -> dict:
     """Largest safe Δt ωmax of each scheme: its range over springs and amplitudes, and the range of steps per period."""
     everywhere = ["problem", "amplitude"]
     safe = largest_omega_step(rule, ERROR)
     steps = rule.period * rule.highest_frequency / safe
     everywhere_safe, most = safe.min(everywhere), safe.max(everywhere)
     # a single amplitude may allow more than its neighbours, where the error varies irregularly with the step
-    of_neighbours = safe.rolling(amplitude=min(2, safe.sizes["amplitude"])).min().max(everywhere)
+    most_of_neighbours = safe.rolling(amplitude=min(2, safe.sizes["amplitude"])).min().max(everywhere)
     fewest, finest = steps.min(everywhere), steps.max(everywhere)
     ratio = most / everywhere_safe
     entries = {
@@ -39,7 +39,7 @@ def of_step_rule(rule: xr.Dataset) -> dict:
     for name in SCHEMES:
         entries |= {
             f"rule_below_{name}": f"{math.floor(100 * everywhere_safe.sel(scheme=name).item()) / 100:.2f}",
-            f"rule_most_{name}": f"{of_neighbours.sel(scheme=name).item():.2f}",
+            f"rule_most_{name}": f"{most_of_neighbours.sel(scheme=name).item():.2f}",
             f"rule_steps_{name}": f"{number(fewest.sel(scheme=name).item(), 2)} to "
             + number(finest.sel(scheme=name).item(), 2),
         }

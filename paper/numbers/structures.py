@@ -134,7 +134,7 @@ def _plateaus(structures: xr.Dataset) -> dict[str, str | None]:
         "structure_history.long_times": samples_of_history(1),
     },
 )
-def of_structures(
+def structure_numbers(
     structures: xr.Dataset,
     decisions: xr.Dataset,
     reference: xr.Dataset,

@@ -38,7 +38,7 @@ def _most(changes: xr.DataArray, beyond: float) -> str:
 
 
 @numbers(moves="what_moves")
-def of_what_moves(moves: xr.Dataset) -> dict:
+def what_moves_numbers(moves: xr.Dataset) -> dict:
     """Changes of medians and of single records by step, damping, strength and choice of records."""
     collapsed = [f"{period:g}" for period in without_drift(moves)]
     entries = {

@@ -40,7 +40,7 @@ def fastest(error: xr.DataArray, time: xr.DataArray, dimension: str, along: str)
         "work_precision.solvers.periods": [100],
     },
 )
-def of_work(work: xr.Dataset) -> dict:
+def work_numbers(work: xr.Dataset) -> dict:
     """Computing times and errors of schemes and of general solvers on the hardening spring."""
     spring = work.sel(problem="hardening", periods=100)
     rk4 = spring.sel(scheme="rk4").isel(steps_per_period=-1)
@@ -103,7 +103,7 @@ def _further_runs(runs: xr.Dataset) -> dict[str, str | None]:
 
 
 @numbers(softening="runs/softening")
-def of_decisions(decisions: xr.Dataset, needs: xr.Dataset, softening: xr.Dataset) -> dict:
+def decision_numbers(decisions: xr.Dataset, needs: xr.Dataset, softening: xr.Dataset) -> dict:
     """Schemes and kinds that need the fewest forces on the springs, and the conditions of the decisions."""
     springs = decisions.sel(problem=[name for name in PROBLEMS if name in decisions.problem.values], filter="all")
     first = springs.isel(kind=cheapest(springs, "kind"))
@@ -133,7 +133,7 @@ def of_decisions(decisions: xr.Dataset, needs: xr.Dataset, softening: xr.Dataset
 
 
 @numbers(runs=[f"runs/{problem}" for problem in DISPLACED])
-def of_longer_runs(decisions: xr.Dataset, runs: list[xr.Dataset]) -> dict:
+def longer_run_numbers(decisions: xr.Dataset, runs: list[xr.Dataset]) -> dict:
     """Kinds of models with a step, also of average acceleration, that only the longer runs require."""
     shorter, finer = dict(zip(DISPLACED, runs, strict=True)), list[str]()
     for model, decided in answers(decisions).items():
@@ -149,7 +149,7 @@ def of_longer_runs(decisions: xr.Dataset, runs: list[xr.Dataset]) -> dict:
 
 
 @numbers(requires={"cpu_time.schemes": ["average_acceleration", "rk4"], "cpu_time.problems": ["hardening"]})
-def of_times(cpu_time: xr.Dataset) -> dict:
+def computing_time_numbers(cpu_time: xr.Dataset) -> dict:
     """Times of a step, the cost of the Runge-Kutta method in 1996 and now, and the present processor and software."""
     step = 1e9 * cpu_time.median_seconds_per_step.sel(problem="hardening")
     in_1996 = printed_cpu_times().sel(problem="hardening")

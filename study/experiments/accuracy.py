@@ -146,7 +146,7 @@ def _measured(
                         attributes[str(name)] = value.attrs
     known = [[uncertainties(reference, length) for length in periods] for _, reference in motions]
     measures = list(known[0][0])
-    uncertainty = np.array([[[of_run[measure] for of_run in row] for row in known] for measure in measures])
+    uncertainty = np.array([[[by_measure[measure] for by_measure in row] for row in known] for measure in measures])
     values = np.array([measured[measure] for measure in measures])
     return xr.Dataset(
         {name: (dims, values, attributes[name]) for name, values in measured.items()}

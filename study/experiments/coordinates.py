@@ -92,7 +92,7 @@ def steps_per_period_coordinate(values: Iterable[float]) -> dict:
     return {"steps_per_period": ("steps_per_period", list(values), attributes)}
 
 
-def of_energy_error(periods: int) -> dict[str, str]:
+def energy_attributes(periods: int) -> dict[str, str]:
     """Attributes of the largest energy error over a number of periods."""
     long_name = f"largest relative error of the total energy over {periods} periods, eq. (17) of Xie (1996)"
     return {"long_name": long_name, "units": "1"}

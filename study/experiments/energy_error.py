@@ -46,7 +46,7 @@ def energy_error(problems: Springs, schemes: Schemes, steps_per_period: Counts, 
     dims = ("period_used", "problem", "steps_per_period", "scheme")
     return xr.Dataset(
         {
-            "max_energy_error": (dims, error, coordinates.of_energy_error(periods)),
+            "max_energy_error": (dims, error, coordinates.energy_attributes(periods)),
             "status": (dims, status, STATUS_ATTRIBUTES),
             "failed_at_step": (dims, failed_at_step, FAILED_AT_STEP_ATTRIBUTES),
             "period": (dims[:2], period, {"long_name": "period that gives the step size", "units": "s"}),

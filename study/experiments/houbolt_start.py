@@ -33,7 +33,7 @@ def houbolt_start(problems: Springs, steps_per_period: Counts, periods: Count) -
                 )
                 error[p, k, s] = ds.max_energy_error
     return xr.Dataset(
-        {"max_energy_error": (("problem", "steps_per_period", "start"), error, coordinates.of_energy_error(periods))},
+        {"max_energy_error": (("problem", "steps_per_period", "start"), error, coordinates.energy_attributes(periods))},
         coords={
             **coordinates.problem_coordinates(problems),
             **coordinates.steps_per_period_coordinate(steps_per_period),

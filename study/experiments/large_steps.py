@@ -47,7 +47,7 @@ def large_steps(problems: Springs, schemes: Schemes, step_size_over_period: Size
                 status[at], failed_at_step[at] = ds.status, ds.failed_at_step
     return xr.Dataset(
         {
-            "max_energy_error": (dims, error, coordinates.of_energy_error(periods)),
+            "max_energy_error": (dims, error, coordinates.energy_attributes(periods)),
             "energy_drift": (
                 dims,
                 drift,

@@ -124,7 +124,7 @@ def long_times(
         | {
             f"{name}_exponent": (
                 "scheme",
-                [-_slope(periods, of_scheme) for of_scheme in values],
+                [-_slope(periods, round_off) for round_off in values],
                 {"long_name": f"exponent of the growth of {name}_round_off over two decades", "units": "1"},
             )
             for name, values in size.items()

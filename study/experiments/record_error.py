@@ -143,8 +143,8 @@ def record_error(schemes: Schemes) -> xr.Dataset:
     means = [
         # a step that is too small gets no row of samples, which would be the longest
         averaged(ground, dt) if dt >= SMALLEST * (1 - 1e-9) else np.zeros(2)
-        for ground, of_record in zip(grounds, sizes, strict=True)
-        for dt in of_record
+        for ground, step_sizes in zip(grounds, sizes, strict=True)
+        for dt in step_sizes
     ]
     rows = [*(ground.acceleration for ground in grounds), *means]
     lines = np.zeros((len(rows), max(map(len, rows)), 2))
@@ -201,7 +201,7 @@ def record_error(schemes: Schemes) -> xr.Dataset:
                 at = tried[i, :, j]
                 terms[:, s, i, at, j] = predicted(grounds[i], sizes[i, j], periods[at], scheme=scheme)
     high = np.array(
-        [[_above(ground, 1 / (4 * dt)) for dt in of_record] for ground, of_record in zip(grounds, sizes, strict=True)]
+        [[_above(ground, 1 / (4 * dt)) for dt in step_sizes] for ground, step_sizes in zip(grounds, sizes, strict=True)]
     )
     dims = ("scheme", "record", "period", "ratio")
     return xr.Dataset(

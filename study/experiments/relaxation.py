@@ -53,7 +53,7 @@ def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> x
     return_attributes = {"long_name": f"relative distance from the start after {periods} exact periods", "units": "1"}
     return xr.Dataset(
         {
-            "max_energy_error": (dims, energy, coordinates.of_energy_error(periods)),
+            "max_energy_error": (dims, energy, coordinates.energy_attributes(periods)),
             "return_error": (dims, motion, return_attributes),
         },
         coords={

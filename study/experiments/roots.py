@@ -34,13 +34,13 @@ PARTED = 0.1
 def _newton(problem: Problem, coefficient, predictor, guess):
     """Displacement that Newton's iteration finds, (guesses, predictors); NaN if it does not converge."""
 
-    def one(predictor, guess):
+    def root(predictor, guess):
         a, effort = balance(
             problem, 0.0, predictor, jnp.zeros(()), coefficient, 0.0, guess=(guess - predictor) / coefficient
         )
         return jnp.where(effort.converged, predictor + coefficient * a, jnp.nan)
 
-    return jax.vmap(jax.vmap(one, (0, None)), (None, 0))(predictor, guess)
+    return jax.vmap(jax.vmap(root, (0, None)), (None, 0))(predictor, guess)
 
 
 class _Inexact(Newmark):

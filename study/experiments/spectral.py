@@ -33,7 +33,7 @@ def _order_rederived(scheme: Scheme, step_size_over_period: np.ndarray, damping_
     return LinearTheory(Rederived(scheme=scheme), step_size_over_period, damping_ratio).order()
 
 
-def _of_scheme(scheme: Scheme, step_size_over_period: np.ndarray, damping_ratios: Sequence[float]) -> xr.Dataset:
+def _theory_of_scheme(scheme: Scheme, step_size_over_period: np.ndarray, damping_ratios: Sequence[float]) -> xr.Dataset:
     by_damping = [LinearTheory(scheme, step_size_over_period, ratio).dataset() for ratio in damping_ratios]
     rederived = [_order_rederived(scheme, step_size_over_period, ratio) for ratio in damping_ratios]
     theory = xr.concat(by_damping, "damping_ratio").assign(
@@ -80,7 +80,7 @@ def spectral(
     theories = []
     for name in schemes:
         progress(f"linear theory of {name}")
-        theories.append(_of_scheme(schemes_by_name[name], step_size_over_period, damping_ratios))
+        theories.append(_theory_of_scheme(schemes_by_name[name], step_size_over_period, damping_ratios))
     return (
         xr.concat(theories, "scheme")
         .assign_coords(

@@ -124,7 +124,7 @@ class AdaptiveMarch(eqx.Module):
             estimator,
             carried,
             self.estimator.sizes(here, state),
-            Effort().of_trial(),
+            Effort().trial_effort(),
         )
         if not room:
             return trial, state, {}
@@ -185,9 +185,9 @@ class AdaptiveMarch(eqx.Module):
             reduction.update(c, here, state, now, with_rejected)
             for reduction, c in zip(march.reductions, trial.reduced, strict=True)
         )
-        rejected = trial.rejected.then(effort.of_trial())
+        rejected = trial.rejected.then(effort.trial_effort())
         old = trial.state, trial.reduced, trial.estimator, trial.controller, trial.scales, t, rejected
-        new = state, reduced, estimator, decision.carried, scales, now, Effort().of_trial()
+        new = state, reduced, estimator, decision.carried, scales, now, Effort().trial_effort()
         state_, reduced, estimator, controller, scales, t, rejected = jax.tree.map(partial(jnp.where, valid), new, old)
         return Trial(
             status,

@@ -112,10 +112,10 @@ def _scales_of_trial(march_of, lanes: bool, adaptive, arguments, starts, grid) -
             state, largest, effort = carry
             state, step_effort = stepped(scheme, problem.at(state), state, ends[0], ends[1] - ends[0])
             sizes = march.estimator.sizes(problem.at(state).at_time(ends[1]), state)
-            return (state, tuple(map(jnp.maximum, largest, sizes)), effort.then(step_effort.of_trial())), None
+            return (state, tuple(map(jnp.maximum, largest, sizes)), effort.then(step_effort.trial_effort())), None
 
         state, effort = started(scheme, problem, *_start(march.march, starts), grid[1])
-        begin = state, march.estimator.sizes(problem.at(state).at_time(0.0), state), effort.of_trial()
+        begin = state, march.estimator.sizes(problem.at(state).at_time(0.0), state), effort.trial_effort()
         (_, largest, effort), _ = lax.scan(step, begin, jnp.stack([grid[:-1], grid[1:]], axis=1))
         return tuple(jnp.where(jnp.isfinite(size), size, 0.0) for size in largest), effort
 

@@ -126,5 +126,7 @@ def sentence(
             before = final_state(problem, scheme, dt=size, steps=step - 1, u0=u, v0=v)
             u, v = before["u"], before["v"]
         cause = cause_of_derivative(problem, (step - 1) * size, u, v, size)
-    cause = cause or likely_cause(problem, scheme, status, size, None if motion is None else motion.of_lane(first))
+    cause = cause or likely_cause(
+        problem, scheme, status, size, None if motion is None else motion.matrices_of_lane(first)
+    )
     return f"{many if np.ndim(result.status) else ''}{where}: {how}. Likely cause: {cause}"

@@ -80,8 +80,8 @@ def advanced(step: Callable, lanes: Any, others: Any, begin: Any, end: Any, pati
         Whether JAX interprets the kernel, for tests on a CPU, instead of compiling it.
     """
     leaves, tree = jax.tree.flatten((lanes, others))
-    ones = [jax.ShapeDtypeStruct(x.shape[1:], x.dtype) for x in leaves]
-    program = jax.make_jaxpr(lambda k, *x: jax.tree.leaves(step(k, *jax.tree.unflatten(tree, x))))(begin, *ones)
+    shapes = [jax.ShapeDtypeStruct(x.shape[1:], x.dtype) for x in leaves]
+    program = jax.make_jaxpr(lambda k, *x: jax.tree.leaves(step(k, *jax.tree.unflatten(tree, x))))(begin, *shapes)
     count = len(leaves[0])
     kernel = _Kernel(
         program, [_filled(x, min(BLOCK, 1 << (count - 1).bit_length())) for x in leaves], patience, interpret

@@ -419,7 +419,7 @@ def _report_excess(
         lane = int(np.argmax(excess))
         step_size = float(np.broadcast_to(dt, excess.shape).ravel()[lane])
         where = f" in lane {first_lane + lane}" if np.ndim(excess) else ""
-        message = stability.sentence(scheme, motion.of_lane(lane), step_size, where)
+        message = stability.sentence(scheme, motion.matrices_of_lane(lane), step_size, where)
         warnings.warn(f"{message}; the run has completed, but its results may be wrong.", RuntimeWarning, stacklevel=4)
 
 

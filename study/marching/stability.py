@@ -86,7 +86,7 @@ class SmallMotion(NamedTuple):
     stiffness: np.ndarray
     damping: np.ndarray | None = None
 
-    def of_lane(self, lane: int) -> "SmallMotion":
+    def matrices_of_lane(self, lane: int) -> "SmallMotion":
         """The matrices of one lane, or of the single run."""
         return SmallMotion(*(x.reshape(-1, *x.shape[-3:])[lane] for x in self if x is not None))
 
@@ -247,8 +247,8 @@ def amplification_matrix(scheme: Scheme, problem: Problem, dt) -> jax.Array:
     """
     # the map is linear, so its derivative is the same at any state; discrete gradients divide by the change of the
     # displacement in a step, so the state must move in a step of any size
-    ones = jnp.ones(np.shape(problem.u0))
-    flat, unflatten = ravel_pytree(started(scheme, problem, ones, ones, dt)[0])
+    unit = jnp.ones(np.shape(problem.u0))
+    flat, unflatten = ravel_pytree(started(scheme, problem, unit, unit, dt)[0])
 
     def step(flat):
         return ravel_pytree(stepped(scheme, problem, unflatten(flat), 0.0, dt)[0])[0]

@@ -52,7 +52,7 @@ class Effort(NamedTuple):
             self.fixed_factorisations + other.fixed_factorisations,
         )
 
-    def of_trial(self) -> "Effort":
+    def trial_effort(self) -> "Effort":
         """The evaluations of a trial step of its own size, as arrays, without its iterations."""
         none = jnp.zeros((), int)
         return Effort(

@@ -14,7 +14,7 @@ from study.declaration.options import FallingErrors, PlainNames
 from study.experiments import coordinates
 from study.marching.timing import Timed
 from study.problem.named import problems as problems_by_name
-from study.runs.needs import ATTRIBUTES, CODES, decisions, exponents, needs, of_problems
+from study.runs.needs import ATTRIBUTES, CODES, decisions, exponents, joined_needs, needs
 from study.scheme.codes import names_in_codes
 from study.scheme.named import schemes as schemes_by_name
 from study.words import listed
@@ -40,8 +40,8 @@ def computing_times(needed: xr.Dataset) -> xr.DataArray:
         names = step_sizes.dropna("scheme", how="all").scheme.values.tolist()
         # nothing is timed while the programs are compiled
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            of_scheme = partial(Timed, problems_by_name[problem], reductions=())
-            timed = pool.map(of_scheme, [schemes_by_name[name] for name in names])
+            timer = partial(Timed, problems_by_name[problem], reductions=())
+            timed = pool.map(timer, [schemes_by_name[name] for name in names])
             runs = dict(zip(names, timed, strict=True))
         for scheme, run in [*runs.items()] * ROUNDS:
             progress(f"time of {scheme} on {problem}")
@@ -64,12 +64,12 @@ def computing_times(needed: xr.Dataset) -> xr.DataArray:
 def needs_and_decisions(problems: PlainNames, allowed_errors: FallingErrors) -> tuple[xr.Dataset, xr.Dataset]:
     """Find what each scheme needs on each problem, and the cheapest scheme of each kind.
 
-    ``needs`` is over (problem, scheme, quantity, allowed_error, condition), as :func:`study.runs.needs.of_problems`
+    ``needs`` is over (problem, scheme, quantity, allowed_error, condition), as :func:`study.runs.needs.joined_needs`
     returns it, with the computing times of the problems whose ``cost`` is ``seconds``, and the ``exponent`` with which
     the step of a free vibration falls over more periods; ``decisions`` is over (problem, quantity, allowed_error, kind,
     filter), as :func:`study.runs.needs.decisions` returns it.
     """
-    needed = of_problems([needs(io.open_dataset(f"runs/{problem}"), allowed_errors) for problem in problems])
+    needed = joined_needs([needs(io.open_dataset(f"runs/{problem}"), allowed_errors) for problem in problems])
     needed["seconds"] = computing_times(needed)
     in_codes = {name.scheme for name in names_in_codes() if name.code.startswith(CODES)}
     names = needed.scheme.values.tolist()

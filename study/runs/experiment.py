@@ -180,17 +180,17 @@ class _Ladder:
         steps that divide the spacing of a record.
         """
         names, shape = [*self._own], (-1, len(self.periods), self._own.shape[1])
-        own, largest = (errors.values.reshape(shape)[::-1] for errors in (self._own, self._largest))
+        own_error, largest = (errors.values.reshape(shape)[::-1] for errors in (self._own, self._largest))
         tried = self._own.index.unique("steps_per_period").values[::-1]
         part = (divides(self.scale / tried, self.motion.spacing) == 1) | (not dividing)
-        fine_first, own, largest = tried[part], own[part], largest[part]
+        fine_first, own_error, largest = tried[part], own_error[part], largest[part]
         proposed, results = ~np.isin(fine_first, [*self.confirming]), list[tuple[float, float]]()
-        whole = np.full(own.shape[:2], True)
+        whole = np.full(own_error.shape[:2], True)
         for name in WHOLE_MOTION.keys() & {*names}:
-            whole &= np.fmax(own, largest)[..., names.index(name)] <= WHOLE_MOTION[name]
+            whole &= np.fmax(own_error, largest)[..., names.index(name)] <= WHOLE_MOTION[name]
         for meets in (True, whole):
             for quantity, allowed in limits:
-                error, worst = (errors[..., names.index(quantity)] for errors in (own, largest))
+                error, worst = (errors[..., names.index(quantity)] for errors in (own_error, largest))
                 kept = keeps(error, worst, self.periods, allowed) & meets
                 place = int(unbroken(kept[:, self.decided]).sum())
                 coarser = fine_first[place] if place < len(fine_first) else 0.0
@@ -206,15 +206,15 @@ class _Ladder:
         finer ones are run from all starts, with kinks of the force all finer ones that confirm a need, and all steps if
         the starts are few and march side by side.
         """
-        of_record = self.scale / (self.motion.spacing * np.array(OF_SPACING))  # NaN without a record
+        dividing_counts = self.scale / (self.motion.spacing * np.array(OF_SPACING))  # NaN without a record
         top = COARSEST
         while True:
             known = set(self.rows.get("steps_per_period", ()))
             needed = self.needed(limits) if known else [(math.inf, 0.0)]
-            of_practice = self.needed(limits, dividing=True) if known and np.isfinite(self.motion.spacing) else []
-            if top <= finest and max(known, default=0) <= max((need for need, _ in needed + of_practice), default=0.0):
+            dividing = self.needed(limits, dividing=True) if known and np.isfinite(self.motion.spacing) else []
+            if top <= finest and max(known, default=0) <= max((need for need, _ in needed + dividing), default=0.0):
                 octave = {two_digits(top), two_digits(top * math.sqrt(2))}
-                octave |= {*of_record[(of_record >= top) & (of_record < 2 * top)]}
+                octave |= {*dividing_counts[(dividing_counts >= top) & (dividing_counts < 2 * top)]}
                 self.run(octave - known)
                 top *= 2
                 continue
@@ -231,7 +231,7 @@ class _Ladder:
                 self.run(finer_steps)
                 continue
             varied = set(self.varied.steps_per_period) if len(self.varied) else set()
-            wanted = {need for need, _ in needed + of_practice if need < math.inf}
+            wanted = {need for need, _ in needed + dividing if need < math.inf}
             wanted |= {min((count for count in known if count > need), default=need) for need in wanted}
             if self.motion.kinked and wanted <= varied:  # last, because other starts may refuse a need
                 wanted = confirming
@@ -247,11 +247,11 @@ class _Ladder:
         """
         if need == math.inf:
             return []
-        of_octave = CONFIRMING_SEVERAL if self.motion.several else CONFIRMING
+        per_octave = CONFIRMING_SEVERAL if self.motion.several else CONFIRMING
         if need < COARSE and not self.motion.several:
-            of_octave *= DENSER
-        first = math.ceil(math.log2(need / COARSEST) * of_octave - 0.5)
-        numbers = [COARSEST * 2 ** ((first + k + 0.5) / of_octave) for k in range(of_octave)]
+            per_octave *= DENSER
+        first = math.ceil(math.log2(need / COARSEST) * per_octave - 0.5)
+        numbers = [COARSEST * 2 ** ((first + k + 0.5) / per_octave) for k in range(per_octave)]
         if self.motion.several:
             return numbers + [count for count in between(need, 2 * need) if count <= finest][:NEXT]
         if self.motion.kinked:  # the starts have different periods, so that no step is a whole part of all
@@ -354,8 +354,8 @@ def _together(
     if not parts:
         coords = {"steps_per_period": [float(COARSEST)], "quantity": quantities, "periods": periods}
         empty = xr.DataArray(np.nan, coords, ("steps_per_period", "quantity", "periods"))
-        of_run = empty.isel(quantity=0, drop=True)
-        values = dict.fromkeys(["error", "largest_error"], empty) | dict.fromkeys([*COSTS, "status"], of_run)
+        empty_cost = empty.isel(quantity=0, drop=True)
+        values = dict.fromkeys(["error", "largest_error"], empty) | dict.fromkeys([*COSTS, "status"], empty_cost)
         parts = {schemes[0]: xr.Dataset(values)}
     ds = xr.concat(parts.values(), "scheme", join="outer").assign_coords(scheme=list(parts)).reindex(scheme=schemes)
     return ds.sortby("steps_per_period").transpose("scheme", "steps_per_period", "quantity", "periods")

@@ -209,7 +209,7 @@ def _verdict(runs: xr.Dataset, counted: xr.DataArray, place: xr.DataArray, allow
     return xr.where(none, NO_VALUE, verdict).transpose("scheme", "quantity", "periods").astype(np.int8)
 
 
-def of_problems(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+def joined_needs(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     """The needs of several problems over (problem, scheme, quantity, allowed_error, condition), each for its duration.
 
     ``cost`` is the variable that decides: ``seconds`` from ``LARGE`` unknowns on, otherwise ``force_evaluations``.
@@ -255,8 +255,8 @@ def decisions(needed: xr.Dataset) -> xr.Dataset:
     ``cost`` tie, and the smallest error decides among them.
     """
     parts = []
-    for condition, of_codes in FILTERS.values():
-        considered, admitted = needed.sel(condition=condition, drop=True), (needed.in_codes == 1) | (not of_codes)
+    for condition, codes_only in FILTERS.values():
+        considered, admitted = needed.sel(condition=condition, drop=True), (needed.in_codes == 1) | (not codes_only)
         by_kind = [_decided(considered, admitted & (needed.explicit == flag)) for flag in (1, 0)]
         parts.append(xr.concat(by_kind, _index(kind=KINDS)))
     ds = xr.concat(parts, _index(filter=list(FILTERS)))

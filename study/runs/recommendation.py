@@ -149,7 +149,7 @@ def recommend(
             f"{listed(map(str, dataset.problem.values))}."
         )
     if "condition" in dataset.dims:
-        table, known = _of_needs(dataset, allowed_error, quantity), (dataset.decided * dataset.time_scale).item()
+        table, known = _table_of_needs(dataset, allowed_error, quantity), (dataset.decided * dataset.time_scale).item()
         free = bool(dataset.free_vibration)
     else:
         table, known = of_assessment(dataset, allowed_error, quantity), dataset.attrs["duration"]
@@ -199,7 +199,7 @@ def _opened(name: str, folder: Path) -> xr.Dataset:
     )
 
 
-def _of_needs(needed: xr.Dataset, error: float, quantity: str | None) -> pd.DataFrame:
+def _table_of_needs(needed: xr.Dataset, error: float, quantity: str | None) -> pd.DataFrame:
     """The table for a problem of the study, from its needs over (scheme, quantity, allowed_error, condition)."""
     needed = needed.sel(condition="practice")
     if (needed.verdict == UNCERTAIN).all():

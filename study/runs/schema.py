@@ -38,7 +38,7 @@ def divides(step_sizes: Sizes, spacing: float) -> Flags:
     return (np.isnan(ratio) | np.isclose(ratio, np.round(ratio))).astype(np.int8)
 
 
-def described(ds: xr.Dataset, error: str, **of_problem: Any) -> xr.Dataset:
+def described(ds: xr.Dataset, error: str, **properties: Any) -> xr.Dataset:
     """The runs with all coordinates and attributes.
 
     Parameters
@@ -47,18 +47,18 @@ def described(ds: xr.Dataset, error: str, **of_problem: Any) -> xr.Dataset:
         The runs with the coordinates ``step_size`` in s and ``steps_per_period`` along ``size``.
     error
         Description of the errors.
-    of_problem
+    properties
         Properties of the problem, coordinates without a dimension. They include ``time_scale``, ``highest_frequency``
         and ``spacing``, the time between the samples of a record, NaN if there is none.
     """
     ds = ds.assign_coords(
         **coordinates.scheme_coordinates(ds.scheme.values.tolist()),
-        omega_step=("size", of_problem["highest_frequency"] * ds.step_size.values),
-        divides=("size", divides(ds.step_size.values, of_problem["spacing"])),
-        duration=("periods", ds.periods.values * of_problem["time_scale"]),
-        **of_problem,
+        omega_step=("size", properties["highest_frequency"] * ds.step_size.values),
+        divides=("size", divides(ds.step_size.values, properties["spacing"])),
+        duration=("periods", ds.periods.values * properties["time_scale"]),
+        **properties,
     )
     for name, attributes in (ATTRIBUTES | _OF_RUNS | {"error": {"long_name": error, "units": "1"}}).items():
         if name in ds.variables and not ds[name].attrs:
             ds[name].attrs = attributes
-    return ds.assign_attrs(title=f"Errors and costs of the schemes: {of_problem['problem_title']}")
+    return ds.assign_attrs(title=f"Errors and costs of the schemes: {properties['problem_title']}")

@@ -28,7 +28,7 @@ def _sinc(x: Vector) -> Vector:
     return jnp.sinc(x / jnp.pi)
 
 
-def _one(x: Vector) -> Vector:
+def _unity(x: Vector) -> Vector:
     return jnp.ones_like(x)
 
 
@@ -39,10 +39,10 @@ def _tangent(x: Vector) -> Vector:
 
 #: φ and ψ₁ = ψ/sinc of each member.
 filters: dict[str, tuple[Callable, Callable]] = {
-    "gautschi": (_one, _tangent),
-    "deuflhard": (_one, _one),
+    "gautschi": (_unity, _tangent),
+    "deuflhard": (_unity, _unity),
     "garcia_archilla": (_sinc, _sinc),
-    "hairer_lubich": (_one, _sinc),
+    "hairer_lubich": (_unity, _sinc),
 }
 
 

@@ -8,7 +8,7 @@ import xarray as xr
 from docs import answers
 from docs.plan import PAGES
 from study import io
-from study.runs.needs import ATTRIBUTES, decisions, exponents, needs, of_problems
+from study.runs.needs import ATTRIBUTES, decisions, exponents, joined_needs, needs
 from tests.browser import check_page, set_width
 from tests.runs.made_up import runs, with_kinds
 
@@ -28,7 +28,7 @@ def needed():
     records = runs(ACCURATE, problem="records").assign_coords(quantity=["peak drift", "velocity"]).isel(quantity=[0])
     large = runs([ACCURATE[0]] * 3, problem="large").assign_coords(unknowns=200)
     ds = with_kinds(
-        of_problems([needs(data, ERRORS) for data in (runs(ACCURATE, problem="softening"), records, large)])
+        joined_needs([needs(data, ERRORS) for data in (runs(ACCURATE, problem="softening"), records, large)])
     )
     # the schemes with more forces take less time
     ds["seconds"] = (1 / ds.force_evaluations).where(ds.cost == "seconds")

@@ -14,7 +14,7 @@ import study
 from docs.decisions import PARTLY, _decided, recommended, short_cell
 from paper.explorer.page import _decisions as in_explorer
 from paper.tables.decision import column, sentence, tabulate
-from study.runs.needs import ATTRIBUTES, DECIDED, decisions, needs, of_problems
+from study.runs.needs import ATTRIBUTES, DECIDED, decisions, joined_needs, needs
 from tests.runs.made_up import runs, with_kinds
 
 PROJECT = Path(__file__).parent.parent.parent
@@ -124,7 +124,7 @@ def _check_one_answer(
 @pytest.mark.parametrize("velocity, marked", [(0.1, False), (2.0, True)])
 def test_a_step_that_does_not_keep_the_velocity_is_marked(velocity, marked):
     data = runs([[0.2, 0.05, 0.005, 0.0005]] * 3, problem="hardening", velocity=np.full((3, 4), velocity))
-    needed = with_kinds(of_problems([needs(data, [0.1])]))
+    needed = with_kinds(joined_needs([needs(data, [0.1])]))
     decided = decisions(needed).sel(filter="codes", quantity=["displacement"])
     decided.verdict.attrs = ATTRIBUTES["verdict"]
     cells = [cell for row in _decided(decided, {}, needs=needed).values() for cell in row]
@@ -136,7 +136,7 @@ def test_tables_explorer_and_recommend_give_one_answer(tmp_path):
     accurate = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2, 0.02, 0.02, 0.001]]
     records = runs(accurate, problem="records").assign_coords(quantity=["peak drift", "velocity"]).isel(quantity=[0])
     parts = [needs(data, errors) for data in (runs(accurate, problem="hardening"), records)]
-    needed = with_kinds(of_problems(parts))
+    needed = with_kinds(joined_needs(parts))
     decided = decisions(needed)
     for name, ds in (("needs", needed), ("decisions", decided)):
         ds.verdict.attrs = ATTRIBUTES["verdict"]

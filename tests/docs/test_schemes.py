@@ -15,7 +15,7 @@ from docs.scheme_results import orders
 from docs.scheme_table import COLUMNS, table_of
 from docs.scheme_verdict import _stable_again, verdict
 from docs.theory import PERIODS, TRIED, error_of_displacement, theory_of
-from study.runs.needs import needs, of_problems
+from study.runs.needs import joined_needs, needs
 from study.scheme.codes import names_in_codes, steps_in_decks
 from study.user_files import load
 from study.words import number, percent
@@ -140,7 +140,7 @@ def test_the_verdict_follows_the_data():
         made_up = (
             runs([*errors, errors[0]], problem="yield", **others).isel(scheme=[0, 1]).assign_coords(scheme=list(names))
         )
-        data = of_problems([needs(made_up, [0.1, 0.01, 0.001])]).assign_coords(explicit=("scheme", [1, 1]))
+        data = joined_needs([needs(made_up, [0.1, 0.01, 0.001])]).assign_coords(explicit=("scheme", [1, 1]))
         library = Library(Empty({"kinks": kinks, "needs": data}), names, {})
         return verdict(library.subject(name), library)
 

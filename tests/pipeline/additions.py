@@ -66,7 +66,7 @@ from paper.products import numbers
 
 
 @numbers(last="last_displacement")
-def of_last(last):
+def last_numbers(last):
     """The last displacement."""
     return {"last_displacement": f"{last.u.item():.2f}"}
 ''',

@@ -14,7 +14,7 @@ from study.problem.inelastic import BOUNCE
 from study.runs import experiment
 from study.runs.experiment import BESIDE, OF_SPACING, between, runs, time_scale, two_digits
 from study.runs.measured import Motion, measured
-from study.runs.needs import VERDICTS, needs, of_problems
+from study.runs.needs import VERDICTS, joined_needs, needs
 
 PERIODS, ERRORS = [2.0, 3.0, 4.0], [0.1, 0.01]
 
@@ -111,7 +111,7 @@ def test_a_problem_without_reference_or_schemes_has_a_verdict(monkeypatch, capsy
     monkeypatch.setattr(type(study.schemes[schemes[0]]), "refusal", lambda *_: "it is refused")
     ds = runs("pulse", schemes, [0.1], [1.0], 1.0, 16, 0)
     assert not ds.tried.any() and (ds.status == STATUSES_OR_NOT_RUN.index("not_run")).all()
-    needed = of_problems([needs(ds, [0.1])])
+    needed = joined_needs([needs(ds, [0.1])])
     assert needed.step_size.isnull().all() and (needed.verdict == VERDICTS.index(verdict)).all()
     assert (needed.highest_frequency.isnull() | (solvers == "work")).all()
     if solvers == "fail":

@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from study.runs.needs import CONDITIONS, VERDICTS, decisions, dominated, keeps, keeps_part, needs, of_problems, ranked
+from study.runs.needs import (
+    CONDITIONS,
+    VERDICTS,
+    decisions,
+    dominated,
+    joined_needs,
+    keeps,
+    keeps_part,
+    needs,
+    ranked,
+)
 from tests.runs.made_up import runs, with_kinds
 
 NAN = np.nan
@@ -70,7 +80,7 @@ def test_only_quantities_and_conditions_that_were_searched_have_needs():
 
 
 def test_a_kind_without_a_scheme_has_a_decision_without_a_name():
-    needed = with_kinds(of_problems([needs(runs(FINE), [0.1])]))
+    needed = with_kinds(joined_needs([needs(runs(FINE), [0.1])]))
     explicit = decisions(needed.isel(scheme=np.flatnonzero(needed.explicit == 0))).sel(kind="explicit")
     assert (explicit.scheme == "").all() and (explicit.verdict == VERDICTS.index("no_value")).all()
     no_codes = decisions(needed.assign_coords(in_codes=("scheme", [0, 0, 0])))
@@ -98,7 +108,7 @@ def test_a_step_keeps_a_part_if_the_whole_motion_needs_another_one_or_has_none()
 def decided():
     other = runs([[0.2, 0.2, 0.05, 0.0005], [0.2, 0.01, 0.01, 0.001], [0.2] * 4], problem="mov")
     parts = [needs(one, [0.1, 0.01]) for one in (runs(FINE), other)]
-    return decisions(with_kinds(of_problems(parts)))
+    return decisions(with_kinds(joined_needs(parts)))
 
 
 def test_a_decision_is_the_fewest_forces_of_its_kind(decided):
@@ -117,7 +127,7 @@ def test_a_decision_is_the_fewest_forces_of_its_kind(decided):
 
 def test_computing_time_decides_for_many_unknowns():
     """The cheap scheme needs the fewest forces at equal steps, and the dear one the shortest time."""
-    needed = of_problems([needs(runs(FINE).assign_coords(unknowns=unknowns), [0.1]) for unknowns in (99, 100)])
+    needed = joined_needs([needs(runs(FINE).assign_coords(unknowns=unknowns), [0.1]) for unknowns in (99, 100)])
     assert needed.cost.values.tolist() == ["force_evaluations", "seconds"]
     needed["seconds"] = needed.seconds.fillna(xr.DataArray([3.0, 2.0, 1.0], dims="scheme"))
     decided = decisions(with_kinds(needed)).sel(quantity="displacement", kind="explicit", filter="all")
@@ -128,7 +138,7 @@ def test_computing_time_decides_for_many_unknowns():
 
 def test_of_two_kinds_that_tie_the_more_accurate_one_is_first():
     """The implicit scheme needs a twentieth more forces than the cheap explicit one, and has a smaller error."""
-    needed = with_kinds(of_problems([needs(runs(FINE), [0.1])])).sel(condition="practice", quantity="displacement")
+    needed = with_kinds(joined_needs([needs(runs(FINE), [0.1])])).sel(condition="practice", quantity="displacement")
     needed = needed.squeeze(["problem", "allowed_error"])
     forces = xr.DataArray([100.0, 150.0, 105.0], dims="scheme")
     for error, first in (([0.05, 0.01, 0.02], "stiff"), ([0.02, 0.01, 0.05], "cheap")):

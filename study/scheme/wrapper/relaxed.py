@@ -28,20 +28,20 @@ def _relaxation(energy: Callable) -> tuple[Scalar, Effort]:
     is a straight line for a linear system.
     """
     initial = energy(0.0)
-    one = jnp.ones_like(initial)
+    unity = jnp.ones_like(initial)
 
     def corrected(gamma):
-        quotient, slope = jax.jvp(lambda gamma: (energy(gamma) - initial) / gamma, (gamma,), (one,))
+        quotient, slope = jax.jvp(lambda gamma: (energy(gamma) - initial) / gamma, (gamma,), (unity,))
         # a structure in balance does not move: any γ is valid
         return gamma - jnp.where(slope == 0, 0.0, quotient / jnp.where(slope == 0, 1.0, slope))
 
     def iterate(gamma, last):
         new = corrected(gamma)
         # the convergence is quadratic, so one correction after the loop reduces the error to round-off
-        return new, jnp.abs(new - gamma) > jnp.finfo(one.dtype).eps ** (1 / 3), last, 0
+        return new, jnp.abs(new - gamma) > jnp.finfo(unity.dtype).eps ** (1 / 3), last, 0
 
-    opened, captured = opened_closure(iterate, one, one)
-    first = one, None, jnp.ones((), bool), jnp.zeros((), int), jnp.zeros((), int)
+    opened, captured = opened_closure(iterate, unity, unity)
+    first = unity, None, jnp.ones((), bool), jnp.zeros((), int), jnp.zeros((), int)
     gamma, _, unfinished, iterations, _ = iterated(opened, lax.stop_gradient(captured), first)
     # outside the loop, so that JAX can differentiate this correction
     # the energies before, of each iteration and of this correction; an energy counts as a force

@@ -14,7 +14,7 @@ from paper.explorer.data import ERRORS, coarse
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import PRODUCTS, discover
 from study.io import SOURCE
-from study.runs.needs import ATTRIBUTES, decisions, needs, of_problems
+from study.runs.needs import ATTRIBUTES, decisions, joined_needs, needs
 from tests.browser import WIDTHS, check_page, set_width, wait
 from tests.runs.made_up import runs as made_up
 from tests.runs.made_up import with_kinds
@@ -77,7 +77,7 @@ def datasets():
         for name, (u0, dt) in runs.items()
     ]
     of_runs = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2] * 4]
-    decided = decisions(with_kinds(of_problems([needs(made_up(of_runs, "hardening"), [0.1, 0.01])])))
+    decided = decisions(with_kinds(joined_needs([needs(made_up(of_runs, "hardening"), [0.1, 0.01])])))
     decided.verdict.attrs = ATTRIBUTES["verdict"]
     return {"atlas": [atlas], "cases": cases, "decisions": [decided]}
 

@@ -9,7 +9,7 @@ from paper.claims import records
 from paper.measures.record_error import order, predicted, scatter
 from paper.measures.shares import share_of_runs
 from paper.measures.what_moves import choice_spread, coarsest_step, median_changes, record_changes, single_changes
-from paper.numbers.what_moves import of_what_moves
+from paper.numbers.what_moves import what_moves_numbers
 
 
 def _errors(load=0.0, averaged=0.0):
@@ -139,7 +139,7 @@ def test_the_choice_of_records_is_compared_with_the_other_changes(strength, most
     moves = xr.concat([moves, others * xr.DataArray([strength, 1.0, 1.0, 1.0], dims="variant")], "variant")
     moves = moves.assign_coords(ratio=("variant", [0.25, 1.0, 0.25, 0.25, 4 / 3, 2.0, 4.0]))
     one = {"runs": 7, "failed": 0}
-    found = of_what_moves(
+    found = what_moves_numbers(
         moves.assign(one).assign_coords(
             scheme="average_acceleration",
             spacing=0.01,

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from paper.measures.respects import costs, respects
-from study.runs.needs import dominated, needs, of_problems
+from study.runs.needs import dominated, joined_needs, needs
 from tests.paper.claims.made_up import filled
 from tests.runs.made_up import runs
 
@@ -12,7 +12,7 @@ from tests.runs.made_up import runs
 def test_the_cost_is_that_of_the_need_in_a_time_scale():
     fine = runs([[0.2, 0.05, 0.005, 0.0005], [0.2] * 4, [0.005] * 4])
     drift = runs([[0.0] * 4] * 3, problem="records").isel(quantity=[0]).assign_coords(quantity=["peak drift"])
-    found = costs(of_problems([needs(fine, [0.01]), needs(drift, [0.01])]))
+    found = costs(joined_needs([needs(fine, [0.01]), needs(drift, [0.01])]))
     # records have no displacement
     np.testing.assert_array_equal(found, [[32, np.nan, 40]])
 

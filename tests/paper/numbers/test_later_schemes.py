@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 from paper.claims.ledger import CLAIMS, Verdict
-from paper.numbers.later_schemes import STATED, VALUES, WITH_MODEL, of_later_schemes
-from paper.numbers.other_programs import of_other_programs
+from paper.numbers.later_schemes import STATED, VALUES, WITH_MODEL, later_scheme_numbers
+from paper.numbers.other_programs import other_program_numbers
 from paper.products import discover
 from paper.tables.other_programs import tabulate
 
@@ -29,7 +29,7 @@ def _numbers(**changed):
         }
     )
     ratios = xr.DataArray([[401, 5.0]] * 3, {"with_model": list(WITH_MODEL), "omega_step": [0.1, 1.0]})
-    return of_later_schemes(claims, decisions, needs, xr.Dataset({"largest_stiffening": ratios}))
+    return later_scheme_numbers(claims, decisions, needs, xr.Dataset({"largest_stiffening": ratios}))
 
 
 @pytest.mark.slow
@@ -53,7 +53,7 @@ def test_the_statements_are_in_the_ledger():
 
 
 def test_other_programs():
-    table, numbers = tabulate(), of_other_programs()
+    table, numbers = tabulate(), other_program_numbers()
     assert (table["Cases"] == table[["As named", "Alternative", "Fail"]].sum(axis=1)).all()
     assert (table["Cases"] <= numbers["kit_cases"]).all()
     # OpenSees, Exudyn, fedoo, Kratos, MFEM, PETSc, ROSS, SfePy and xara, but not Akantu, MuJoCo, diffrax and SciPy

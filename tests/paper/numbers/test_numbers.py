@@ -7,8 +7,8 @@ import xarray as xr
 
 from paper.numbers.__main__ import commits, gathered
 from paper.numbers.chaos import windows
-from paper.numbers.claims import JUDGED, of_claims
-from paper.numbers.reproduction import of_drift
+from paper.numbers.claims import JUDGED, claim_numbers
+from paper.numbers.reproduction import drift_numbers
 from paper.products import Product
 
 
@@ -40,10 +40,10 @@ def test_claims_are_counted_by_part():
     verdicts = ["reproduced", "reproduced with a qualification", "reproduced", "not reproduced", "reproduced"]
     sections = ["3.1", "3.1", "4", "structures", "stability"]
     claims = pd.DataFrame({"section": sections, "verdict": verdicts, "claim": [*JUDGED, "one", "two"]})
-    counts = of_claims(claims)
+    counts = claim_numbers(claims)
     assert counts["claims"] == 3 and counts["claims_reproduced"] == 2 and counts["claims_qualified"] == 1
     assert not counts["verdicts_confirmed"]  # one of the three claims has a qualification
-    assert of_claims(claims.assign(verdict="reproduced"))["verdicts_confirmed"]
+    assert claim_numbers(claims.assign(verdict="reproduced"))["verdicts_confirmed"]
     assert counts["structure_claims"] == counts["structure_claims_not_reproduced"] == 1
     assert counts["stability_claims_reproduced"] == 1 and counts["stability_claims_qualified"] == 0
 
@@ -54,7 +54,7 @@ def test_without_resonance_there_is_no_window():
         "energy_drift": ("steps_per_period", np.full(31, -0.05)),
         "steps_per_oscillation": ("steps_per_period", parts),
     }
-    numbers = of_drift(xr.Dataset(runs, {"steps_per_period": parts}))
+    numbers = drift_numbers(xr.Dataset(runs, {"steps_per_period": parts}))
     assert numbers["resonance_20_from"] == numbers["resonance_20_to"] == "nan" and numbers["drift_20"] == "-5.00"
 
 

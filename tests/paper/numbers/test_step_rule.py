@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from paper.numbers.step_rule import SCHEMES, of_step_rule
+from paper.numbers.step_rule import SCHEMES, step_rule_numbers
 
 STEPS = [0.01, 0.02, 0.05, 0.1]
 
@@ -31,7 +31,7 @@ def _rule(largest):
 
 
 def test_ranges_are_those_of_the_runs():
-    found = of_step_rule(_rule({**dict.fromkeys(SCHEMES, 0.05), "rk4": 0.01}))
+    found = step_rule_numbers(_rule({**dict.fromkeys(SCHEMES, 0.05), "rk4": 0.01}))
     assert (found["rule_below_central_difference"], found["rule_most_central_difference"]) == ("0.05", "0.10")
     # T ωmax of the springs is 1 and 4
     assert found["rule_steps_central_difference"] == "20 to 40"
@@ -44,13 +44,13 @@ def test_ranges_are_those_of_the_runs():
 def test_an_amplitude_that_allows_more_than_its_neighbours_does_not_count():
     rule = _rule(dict.fromkeys(SCHEMES, 0.02))
     rule["energy_error"][0, 1, 0] = rule["period_error"][0, 1, 0] = 0.005
-    assert of_step_rule(rule)["rule_most_central_difference"] == "0.02"
+    assert step_rule_numbers(rule)["rule_most_central_difference"] == "0.02"
 
 
 def test_a_step_does_not_count_where_a_finer_one_fails():
     rule = _rule(dict.fromkeys(SCHEMES, 0.05))
     rule["energy_error"][0, 0, 0, 1] = 0.02
-    found = of_step_rule(rule)
+    found = step_rule_numbers(rule)
     assert found["rule_below_central_difference"] == "0.01" and found["rule_below_rk4"] == "0.05"
     assert found["rule_exceptions"] == "Central_Difference"
 
@@ -58,5 +58,5 @@ def test_a_step_does_not_count_where_a_finer_one_fails():
 def test_a_scheme_that_no_step_serves_is_an_exception():
     rule = _rule({**dict.fromkeys(SCHEMES, 0.05), "own": 0.05})
     rule["period_error"][-1, 0] = np.nan
-    found = of_step_rule(rule)
+    found = step_rule_numbers(rule)
     assert found["rule_exceptions"] == "Own"

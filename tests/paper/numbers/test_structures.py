@@ -7,7 +7,7 @@ import xarray as xr
 from paper.claims.structures import SAMPLES_OF_SAWTOOTH, sawtooth
 from paper.numbers.structures import _accurate_unbalanced, _between, _fails_in_longer_runs, _limits, _plateaus
 from paper.tables import models
-from study.runs.needs import decisions, needs, of_problems
+from study.runs.needs import decisions, joined_needs, needs
 from tests.runs.made_up import runs, with_kinds
 
 
@@ -42,7 +42,7 @@ def test_errors_that_no_finer_step_reduces_are_a_range():
 
 def _decided():
     accurate = [[0.2, 0.05, 0.005, 0.0005], [0.2] * 4, [0.05, 0.05, 0.005, 0.005]]
-    return decisions(with_kinds(of_problems([needs(runs(accurate, problem="elastic_pendulum"), [0.1, 0.01, 0.001])])))
+    return decisions(with_kinds(joined_needs([needs(runs(accurate, problem="elastic_pendulum"), [0.1, 0.01, 0.001])])))
 
 
 def test_a_scheme_with_an_accurate_displacement_may_fail_by_its_balance():

@@ -3,8 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from paper.numbers.work import DISPLACED, _further_runs, _starts, fastest, of_longer_runs
-from study.runs.needs import decisions, needs, of_problems
+from paper.numbers.work import DISPLACED, _further_runs, _starts, fastest, longer_run_numbers
+from study.runs.needs import decisions, joined_needs, needs
 from tests.runs.made_up import runs, with_kinds
 
 
@@ -49,8 +49,8 @@ def test_a_longer_run_decides_a_step_of_the_usual_scheme_or_of_a_chosen_one():
         parts[1] = parts[1].assign_coords(periods=[20.0], duration=("periods", [40.0]))
         ds = xr.concat(parts, "periods", data_vars="minimal")
         ds = ds.assign_coords(scheme=["average_acceleration", "dear", "stiff"])
-        decided = decisions(with_kinds(of_problems([needs(ds, [0.01])])))
-        return of_longer_runs(decided, [ds if name == "softening" else None for name in DISPLACED])
+        decided = decisions(with_kinds(joined_needs([needs(ds, [0.01])])))
+        return longer_run_numbers(decided, [ds if name == "softening" else None for name in DISPLACED])
 
     model = "free vibration over a long time"
     assert longer(lasting, lasting) == {"models_longer": None}

@@ -6,7 +6,7 @@ import xarray as xr
 
 from paper.tables import whole_motion
 from paper.tables.decision import COLUMNS, NO_BREAK, tabulate
-from study.runs.needs import ATTRIBUTES, decisions, needs, of_problems
+from study.runs.needs import ATTRIBUTES, decisions, joined_needs, needs
 from tests.runs.made_up import runs, with_kinds
 
 ERRORS = [0.1, 0.01, 0.001]
@@ -16,7 +16,7 @@ def _decided() -> xr.Dataset:
     accurate = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2] * 4]
     swing = runs(accurate, velocity=[[0.8, 0.8, 0.1, 0.1]] * 3)
     records = runs(accurate, problem="records").assign_coords(quantity=["peak drift", "velocity"])
-    found = decisions(with_kinds(of_problems([needs(swing, ERRORS), needs(records.isel(quantity=[0]), ERRORS)])))
+    found = decisions(with_kinds(joined_needs([needs(swing, ERRORS), needs(records.isel(quantity=[0]), ERRORS)])))
     found.verdict.attrs = ATTRIBUTES["verdict"]
     return found
 
@@ -59,6 +59,6 @@ def test_the_price_of_the_whole_motion_is_stated_where_it_differs(monkeypatch):
         [[0.2, 0.05, 0.005, 0.0005], [0.05] * 4, [0.2] * 4],
         [[0.8, 0.8, 0.1, 0.1], [0.1] * 4, [0.1] * 4],
     )
-    needed = with_kinds(of_problems([needs(runs(accurate, velocity=swinging), [0.1])]))
+    needed = with_kinds(joined_needs([needs(runs(accurate, velocity=swinging), [0.1])]))
     (row,) = whole_motion.tabulate(needed).to_dict("records")
     assert row == {"Problem": "Swinging thing", "Cheap": "16 / 32", "Dear": "8"}
