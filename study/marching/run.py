@@ -40,7 +40,7 @@ from study.marching.result import COMPLETED, NO_SOLUTION, NOT_FINITE, Labels, Re
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
 from study.mechanics.definition import Problem
 from study.mechanics.function_checks import NOT_TRACEABLE
-from study.mechanics.function_checks import failure as of_trace
+from study.mechanics.function_checks import failure as trace_failure
 from study.mechanics.loads import times_of_problem
 from study.observer.base import Observer, Record
 from study.observer.energy import ChangeOfEnergy
@@ -366,7 +366,7 @@ def _traced(family: bool, trace: Callable, *arguments: Any) -> Any:
             raise
         raise ValueError(
             "the function that makes the problem of each lane, in which a sparse matrix that depends on its arguments "
-            f"is a jax.experimental.sparse.BCOO, {of_trace(error, 'fails')}"
+            f"is a jax.experimental.sparse.BCOO, {trace_failure(error, 'fails')}"
         ) from error
     except TypeError as error:  # a scheme or an observer raised it
         raise error.with_traceback(None) from error.__cause__
