@@ -28,7 +28,7 @@ listed = [1.0]
 array = np.ones(2)
 module: Any = types.ModuleType("parameters")
 module.k = 1.0
-of_jax = jnp.asarray(1.0)
+jax_array = jnp.asarray(1.0)
 space = types.SimpleNamespace(k=1.0)
 Pair = namedtuple("Pair", "k other")
 pair = Pair(1.0, 0)
@@ -48,7 +48,7 @@ parameters = Parameters()
 class Spring:
     """A spring in plain Python, which reads an attribute, a class attribute, a property and a static method."""
 
-    of_class = 1.0
+    class_stiffness = 1.0
 
     def __init__(self):
         self.k = 1.0
@@ -57,7 +57,7 @@ class Spring:
         return self.k * u
 
     def by_class(self, u):
-        return self.of_class * u
+        return self.class_stiffness * u
 
     @property
     def stiffness(self):
@@ -80,10 +80,10 @@ class Slotted:
 class Module(eqx.Module):
     """A spring with an array, which is an argument of a program, and a global, which is not."""
 
-    own: np.ndarray
+    scale: np.ndarray
 
     def __call__(self, u):
-        return self.own * k * u
+        return self.scale * k * u
 
 
 spring, slotted = Spring(), Slotted()
@@ -168,11 +168,11 @@ def with_keyword(u, *, k=1.0):
     return k * u
 
 
-def of_function(u):
-    return of_function.k * u  # type: ignore[attr-defined]
+def with_attribute(u):
+    return with_attribute.k * u  # type: ignore[attr-defined]
 
 
-of_function.k = 1.0  # type: ignore[attr-defined]
+with_attribute.k = 1.0  # type: ignore[attr-defined]
 
 
 @jax.custom_jvp
@@ -208,9 +208,9 @@ WAYS = {
     "closure": (in_closure, change_closure),
     "default": (with_default, lambda new: setattr(with_default, "__defaults__", (new,))),
     "keyword": (with_keyword, lambda new: setattr(with_keyword, "__kwdefaults__", {"k": new})),
-    "attribute of the function": (of_function, lambda new: setattr(of_function, "k", new)),
+    "attribute of the function": (with_attribute, lambda new: setattr(with_attribute, "k", new)),
     "callable object": (spring, lambda new: setattr(spring, "k", new)),
-    "bound method": (spring.by_class, lambda new: setattr(Spring, "of_class", new)),
+    "bound method": (spring.by_class, lambda new: setattr(Spring, "class_stiffness", new)),
     "property": (spring.by_property, set_global),
     "slot": (slotted, lambda new: setattr(slotted, "k", new)),
     "module of Equinox": (Module(np.ones(())), set_global),
@@ -223,7 +223,7 @@ WAYS = {
     "dataclass": (lambda u: parameters.k * u, lambda new: setattr(parameters, "k", new)),
     "named tuple": (lambda u: pair.k * u, lambda new: assign("pair", Pair(new, 0))),
     "partial": (functools.partial(lambda of, u: of["k"] * u, pairs), lambda new: pairs.update(k=new)),
-    "array of JAX": (lambda u: of_jax * u, lambda new: assign("of_jax", jnp.asarray(new))),
+    "array of JAX": (lambda u: jax_array * u, lambda new: assign("jax_array", jnp.asarray(new))),
     "compiled": (jax.jit(helper), set_global),
     "compiled by Equinox": (eqx.filter_jit(helper), set_global),
     "gradient": (jax.grad(helper), set_global),

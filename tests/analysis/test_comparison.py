@@ -97,9 +97,9 @@ def test_a_motion_without_crossings_has_no_period():
 
 
 def test_errors_at_the_phases_of_equal_steps_need_equal_steps():
-    dt, (of_trajectory, *_) = against(_harmonic(50)[0], 50, longest=50)
+    dt, (trajectory_observer, *_) = against(_harmonic(50)[0], 50, longest=50)
     with pytest.raises(ValueError, match="rms_displacement_error, displacement_error needs steps of one size"):
-        study.run("pendulum", "rk4", tolerance=1e-3, duration=1.0, dt=dt, observe=[of_trajectory])
+        study.run("pendulum", "rk4", tolerance=1e-3, duration=1.0, dt=dt, observe=[trajectory_observer])
 
 
 def test_phases_that_the_reference_lacks_are_refused():

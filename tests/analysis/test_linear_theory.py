@@ -112,9 +112,9 @@ def test_the_limits_in_docstrings_are_those_of_named_schemes():
     number = re.compile(
         r"(?:ωΔt ≤|\\omega\s*\\Delta t \\leq?)\s+([\d.]*?)(?:(?:√|\\sqrt[ {]?)(\d+)}?)?(?=[.,;)`]*\s|$)"
     )
-    found = [(kind, *parts) for kind in limits for parts in number.findall(kind.__doc__) if any(parts)]
-    assert len(found) >= 10
-    for kind, factor, root in found:
+    stated_limits = [(kind, *parts) for kind in limits for parts in number.findall(kind.__doc__) if any(parts)]
+    assert len(stated_limits) >= 10
+    for kind, factor, root in stated_limits:
         said = float(factor or 1) * float(root or 1) ** 0.5
         assert any(abs(limit - said) < 1e-3 for limit in limits[kind]), f"no named {kind.__name__} has the limit {said}"
 

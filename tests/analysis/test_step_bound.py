@@ -71,7 +71,7 @@ def test_the_period_near_a_hill(u0):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("problem", [PENDULUM, MORSE, MOVING, CUBE], ids=lambda one: one.title)
+@pytest.mark.parametrize("problem", [PENDULUM, MORSE, MOVING, CUBE], ids=lambda problem: problem.title)
 @pytest.mark.parametrize("scheme", [study.schemes["central_difference"], study.Newmark(beta=0.2, gamma=0.5)])
 def test_errors_of_runs_are_those_predicted(problem, scheme):
     """The leading terms are confirmed by runs whose steps are so small that the next terms are a hundredth."""
@@ -106,9 +106,11 @@ def test_a_step_does_not_pass_over_the_bend_of_a_spring_that_saturates(scheme):
     assert run.max_energy_error.item() == pytest.approx(predicted, rel=0.05)
 
 
-@pytest.mark.parametrize("problem", [PENDULUM, MORSE], ids=lambda one: one.title)
+@pytest.mark.parametrize("problem", [PENDULUM, MORSE], ids=lambda problem: problem.title)
 def test_from_rest_average_acceleration_delays_twice_as_much_as_central_difference_advances(problem):
-    central, average = (step_bound(problem, one).coefficient for one in ("central_difference", "average_acceleration"))
+    central, average = (
+        step_bound(problem, name).coefficient for name in ("central_difference", "average_acceleration")
+    )
     assert (average / central).values[1:] == pytest.approx([2, 2], rel=1e-9)
 
 

@@ -15,36 +15,36 @@ HARDENING = study.Problem(lambda u: u + u**3, potential=lambda u: u**2 / 2 + u**
 
 def factors(controller, estimates, k=3):
     """Ratios of successive step sizes, and which steps were accepted, for estimates relative to the tolerance."""
-    carried, dt, found, accepted = controller.start(None, None, 1.0), 1.0, [], []
+    carried, dt, ratios, accepted = controller.start(None, None, 1.0), 1.0, [], []
     for r in estimates:
         decision = controller.decide(carried, jnp.asarray(r), k, jnp.asarray(dt), None, None, 0.0, 1.0)
-        found.append(float(decision.dt) / dt)
+        ratios.append(float(decision.dt) / dt)
         accepted.append(bool(decision.accepted))
         carried, dt = decision.carried, float(decision.dt)
-    return found, accepted
+    return ratios, accepted
 
 
 def test_published_factors():
-    found, accepted = factors(controllers["integral"], [0.5, 2.0, 1e-9])
-    assert found == pytest.approx([0.9 * 2 ** (1 / 3), 0.9 * 0.5 ** (1 / 3), 5.0]) and accepted == [True, False, True]
-    found, accepted = factors(controllers["pi"], [0.5, 0.8, 3.0])
+    ratios, accepted = factors(controllers["integral"], [0.5, 2.0, 1e-9])
+    assert ratios == pytest.approx([0.9 * 2 ** (1 / 3), 0.9 * 0.5 ** (1 / 3), 5.0]) and accepted == [True, False, True]
+    ratios, accepted = factors(controllers["pi"], [0.5, 0.8, 3.0])
     by_hand = [0.9 * 0.5 ** (-0.7 / 3), 0.9 * 0.8 ** (-0.7 / 3) * 0.5 ** (0.4 / 3), 0.9 * 3 ** (-1 / 3)]
-    assert found == pytest.approx(by_hand) and accepted == [True, True, False]
-    found, accepted = factors(controllers["h211b"], [0.5, 0.8])
+    assert ratios == pytest.approx(by_hand) and accepted == [True, True, False]
+    ratios, accepted = factors(controllers["h211b"], [0.5, 0.8])
     first = 1 + np.arctan(0.5 ** (-1 / 12) - 1)
     second = 1 + np.arctan((0.8 * 0.5) ** (-1 / 12) * first ** (-1 / 4) - 1)
-    assert found == pytest.approx([first, second]) and accepted == [True, True]
+    assert ratios == pytest.approx([first, second]) and accepted == [True, True]
 
 
 def test_the_step_stays_within_the_dead_band():
-    found, accepted = factors(DeadBand(low=0.1, high=1.1, patience=2), [0.5, 0.05, 0.2, 0.05, 0.064, 1.05, 8.0])
-    assert found == pytest.approx([1, 1, 1, 1, 2.25, 1, 0.45])
+    ratios, accepted = factors(DeadBand(low=0.1, high=1.1, patience=2), [0.5, 0.05, 0.2, 0.05, 0.064, 1.05, 8.0])
+    assert ratios == pytest.approx([1, 1, 1, 1, 2.25, 1, 0.45])
     assert accepted == [True] * 6 + [False]
 
 
 def test_the_step_grows_after_three_good_increments():
-    found, accepted = factors(HalfIncrement(), [0.5, 0.5, 0.5, 0.9, 0.5, 1.7, 0.2], k=2)
-    assert found == pytest.approx([1, 1, 1.25, 1, 1, 0.5, 1]) and accepted == [True] * 5 + [False, True]
+    ratios, accepted = factors(HalfIncrement(), [0.5, 0.5, 0.5, 0.9, 0.5, 1.7, 0.2], k=2)
+    assert ratios == pytest.approx([1, 1, 1.25, 1, 1, 0.5, 1]) and accepted == [True] * 5 + [False, True]
 
 
 def test_powers_of_two():
@@ -52,8 +52,8 @@ def test_powers_of_two():
 
 
 def test_the_step_is_proportional_to_the_iterations():
-    found, accepted = factors(Proportional(largest=1.5), [2.0, 0.5, 0.1], k=1)
-    assert found == pytest.approx([0.5, 2.0, 1.5]) and all(accepted)
+    ratios, accepted = factors(Proportional(largest=1.5), [2.0, 0.5, 0.1], k=1)
+    assert ratios == pytest.approx([0.5, 2.0, 1.5]) and all(accepted)
 
 
 def test_reversible_control_has_no_drift_and_the_usual_one_has():

@@ -21,7 +21,7 @@ SPECIFIC = study.Quantity(
 DEEPEST = study.Quantity(lambda u: jnp.maximum(-u, 0.0), name="deepest", reduce="peak")
 
 
-@pytest.mark.parametrize("name", [name for name, one in schemes.items() if not one.needs_equal_steps])
+@pytest.mark.parametrize("name", [name for name, scheme in schemes.items() if not scheme.needs_equal_steps])
 def test_the_declared_use_of_the_force_at_the_end(name):
     """The force is zero but for the last hundredth of a step from u = 0 to u = 1."""
     scheme = schemes[name]

@@ -57,9 +57,9 @@ def test_a_scheme_without_a_shifted_acceleration_keeps_its_order(name, end):
 def test_equal_steps_are_those_of_a_run_with_equal_steps():
     for name in ("hht_alpha", "rk4"):
         equal = study.run(DRIVEN, name, dt=0.05, steps=60)
-        given = study.run(DRIVEN, name, controller=study.Prescribed([0.05]), duration=3.0)
-        np.testing.assert_allclose(given.t, equal.t, atol=1e-13)
-        np.testing.assert_allclose(given.u, equal.u, atol=1e-11)
+        prescribed = study.run(DRIVEN, name, controller=study.Prescribed([0.05]), duration=3.0)
+        np.testing.assert_allclose(prescribed.t, equal.t, atol=1e-13)
+        np.testing.assert_allclose(prescribed.u, equal.u, atol=1e-11)
 
 
 def test_given_sizes_are_kept_up_to_a_stated_time():
@@ -163,11 +163,11 @@ def test_a_lane_is_a_run():
     lanes = study.run(DRIVEN, "hht_alpha", tolerance=tolerances, duration=4.0)
     several = study.run(DRIVEN, "hht_alpha", tolerance=tolerances, duration=4.0, observe=["peak"])
     for lane, tolerance in enumerate(tolerances):
-        one = study.run(DRIVEN, "hht_alpha", tolerance=tolerance, duration=4.0, observe=["trajectory", "peak"])
-        own = lanes.isel(lane=lane).dropna("sample", subset=["u"])
-        assert own.steps == one.steps == several.steps[lane] == own.sizes["sample"] - 1
-        np.testing.assert_allclose(own.u, one.u, atol=1e-6)
-        assert several.peak[lane] == pytest.approx(one.peak.item(), abs=1e-7)
+        run = study.run(DRIVEN, "hht_alpha", tolerance=tolerance, duration=4.0, observe=["trajectory", "peak"])
+        motion = lanes.isel(lane=lane).dropna("sample", subset=["u"])
+        assert motion.steps == run.steps == several.steps[lane] == motion.sizes["sample"] - 1
+        np.testing.assert_allclose(motion.u, run.u, atol=1e-6)
+        assert several.peak[lane] == pytest.approx(run.peak.item(), abs=1e-7)
 
 
 def test_a_family():
@@ -226,7 +226,7 @@ def test_a_step_that_shrinks_to_nothing_is_a_status():
 
 
 @pytest.mark.parametrize(
-    "given, message",
+    "arguments, message",
     [
         ({"tolerance": 0.0}, "tolerance must be greater than round-off, 2.2e-16, and finite, not 0.0"),
         ({"tolerance": 1e-17}, "greater than round-off"),
@@ -241,8 +241,8 @@ def test_a_step_that_shrinks_to_nothing_is_a_status():
         ({"every": 5}, "every and samples belong to a run with equal steps"),
     ],
 )
-def test_a_wrong_argument_gets_a_sentence(given, message):
-    wanted = {"scheme": "average_acceleration", "tolerance": 1e-3, "duration": 4.0} | given
+def test_a_wrong_argument_gets_a_sentence(arguments, message):
+    wanted = {"scheme": "average_acceleration", "tolerance": 1e-3, "duration": 4.0} | arguments
     with pytest.raises((ValueError, KeyError, TypeError), match=message):
         study.run(DRIVEN, wanted.pop("scheme"), **wanted)
 
@@ -297,11 +297,11 @@ def falling(energy: bool) -> study.Problem:
 def test_a_run_that_loses_much_of_a_constant_energy_gives_a_warning(energy):
     """The warning states the part of g h = 19.62 that the last state lacks; a lane and a tight tolerance lack less."""
     problem, options = falling(energy), {"duration": 5.0, "estimator": "step_doubling"}
-    with pytest.warns(RuntimeWarning, match="Runge-Kutta' has lost energy") as given:
+    with pytest.warns(RuntimeWarning, match="Runge-Kutta' has lost energy") as caught:
         ds = study.run(problem, "rk4", tolerance=1e-2, **options)
     u, v = float(ds.u[-1]), float(ds.v[-1])
     lost = 1 - (v**2 / 2 + 9.81 * u + 0.5e5 * min(u, 0.0) ** 2) / (9.81 * 2)
-    (stated,) = map(float, re.findall(r"([\d.]+)\xa0% of the largest", str(given[0].message)))
+    (stated,) = map(float, re.findall(r"([\d.]+)\xa0% of the largest", str(caught[0].message)))
     assert stated == pytest.approx(100 * lost, rel=0.05)
     study.run(problem, "rk4", tolerance=1e-5, **options)
     with pytest.warns(RuntimeWarning, match="in lane 1,"):

@@ -104,7 +104,7 @@ def test_components_keep_single_precision(monkeypatch):
 def test_every_observer_observes_components(caplog):
     """A single observer with an operation that has no rule would slow all lanes down."""
     problem = _problem("dense with full damping and a load")
-    named = [name for name, one in study.observers.items() if not one.refusal(problem)]
+    named = [name for name, observer in study.observers.items() if not observer.refusal(problem)]
     assert {"peak", "energy_balance", "lyapunov_exponent", "oscillations", "internal_force"} <= set(named)
     with caplog.at_level(logging.INFO, components.LOG.name):
         study.run(problem, "average_acceleration", dt=0.02, steps=2, u0=np.ones((run.FEW + 1, 3)), observe=named)
@@ -138,10 +138,10 @@ def _operations(u, k):
 def test_an_operation_of_components_is_that_of_whole_arrays(function, caplog):
     u, k = np.random.default_rng(0).normal(size=(16, 3)), np.int64(1)
     with caplog.at_level(logging.INFO, components.LOG.name):
-        found = jax.jit(lambda u: components.joined(components.each(function)(u, k)))(u)
+        result = jax.jit(lambda u: components.joined(components.each(function)(u, k)))(u)
     right = jax.jit(jax.vmap(function, (0, None)))(u, k)
-    assert jax.tree.structure(found) == jax.tree.structure(right)  # type: ignore[operator]
-    for ours, theirs in zip(jax.tree.leaves(found), jax.tree.leaves(right), strict=True):
+    assert jax.tree.structure(result) == jax.tree.structure(right)  # type: ignore[operator]
+    for ours, theirs in zip(jax.tree.leaves(result), jax.tree.leaves(right), strict=True):
         assert ours.dtype == theirs.dtype
         np.testing.assert_allclose(ours, theirs, rtol=1e-13, atol=1e-13)
     assert ["'qr'" in record.message for record in caplog.records] == [True] * (function is not _operations)

@@ -21,9 +21,9 @@ def test_a_lane_of_an_ensemble_is_a_single_run(state_kind):
     observe = ["trajectory", "max_energy_error", "newton_iterations"]
     lanes = study.run("hardening", state_kind, dt=dt, u0=u0, steps=40, observe=observe)
     for lane in range(7):
-        one = study.run("hardening", state_kind, dt=dt[lane], u0=u0[lane], steps=40, observe=observe)
-        for name in one.data_vars:
-            np.testing.assert_allclose(lanes[name][lane], one[name], rtol=1e-9, atol=1e-9, err_msg=name)
+        run = study.run("hardening", state_kind, dt=dt[lane], u0=u0[lane], steps=40, observe=observe)
+        for name in run.data_vars:
+            np.testing.assert_allclose(lanes[name][lane], run[name], rtol=1e-9, atol=1e-9, err_msg=name)
     assert lanes.t.dims == ("lane", "sample")
 
 
@@ -34,9 +34,9 @@ def test_lanes_end_after_their_own_steps(scheme):
     observe = ["max_energy_error", "energy_drift", "newton_iterations"]
     lanes = study.run("hardening", scheme, dt=0.004, u0=u0, steps=steps, observe=observe)
     for lane in range(5):
-        one = study.run("hardening", scheme, dt=0.004, u0=u0[lane], steps=int(steps[lane]), observe=observe)
-        for name in one.data_vars:
-            np.testing.assert_allclose(lanes[name][lane], one[name], rtol=1e-9, atol=1e-9, err_msg=name)
+        run = study.run("hardening", scheme, dt=0.004, u0=u0[lane], steps=int(steps[lane]), observe=observe)
+        for name in run.data_vars:
+            np.testing.assert_allclose(lanes[name][lane], run[name], rtol=1e-9, atol=1e-9, err_msg=name)
 
 
 @pytest.mark.slow

@@ -124,8 +124,8 @@ def test_bad_families_are_refused(make, change, error, sentence):
 def _mesh(side):
     """The stiffness of a membrane of side × side nodes."""
     row = scipy.sparse.diags_array([2 * np.ones(side), -np.ones(side - 1), -np.ones(side - 1)], offsets=[0, 1, -1])
-    one = scipy.sparse.eye_array(side)
-    return scipy.sparse.csc_array(scipy.sparse.kron(row, one) + scipy.sparse.kron(one, row))
+    identity = scipy.sparse.eye_array(side)
+    return scipy.sparse.csc_array(scipy.sparse.kron(row, identity) + scipy.sparse.kron(identity, row))
 
 
 @pytest.mark.parametrize(
@@ -135,9 +135,9 @@ def test_sparse_matrices_of_jax_depend_on_the_lane_and_are_differentiated(stiffn
     """A sparse matrix whose values are those of the first lane in all lanes, or constant in a derivative."""
     n = stiffness.shape[0]
     u0, cubic = np.linspace(0.5, 1.0, n), lambda u: u**3
-    of_jax = BCOO.from_scipy_sparse(stiffness)
+    jax_stiffness = BCOO.from_scipy_sparse(stiffness)
 
-    def make(scale, matrix=of_jax):
+    def make(scale, matrix=jax_stiffness):
         return study.Problem(cubic, u0=u0, stiffness=scale * matrix, damping=0.1 * matrix, mass=2.0 * matrix)
 
     options = {"scheme": "average_acceleration", "dt": 0.05, "steps": 20}
@@ -189,12 +189,12 @@ def test_a_repeated_family_is_compiled_once_as_long_as_its_function_reads_the_sa
     def make(k):
         return study.Problem(lambda u: factor * k * u, u0=1.0)
 
-    factor, over, given = 1.0, {"k": np.array([1.0, 4.0])}, {"observe": END} | steps
-    ends = [study.run(make, "rk4", over=over, **given) for _ in range(2)]
+    factor, over, arguments = 1.0, {"k": np.array([1.0, 4.0])}, {"observe": END} | steps
+    ends = [study.run(make, "rk4", over=over, **arguments) for _ in range(2)]
     before = len(compiled)
-    ends.append(study.run(make, "rk4", over=over, **given))
+    ends.append(study.run(make, "rk4", over=over, **arguments))
     assert len(compiled) == before
     factor = 4.0
-    ends.append(study.run(make, "rk4", over=over, **given))
+    ends.append(study.run(make, "rk4", over=over, **arguments))
     for end, k in zip(ends, (1.0, 1.0, 1.0, 4.0), strict=True):
         np.testing.assert_allclose(end.end_u, np.cos(np.sqrt(k * over["k"]) * 0.1), atol=1e-4)

@@ -89,11 +89,11 @@ def _check(monkeypatch, problem, scheme, tolerance=1e-12, **arguments):
     right = study.run(problem, scheme, **arguments)
     monkeypatch.setattr(kernel, "is_chosen", lambda unknowns: True)
     monkeypatch.setattr(run, "FEW", 0)
-    found = study.run(problem, scheme, **arguments)
+    ds = study.run(problem, scheme, **arguments)
     for name, value in right.data_vars.items():
         # An error of the energy is a difference of energies, divided by the energy.
         size = 1.0 if name == "max_energy_error" else np.nanmax(np.abs(value.values), initial=0.0)
-        np.testing.assert_allclose(found[name], value, rtol=0, atol=tolerance * size, err_msg=name)
+        np.testing.assert_allclose(ds[name], value, rtol=0, atol=tolerance * size, err_msg=name)
     return right
 
 
@@ -186,9 +186,9 @@ def test_an_operation_in_a_kernel_is_that_of_whole_arrays(refusals):
     def step(number, results, others):
         return _operations(*others), number < 5
 
-    found = kernel.advanced(step, begin, (jnp.asarray(u), jnp.asarray(k)), 0, 1, 64, interpret=True)
+    result = kernel.advanced(step, begin, (jnp.asarray(u), jnp.asarray(k)), 0, 1, 64, interpret=True)
     assert refusals() == []
-    for ours, theirs in zip(jax.tree.leaves(found), jax.tree.leaves(right), strict=True):
+    for ours, theirs in zip(jax.tree.leaves(result), jax.tree.leaves(right), strict=True):
         assert ours.dtype == theirs.dtype
         np.testing.assert_allclose(ours, theirs, rtol=1e-13, atol=1e-13)
 

@@ -48,10 +48,10 @@ def test_derivatives_are_exact_to_round_off():
 @pytest.mark.parametrize("name", ["rk4", "rho_bathe", "houbolt", "gauss4"])
 def test_it_is_the_run(name):
     ds = study.run("softening", name, dt=0.01, steps=500, observe=["trajectory", "energy_drift"])
-    found = study.final_state("softening", name, dt=0.01, steps=500, observe=["energy_drift"])
-    assert float(found["u"]) == pytest.approx(float(ds.u[-1]), abs=1e-11)
-    assert float(found["energy_drift"]) == pytest.approx(float(ds.energy_drift), abs=1e-11)
-    assert int(found["failed_at_step"]) == -1
+    state = study.final_state("softening", name, dt=0.01, steps=500, observe=["energy_drift"])
+    assert float(state["u"]) == pytest.approx(float(ds.u[-1]), abs=1e-11)
+    assert float(state["energy_drift"]) == pytest.approx(float(ds.energy_drift), abs=1e-11)
+    assert int(state["failed_at_step"]) == -1
 
 
 @pytest.mark.slow
@@ -91,8 +91,8 @@ def test_lanes_by_vmap():
 
 
 def test_a_failure_is_reported():
-    found = study.final_state("hardening", "central_difference", dt=1.0, steps=100)
-    assert int(found["failed_at_step"]) > 0
+    state = study.final_state("hardening", "central_difference", dt=1.0, steps=100)
+    assert int(state["failed_at_step"]) > 0
 
 
 @pytest.mark.parametrize(

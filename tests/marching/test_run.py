@@ -139,9 +139,9 @@ def test_a_failed_run_says_so():
 
 
 def test_a_result_says_what_made_it():
-    one = study.run("hardening", study.Newmark(beta=0.3, gamma=0.6), dt=0.01, steps=5, v0=0.5, observe=["energy_drift"])
+    ds = study.run("hardening", study.Newmark(beta=0.3, gamma=0.6), dt=0.01, steps=5, v0=0.5, observe=["energy_drift"])
     made_by = {"dt": 0.01, "steps": 5, "u0": 1.5, "v0": 0.5, "scheme_parameters": "Newmark(beta=0.3, gamma=0.6)"}
-    assert made_by.items() <= one.attrs.items() and one.version == study.__version__
+    assert made_by.items() <= ds.attrs.items() and ds.version == study.__version__
     lanes = study.run("hardening", "rk4", dt=[0.01, 0.02], steps=5, v0=[0.0, 0.5])
     assert lanes.dt.values.tolist() == [0.01, 0.02] and lanes.v0.values.tolist() == [0.0, 0.5]
     assert lanes.attrs["u0"] == 1.5 and "dt" not in lanes.attrs

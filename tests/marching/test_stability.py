@@ -28,12 +28,12 @@ STIFFNESS = scipy.sparse.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shap
 CONSISTENT = scipy.sparse.diags_array([1 / 6, 4 / 6, 1 / 6], offsets=[-1, 0, 1], shape=(MASSES, MASSES))
 
 
-def warned(problem, scheme, **given):
+def warned(problem, scheme, **arguments):
     """The text of the warning of a run; empty without a warning."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        study.run(problem, scheme, **({"steps": 3, "observe": "peak"} | given))
-    assert len(caught) <= 1 and all(one.category is RuntimeWarning for one in caught)
+        study.run(problem, scheme, **({"steps": 3, "observe": "peak"} | arguments))
+    assert len(caught) <= 1 and all(warning.category is RuntimeWarning for warning in caught)
     return str(caught[0].message) if caught else ""
 
 
@@ -68,8 +68,8 @@ def test_a_step_beyond_the_limit_is_said_and_a_step_at_the_limit_is_not(scheme, 
 @pytest.mark.slow
 def test_the_limit_of_heavy_damping_is_that_of_the_damping():
     heavy = oscillator(1e-6, damping=100.0)
-    of_force = study.Problem(lambda u, v: 100.0 * v, 1.0, 1.0)
-    for problem in (heavy, of_force):
+    damper = study.Problem(lambda u, v: 100.0 * v, 1.0, 1.0)
+    for problem in (heavy, damper):
         assert not warned(problem, "rk4", dt=0.9999 * HEAVY / 100)
         text = warned(problem, "rk4", dt=1.01 * HEAVY / 100)
         assert f"cΔt/m = {1.01 * HEAVY:.4g} at the start exceeds {HEAVY:.4g}, the stability limit of" in text
@@ -244,8 +244,8 @@ def test_no_other_run_warns():
     assert not warned(hardening, "central_difference", dt=0.5)
     assert not warned("double_well", "central_difference", dt=0.1)
     assert not warned(study.Problem(lambda u: -u, 0.1), "central_difference", dt=3.0)
-    of_python = study.Problem(lambda u: jax.pure_callback(np.sin, u, u), 1.0)
-    assert not warned(of_python, "central_difference", dt=3.0)
+    python_problem = study.Problem(lambda u: jax.pure_callback(np.sin, u, u), 1.0)
+    assert not warned(python_problem, "central_difference", dt=3.0)
     assert not warned(study.Problem(stiffness=np.eye(2), mass=[1.0, 0.0], u0=[1.0, 0.0]), "bathe", dt=3.0)
     controlled = {"tolerance": 1e-3, "duration": 9.0, "steps": None, "observe": "trajectory"}
     assert not warned(oscillator(), "rk4", **controlled)
