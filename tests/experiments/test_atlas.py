@@ -43,9 +43,9 @@ def test_an_unknown_tile_is_refused():
 @pytest.mark.slow
 def test_a_map_shows_the_linear_limit_at_small_amplitude(springs):
     fine = {"first": -0.7, "last": -0.3, "count": 41}
-    one = atlas("central_difference", ["hardening"], fine, 300, tile=0, tiles=6).squeeze()
-    lost = one.outcome.values >= Outcome.GROWING
-    first = one.step_size_over_period.values[lost.argmax()]
-    limit = 2 / (one.highest_frequency * one.period).item()
+    tile = atlas("central_difference", ["hardening"], fine, 300, tile=0, tiles=6).squeeze()
+    lost = tile.outcome.values >= Outcome.GROWING
+    first = tile.step_size_over_period.values[lost.argmax()]
+    limit = 2 / (tile.highest_frequency * tile.period).item()
     # the tangent has its highest frequency only at the turning points, so steps slightly above the limit may be stable
     assert limit * 0.9 < first < 1.15 * limit

@@ -17,9 +17,9 @@ def reference():
     return inelastic(["bouncing", "hysteretic"], 2, 8)
 
 
-def _check_forces(controlled: xr.Dataset, of_step: int) -> None:
-    """A trial step evaluates ``of_step`` forces, the start two; the run that measures the sizes is left out."""
-    rest = controlled.force_evaluations - of_step * (controlled.steps + controlled.rejected)
+def _check_forces(controlled: xr.Dataset, forces_per_step: int) -> None:
+    """A trial step evaluates ``forces_per_step`` forces, the start two; the run that measures the sizes is left out."""
+    rest = controlled.force_evaluations - forces_per_step * (controlled.steps + controlled.rejected)
     assert (rest == 2).all()
 
 
@@ -29,7 +29,7 @@ def test_control_reaches_the_exact_motion_of_a_bouncing_mass(reference, monkeypa
     monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     schemes = ["dormand_prince6", "houbolt"]
     ds = control_cost(["bouncing"], schemes, "pi", [1e-2, 1e-4, 1e-6], [8, 16, 32]).squeeze("problem")
-    controlled, multistep = (ds.sel(scheme=one) for one in schemes)
+    controlled, multistep = (ds.sel(scheme=name) for name in schemes)
     assert (controlled.status == 0).all() and controlled.error[-1] < 1e-4 < controlled.error[0]
     # each step, accepted or rejected, takes five force evaluations for six stages, because the first stage is known
     # the start takes one more, and the estimate evaluates the force at the end of a step, because its slope may jump

@@ -19,10 +19,10 @@ def test_true_errors_under_a_load_are_those_of_the_closed_form():
     free, speed = u[:-1] - (t[:-1] ** 2 - 2), v[:-1] - 2 * t[:-1]
     exact_u = t[1:] ** 2 - 2 + free * np.cos(h) + speed * np.sin(h)
     exact_v = 2 * t[1:] + speed * np.cos(h) - free * np.sin(h)
-    of_u, of_both = true_errors(problem, ds)
+    displacement_error, motion_error = true_errors(problem, ds)
     expected = abs(u[1:] - exact_u) / abs(u).max()
-    np.testing.assert_allclose(of_u, expected, rtol=1e-6)
-    np.testing.assert_allclose(of_both, np.maximum(expected, abs(v[1:] - exact_v) / abs(v).max()), rtol=1e-6)
+    np.testing.assert_allclose(displacement_error, expected, rtol=1e-6)
+    np.testing.assert_allclose(motion_error, np.maximum(expected, abs(v[1:] - exact_v) / abs(v).max()), rtol=1e-6)
 
 
 def test_a_stiff_mode_fools_the_estimate():

@@ -12,20 +12,20 @@ SCHEMES = ["average_acceleration", "generalized_alpha", "rk4", "energy_momentum"
 
 
 @pytest.fixture(scope="module")
-def found():
+def ds():
     return order_under_reality(SCHEMES, [64, 128, 256, 512], [1e6], [1e-3])
 
 
-def test_schemes_have_their_order_where_all_is_smooth(found):
-    motion = found.observed_order.sel(quantity=["displacement", "velocity"])
+def test_schemes_have_their_order_where_all_is_smooth(ds):
+    motion = ds.observed_order.sel(quantity=["displacement", "velocity"])
     for circumstance in ("plain", "damping", "load", "unequal_steps"):
-        one = motion.sel(circumstance=circumstance)
-        np.testing.assert_allclose(one.sel(scheme=SCHEMES[:2]), 2.0, atol=0.1)
-        np.testing.assert_allclose(one.sel(scheme="rk4"), 4.0, atol=0.4)
+        order = motion.sel(circumstance=circumstance)
+        np.testing.assert_allclose(order.sel(scheme=SCHEMES[:2]), 2.0, atol=0.1)
+        np.testing.assert_allclose(order.sel(scheme="rk4"), 4.0, atol=0.4)
 
 
-def test_circumstances_cost_the_order_of_theory(found):
-    order = found.observed_order
+def test_circumstances_cost_the_order_of_theory(ds):
+    order = ds.observed_order
     # the carried acceleration of the generalized-α method belongs to a time within the step
     late = order.sel(scheme="generalized_alpha", quantity="acceleration", circumstance=["damping", "load"])
     np.testing.assert_allclose(late, 1.0, atol=0.35)
@@ -35,20 +35,20 @@ def test_circumstances_cost_the_order_of_theory(found):
     # a kink costs the Runge-Kutta method two orders
     assert (order.sel(scheme="rk4", circumstance=["hysteresis", "contact"]) < 2.7).all()
     # a scheme whose limit of stability is too low cannot integrate the stiff spring
-    support = found.sel(circumstance="support_0")
+    support = ds.sel(circumstance="support_0")
     assert support.observed_order.sel(scheme="average_acceleration")[0] == pytest.approx(2.0, abs=0.1)
     assert (support.status.sel(scheme="rk4") == STATUSES.index("failed")).all()
 
 
-def test_what_does_not_apply_has_no_error(found):
+def test_what_does_not_apply_has_no_error(ds):
     left_out = {("energy_momentum", "hysteresis"), ("rk4", "inconsistent_start"), ("rk4", "tolerance_0")}
     for scheme in SCHEMES:
-        for circumstance in found.circumstance.values:
-            one = found.sel(scheme=scheme, circumstance=circumstance)
-            applies = (one.status != STATUSES.index("does_not_apply")).all()
+        for circumstance in ds.circumstance.values:
+            case = ds.sel(scheme=scheme, circumstance=circumstance)
+            applies = (case.status != STATUSES.index("does_not_apply")).all()
             assert applies == ((scheme, circumstance) not in left_out)
-            assert applies or one.error.isnull().all()
-    assert (found.observed_order.notnull() == (found.status == STATUSES.index("measured"))).all()
+            assert applies or case.error.isnull().all()
+    assert (ds.observed_order.notnull() == (ds.status == STATUSES.index("measured"))).all()
 
 
 @pytest.mark.slow
@@ -64,8 +64,8 @@ def test_references_are_those_of_a_fine_run_of_another_method():
 
 
 @pytest.mark.slow
-def test_newton_iterations_that_end_early_leave_another_error_and_the_order(found):
-    implicit = found.sel(scheme=[name for name in SCHEMES if name != "rk4"], quantity="displacement")
+def test_newton_iterations_that_end_early_leave_another_error_and_the_order(ds):
+    implicit = ds.sel(scheme=[name for name in SCHEMES if name != "rk4"], quantity="displacement")
     loose, plain = (implicit.sel(circumstance=name) for name in ("tolerance_0", "plain"))
     np.testing.assert_allclose(loose.observed_order, plain.observed_order, atol=0.05)
     assert (loose.error != plain.error).any("steps").all()
@@ -76,8 +76,8 @@ def test_newton_iterations_that_end_early_leave_another_error_and_the_order(foun
         LooselyBalanced(scheme=schemes["average_acceleration"], tolerance=1e-3),
     )
     full, early = (
-        run(case.problem, one, dt=0.05, steps=100, observe=["newton_iterations"]).newton_iterations.item()
-        for one in schemes_with
+        run(case.problem, scheme, dt=0.05, steps=100, observe=["newton_iterations"]).newton_iterations.item()
+        for scheme in schemes_with
     )
     assert early < 110 < 200 <= full
 

@@ -32,14 +32,14 @@ def reference(records):
 
 
 def test_motions_under_records_of_a_folder_are_exact(reference, records):
-    own = family(**records)[2:]
-    assert reference.record.values[2:].tolist() == [one.title for one in own] == ["own_0", "own_1"]
-    for record, ground in enumerate(own, start=2):
+    grounds = family(**records)[2:]
+    assert reference.record.values[2:].tolist() == [ground.title for ground in grounds] == ["own_0", "own_1"]
+    for record, ground in enumerate(grounds, start=2):
         omega, samples = 2 * np.pi, np.asarray(ground.acceleration)
         matrices = [[0, 1], [-(omega**2), -0.1 * omega]], [[0], [-1]], [[1, 0]], [[0]]
         _, u, _ = scipy.signal.lsim(matrices, samples, ground.kinks)
-        found = reference.u.isel(record=record).sel(period=1.0).values
-        assert found[: len(u)] == pytest.approx(u.ravel(), abs=1e-12) and np.isnan(found[len(u) :]).all()
+        motion = reference.u.isel(record=record).sel(period=1.0).values
+        assert motion[: len(u)] == pytest.approx(u.ravel(), abs=1e-12) and np.isnan(motion[len(u) :]).all()
 
 
 def test_errors_are_those_of_single_runs(reference, records, monkeypatch):
@@ -60,8 +60,8 @@ def test_errors_are_those_of_single_runs(reference, records, monkeypatch):
             )
             for force in (1e9, known.yield_force.item())
         )
-        stride, of_record = {0.5: (2, 1), 0.75: (4, 3)}[ratio]
-        there = known.u.values[np.isfinite(known.u)][::of_record]
+        stride, known_stride = {0.5: (2, 1), 0.75: (4, 3)}[ratio]
+        there = known.u.values[np.isfinite(known.u)][::known_stride]
         met = linear.u.values[::stride][: len(there)]
         error = np.abs(met - there[: len(met)]).max() / known.peak_drift.values[0]
         assert ours.error.sel(load="samples").item() == pytest.approx(error, rel=1e-6)
@@ -81,5 +81,5 @@ def test_means_over_a_step_are_integrals_of_the_record():
     for n, mean in enumerate(means):
         ends = max(0.15 * n - 0.075, 0.0), min(0.15 * n + 0.075, 0.4)
         t = np.linspace(*ends, 20_001)
-        of_record = np.interp(t, ground.kinks, ground.acceleration)
-        assert mean == pytest.approx(scipy.integrate.trapezoid(of_record, t) / 0.15, abs=1e-6)
+        acceleration = np.interp(t, ground.kinks, ground.acceleration)
+        assert mean == pytest.approx(scipy.integrate.trapezoid(acceleration, t) / 0.15, abs=1e-6)

@@ -30,10 +30,10 @@ def test_energy_errors_are_the_printed_ones(monkeypatch):
     steps = [15, 20]
     ours = energy_error(["hardening"], ["rk4", "central_difference"], steps, periods=100)
     printed = PRINTED.sel(problem="hardening", steps_per_period=steps, scheme=ours.scheme)
-    found = ours.max_energy_error.sel(problem="hardening")
-    np.testing.assert_allclose(found.sel(period_used="printed"), printed / 100, atol=6e-4)
+    errors = ours.max_energy_error.sel(problem="hardening")
+    np.testing.assert_allclose(errors.sel(period_used="printed"), printed / 100, atol=6e-4)
     # the exact period gives another step size
-    assert (abs(found.sel(period_used="exact") - found.sel(period_used="printed")) > 1e-5).all()
+    assert (abs(errors.sel(period_used="exact") - errors.sel(period_used="printed")) > 1e-5).all()
     assert (ours.status == 0).all() and (ours.failed_at_step == -1).all()
 
 
@@ -47,13 +47,13 @@ def test_only_houbolts_own_start_gives_the_printed_error():
 
 def test_relaxation_keeps_the_energy_of_the_runs_of_the_tables(monkeypatch):
     monkeypatch.setattr(io, "open_dataset", lambda name: xr.Dataset({"period": 0.151532834447260357}))
-    found = relaxation(["hardening"], [20, 200], periods=100).squeeze()
+    ds = relaxation(["hardening"], [20, 200], periods=100).squeeze()
     printed = PRINTED.sel(problem="hardening", scheme="rk4", steps_per_period=20).item()
-    assert found.max_energy_error.sel(variant="plain", steps_per_period=20) == pytest.approx(printed / 100, abs=6e-4)
-    assert (found.max_energy_error.sel(variant="relaxed") < 1e-11).all()
+    assert ds.max_energy_error.sel(variant="plain", steps_per_period=20) == pytest.approx(printed / 100, abs=6e-4)
+    assert (ds.max_energy_error.sel(variant="relaxed") < 1e-11).all()
     # relaxation reduces the error of the motion, which still falls with the fourth order of the method
-    assert (found.return_error.sel(variant="relaxed") < found.return_error.sel(variant="plain")).all()
-    coarse, fine = found.return_error.sel(variant="relaxed")
+    assert (ds.return_error.sel(variant="relaxed") < ds.return_error.sel(variant="plain")).all()
+    coarse, fine = ds.return_error.sel(variant="relaxed")
     assert np.log10(coarse / fine) == pytest.approx(4, abs=0.3)
 
 
@@ -87,8 +87,8 @@ def _late_gain_of_wilson(dt: float, steps: int) -> float:
 def test_wilsons_method_gains_energy_late_at_some_step():
     late = large_steps(["softening_large"], ["wilson_theta"], [0.14, 0.164], periods=100).late_energy_gain.squeeze()
     # the motion is chaotic, so that only the class of the outcome is the same
-    own = [_late_gain_of_wilson(1.8 * part, round(100 / part)) for part in (0.14, 0.164)]
-    assert own[0] < 0 < 1 < own[1] and late[0] < 0 < 1 < late[1]
+    gains = [_late_gain_of_wilson(1.8 * part, round(100 / part)) for part in (0.14, 0.164)]
+    assert gains[0] < 0 < 1 < gains[1] and late[0] < 0 < 1 < late[1]
 
 
 def test_times_are_ratios_to_average_acceleration():

@@ -9,7 +9,7 @@ from study.experiments.step_rule import step_rule
 
 def test_errors_are_those_of_a_run(springs):
     ds = step_rule(["central_difference"], {"first": -0.8, "last": 0.5, "count": 2}, 10)
-    one = ds.isel(scheme=0, omega_step=0).sel(problem="hardening").isel(amplitude=2)
+    errors = ds.isel(scheme=0, omega_step=0).sel(problem="hardening").isel(amplitude=2)
     exact = springs.sel(problem="hardening").isel(amplitude=2)
     dt = (10**-0.8 / exact.highest_frequency).item()
     run = study.run(
@@ -20,8 +20,8 @@ def test_errors_are_those_of_a_run(springs):
         u0=exact.u0.item(),
         observe=["max_energy_error", "oscillations"],
     )
-    assert one.energy_error.item() == pytest.approx(run.max_energy_error.item(), rel=1e-9)
-    assert one.period_error.item() == pytest.approx(abs(run.mean_period.item() / exact.period.item() - 1), rel=1e-9)
+    assert errors.energy_error.item() == pytest.approx(run.max_energy_error.item(), rel=1e-9)
+    assert errors.period_error.item() == pytest.approx(abs(run.mean_period.item() / exact.period.item() - 1), rel=1e-9)
     assert ds.energy_error.isel(omega_step=1).isnull().any()  # beyond the stability limit of two
 
 

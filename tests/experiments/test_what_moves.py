@@ -15,9 +15,9 @@ def test_collapse_is_found_and_failed_runs_are_no_collapses():
     least = np.array([2.0, 7.7, 1e9, 5.0])
 
     def collapses(intensities):
-        found = (intensities >= least).astype(float)
-        found[..., 3] = np.where(intensities[..., 3] > 4, np.nan, found[..., 3])
-        return found
+        outcomes = (intensities >= least).astype(float)
+        outcomes[..., 3] = np.where(intensities[..., 3] > 4, np.nan, outcomes[..., 3])
+        return outcomes
 
     intensity, failed = _collapse_intensity(collapses, least.shape)
     assert intensity[:2] == pytest.approx(least[:2], rel=2e-3)

@@ -403,11 +403,11 @@ def test_ctrl_c_answers_what_is_known_and_loses_no_run(tmp_path):
     model = program(partial(interrupted, 0.1), tmp_path)
     with pytest.warns(RuntimeWarning, match="interrupted: no step is recommended where more runs were needed"):
         ds = study.assess(model, allowed_errors=[0.1, 0.001])
-    found, out_of_time = VERDICTS.index("found"), VERDICTS.index("out_of_time")
-    assert (ds.verdict.sel(allowed_error=0.1) == found).all()
+    found_verdict, out_of_time = VERDICTS.index("found"), VERDICTS.index("out_of_time")
+    assert (ds.verdict.sel(allowed_error=0.1) == found_verdict).all()
     assert (ds.verdict.sel(allowed_error=0.001) == out_of_time).all()
     repeated = study.assess(replace(model, run=partial(interrupted, 0.0)), allowed_errors=[0.1, 0.001])
-    assert (repeated.verdict == found).all()
+    assert (repeated.verdict == found_verdict).all()
     # one run of each scheme is always repeated, and one kept run of each by the second assessment
     assert len(calls) == len(set(calls)) + 2 * len(models.SCHEMES)
 
@@ -517,9 +517,9 @@ def test_a_scheme_that_goes_to_another_motion_says_so(tmp_path):
 def test_one_slow_run_does_not_decide_the_time_of_a_step():
     """Would catch a time measured once: other work on the machine slows single runs of a program."""
     sizes = np.geomspace(0.1, 0.05, 9).tolist()
-    of_scheme = [Run("rk4", dt, "completed", "", (50 if dt == 0.1 else 1) / dt, 0.0, np.array([]), {}) for dt in sizes]
+    runs = [Run("rk4", dt, "completed", "", (50 if dt == 0.1 else 1) / dt, 0.0, np.array([]), {}) for dt in sizes]
     searched = SimpleNamespace(
-        refinement=SimpleNamespace(runs_of=lambda scheme: of_scheme),
+        refinement=SimpleNamespace(runs_of=lambda scheme: runs),
         certain=lambda *case: True,
         unfinished=lambda *case: False,
         needed=lambda *case: SimpleNamespace(largest=0.1, recommended=0.1, tried=9, largest_error=0.01),

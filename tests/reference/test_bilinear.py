@@ -59,7 +59,7 @@ def test_the_time_of_an_event_is_found_where_round_off_exceeds_its_tolerance():
             [-482.7100636187148],
         ]
     )
-    of_motion = scipy.integrate.solve_ivp(
+    motion = scipy.integrate.solve_ivp(
         lambda t, y: [y[1], (q0 + q1 * t - c * y[1] - k * (u + y[0]))[0]],
         (0, end[0]),
         [0.0, v[0]],
@@ -67,4 +67,4 @@ def test_the_time_of_an_event_is_found_where_round_off_exceeds_its_tolerance():
         rtol=1e-12,
         atol=1e-20,
     )
-    assert bilinear.time_of(level, 0, end, start) == pytest.approx(of_motion.t_events[0], rel=1e-7)
+    assert bilinear.time_of(level, 0, end, start) == pytest.approx(motion.t_events[0], rel=1e-7)

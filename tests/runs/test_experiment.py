@@ -39,23 +39,23 @@ def _exact(t):
 
 @pytest.mark.slow
 def test_errors_are_those_against_the_closed_form(pulse):
-    one = pulse.sel(scheme="central_difference", quantity="displacement", periods=3)
-    size = int(np.flatnonzero(one.steps_per_period == 32)[0])
+    scheme_runs = pulse.sel(scheme="central_difference", quantity="displacement", periods=3)
+    size = int(np.flatnonzero(scheme_runs.steps_per_period == 32)[0])
     ds = study.run("pulse", "central_difference", dt=1 / 32, steps=96)
     largest = abs(_exact(np.linspace(0, 3, 100_001))).max()
     expected = abs(ds.u.values - _exact(ds.t.values)).max() / largest
-    assert one.error.values[size] == pytest.approx(expected, rel=1e-4)
-    assert one.force_evaluations.values[size] == ds.steps + 1 and one.step_size.values[size] == 1 / 32
+    assert scheme_runs.error.values[size] == pytest.approx(expected, rel=1e-4)
+    assert scheme_runs.force_evaluations.values[size] == ds.steps + 1 and scheme_runs.step_size.values[size] == 1 / 32
 
 
 def test_the_step_of_two_digits_is_the_largest_that_keeps_the_error(pulse):
     needed = needs(pulse, ERRORS).sel(condition="practice", quantity="displacement", periods=3)
     for name in ("central_difference", "rk4"):
         for allowed in ERRORS:
-            own = pulse.sel(scheme=name, quantity="displacement")
-            tried = own.isel(size=np.flatnonzero(own.tried))
+            scheme_runs = pulse.sel(scheme=name, quantity="displacement")
+            tried = scheme_runs.isel(size=np.flatnonzero(scheme_runs.tried))
             count = needed.steps_per_period.sel(scheme=name, allowed_error=allowed).item()
-            before = [one for one in range(1, int(count)) if two_digits(one) == one][-1]
+            before = [number for number in range(1, int(count)) if two_digits(number) == number][-1]
             coarser = tried.isel(
                 size=np.flatnonzero((tried.steps_per_period >= before) & (tried.steps_per_period < count))
             )
@@ -70,12 +70,12 @@ def test_the_step_of_two_digits_is_the_largest_that_keeps_the_error(pulse):
 def test_a_step_that_a_resonance_favours_is_no_answer(monkeypatch):
     """42 steps of Fox and Goodwin's method in a period of the softening spring err by 0.03 %, and 42.004 by 8.4 %."""
     monkeypatch.setattr(experiment, "time_scale", lambda problem: 1.14187632340189)
-    one = runs("softening", ["fox_goodwin"], [0.01], [100.0], 100.0, 100, 0)
-    error = one.error.sel(scheme="fox_goodwin", quantity="displacement", periods=100)
-    errors = [float(error[abs(one.steps_per_period.values - count).argmin()]) for count in (42, 42 * (1 + BESIDE[0]))]
+    ds = runs("softening", ["fox_goodwin"], [0.01], [100.0], 100.0, 100, 0)
+    error = ds.error.sel(scheme="fox_goodwin", quantity="displacement", periods=100)
+    errors = [float(error[abs(ds.steps_per_period.values - count).argmin()]) for count in (42, 42 * (1 + BESIDE[0]))]
     assert errors[0] < 0.001 and errors[1] == pytest.approx(0.0843, rel=0.01)
-    needed = needs(one, [0.01]).sel(quantity="displacement", condition="practice")
-    assert needed.steps_per_period.item() > 50 and needed.steps_per_period.item() in one.steps_per_period
+    needed = needs(ds, [0.01]).sel(quantity="displacement", condition="practice")
+    assert needed.steps_per_period.item() > 50 and needed.steps_per_period.item() in ds.steps_per_period
 
 
 @pytest.mark.slow
@@ -85,10 +85,10 @@ def test_narrow_resonances_next_to_an_even_number_of_steps_are_found(monkeypatch
     The value is of an independent program. With 29 and 30 steps, and 0.01 % more, the errors are below 10 %.
     """
     monkeypatch.setattr(experiment, "time_scale", lambda problem: 1.14187632340189)
-    one = runs("softening", ["blanes_moan4"], [0.1], [100.0], 100.0, 100, 0)
-    error = one.error.sel(scheme="blanes_moan4", quantity="displacement", periods=100)
-    assert float(error[abs(one.steps_per_period.values - 30.009).argmin()]) == pytest.approx(0.171, rel=0.02)
-    assert needs(one, [0.1]).sel(quantity="displacement", condition="practice").steps_per_period.item() > 30
+    ds = runs("softening", ["blanes_moan4"], [0.1], [100.0], 100.0, 100, 0)
+    error = ds.error.sel(scheme="blanes_moan4", quantity="displacement", periods=100)
+    assert float(error[abs(ds.steps_per_period.values - 30.009).argmin()]) == pytest.approx(0.171, rel=0.02)
+    assert needs(ds, [0.1]).sel(quantity="displacement", condition="practice").steps_per_period.item() > 30
 
 
 def test_a_scheme_that_refuses_a_problem_has_no_value():
@@ -126,7 +126,7 @@ def test_errors_below_the_reference_have_a_verdict():
 
 
 def test_numbers_of_steps_have_two_digits():
-    assert [two_digits(one) for one in (4, 5.66, 11.3, 99.5, 362, 1448)] == [4, 6, 12, 100, 370, 1500]
+    assert [two_digits(number) for number in (4, 5.66, 11.3, 99.5, 362, 1448)] == [4, 6, 12, 100, 370, 1500]
     assert between(8, 12) == [9, 10, 11] and between(91, 130) == [92, 93, 94, 95, 96, 97, 98, 99, 100, 110, 120]
     assert between(0.0, 4) == between(8, float("inf")) == []
     assert 1 in OF_SPACING and min(OF_SPACING) == 1 / 40
@@ -165,7 +165,7 @@ def test_a_free_vibration_also_begins_in_motion():
     """Fox-Goodwin's method is of fourth order from rest, and of second order from any other start."""
     oscillator = study.Problem(lambda u: 4 * np.pi**2 * u, 1.0, potential=lambda u: 2 * np.pi**2 * u**2)
     (starts,) = Motion.of(oscillator, 2.0, 0.1).starts(2, 1.0)
-    energies = [float(one.energy(one.u0, one.v0)) for one in starts.problems]
+    energies = [float(problem.energy(problem.u0, problem.v0)) for problem in starts.problems]
     assert energies[1] == pytest.approx(energies[0], rel=0.02) and len({*energies}) == 3
     # where it is fastest, at the equilibrium, all of the energy grows with the square of the velocity
     assert energies[2] == pytest.approx(1.01**2 * energies[0])
@@ -190,11 +190,11 @@ def test_a_record_decides_among_steps_that_divide_its_spacing_and_other_starts_h
     exact = study.run(other, "rk4", dt=0.001, steps=3000).u.values
     needed = needs(ds, [0.1]).sel(quantity="displacement").isel(scheme=0, periods=0, allowed_error=0)
     for condition, divides in (("practice", 1), ("any_step", None)):
-        one = needed.sel(condition=condition)
-        assert divides is None or one.divides == divides
-        coarse = study.run(other, "average_acceleration", dt=one.step_size.item(), steps=int(3 / one.step_size))
+        need = needed.sel(condition=condition)
+        assert divides is None or need.divides == divides
+        coarse = study.run(other, "average_acceleration", dt=need.step_size.item(), steps=int(3 / need.step_size))
         error = abs(coarse.u.values - np.interp(coarse.t, np.arange(3001) / 1000, exact)).max() / abs(exact).max()
-        assert one.largest_error.item() == pytest.approx(max(error, one.error.item()), rel=1e-3)
+        assert need.largest_error.item() == pytest.approx(max(error, need.error.item()), rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -217,8 +217,8 @@ def test_steps_that_confirm_a_need_are_run_from_all_starts(monkeypatch, kinked, 
     starts = [SimpleNamespace(problems=range(1 + others))]
     ladder: Any = experiment._Ladder(None, motion, starts, 1.0, [1.0], 1.0)
     ladder.search([("displacement", 0.01)], 1000)
-    (found, coarser), _ = ladder.needed([("displacement", 0.01)])
-    assert found == need and coarser < need
+    (count, coarser), _ = ladder.needed([("displacement", 0.01)])
+    assert count == need and coarser < need
 
 
 @pytest.mark.parametrize(("several", "need"), [(True, 54), (False, 50)])
@@ -239,5 +239,5 @@ def test_needs_of_the_whole_motion_and_the_next_finer_steps_are_searched(monkeyp
     starts = [SimpleNamespace(problems=range(1)), SimpleNamespace(problems=range(1))]
     ladder: Any = experiment._Ladder(None, motion, starts, 1.0, [1.0], 1.0)
     ladder.search([("displacement", 0.01)], 1000)
-    (found, _), (whole, _) = ladder.needed([("displacement", 0.01)])
-    assert (found, whole) == (need, 380) and {need, whole} <= {*ladder.varied.steps_per_period}
+    (count, _), (whole, _) = ladder.needed([("displacement", 0.01)])
+    assert (count, whole) == (need, 380) and {need, whole} <= {*ladder.varied.steps_per_period}

@@ -22,8 +22,8 @@ FINE = [[0.2, 0.05, 0.005, 0.0005]] * 3
 
 
 def _steps(needed: xr.Dataset, condition="practice", quantity="displacement") -> np.ndarray:
-    one = needed.sel(condition=condition, quantity=quantity).isel(periods=0)
-    return one.steps_per_period.transpose("scheme", "allowed_error").values
+    case = needed.sel(condition=condition, quantity=quantity).isel(periods=0)
+    return case.steps_per_period.transpose("scheme", "allowed_error").values
 
 
 def test_an_error_that_is_small_by_cancellation_at_one_duration_is_not_kept():
@@ -36,10 +36,10 @@ def test_an_error_that_is_small_by_cancellation_at_one_duration_is_not_kept():
 
 
 def test_another_start_or_a_failed_run_breaks_an_error():
-    one, periods = np.array([0.001]), np.array([10.0])
-    assert keeps(one, np.array([0.009]), periods, 0.01).all()
-    assert not keeps(one, np.array([0.011]), periods, 0.01).any()
-    assert not keeps(one, np.array([np.inf]), periods, 0.01).any()
+    error, periods = np.array([0.001]), np.array([10.0])
+    assert keeps(error, np.array([0.009]), periods, 0.01).all()
+    assert not keeps(error, np.array([0.011]), periods, 0.01).any()
+    assert not keeps(error, np.array([np.inf]), periods, 0.01).any()
     assert not keeps(np.array([NAN]), np.array([NAN]), periods, 0.01).any()
 
 
@@ -71,8 +71,8 @@ def test_only_quantities_and_conditions_that_were_searched_have_needs():
     """Only this test catches needs of the velocity, whose steps are not searched, and bounds without a quantity."""
     assert needs(runs(FINE), [0.1]).quantity.values.tolist() == ["displacement"]
     records = runs(FINE, problem="records").isel(quantity=[0]).assign_coords(quantity=["peak drift"])
-    found = [VERDICTS[k] for k in needs(records, [0.1]).verdict.sel(scheme="cheap", quantity="peak drift").values.flat]
-    assert dict(zip(CONDITIONS, found, strict=True)) == {
+    names = [VERDICTS[k] for k in needs(records, [0.1]).verdict.sel(scheme="cheap", quantity="peak drift").values.flat]
+    assert dict(zip(CONDITIONS, names, strict=True)) == {
         "practice": "found",
         "any_step": "found",
         "whole_motion": "no_value",
@@ -107,20 +107,20 @@ def test_a_step_keeps_a_part_if_the_whole_motion_needs_another_one_or_has_none()
 @pytest.fixture(scope="module")
 def decided():
     other = runs([[0.2, 0.2, 0.05, 0.0005], [0.2, 0.01, 0.01, 0.001], [0.2] * 4], problem="mov")
-    parts = [needs(one, [0.1, 0.01]) for one in (runs(FINE), other)]
+    parts = [needs(ds, [0.1, 0.01]) for ds in (runs(FINE), other)]
     return decisions(with_kinds(joined_needs(parts)))
 
 
 def test_a_decision_is_the_fewest_forces_of_its_kind(decided):
-    one = {"problem": "swing", "quantity": "displacement", "allowed_error": 0.1, "filter": "all"}
-    explicit, implicit = (decided.sel(one | {"kind": kind}) for kind in ("explicit", "implicit"))
+    selection = {"problem": "swing", "quantity": "displacement", "allowed_error": 0.1, "filter": "all"}
+    explicit, implicit = (decided.sel(selection | {"kind": kind}) for kind in ("explicit", "implicit"))
     assert (explicit.scheme, implicit.scheme, implicit.scheme_title) == ("cheap", "stiff", "Stiff")
     assert explicit.steps_per_period == 16 and explicit.force_evaluations * explicit.time_scale == 16
-    assert decided.sel(one | {"filter": "codes", "kind": "explicit"}).scheme == "dear"
+    assert decided.sel(selection | {"filter": "codes", "kind": "explicit"}).scheme == "dear"
     # 32 steps of one force and 16 of two tie, and the smaller error decides
-    tied = decided.sel(one | {"problem": "mov", "kind": "explicit"})
+    tied = decided.sel(selection | {"problem": "mov", "kind": "explicit"})
     assert tied.scheme == "dear" and tied.ties == 2
-    nobody = decided.sel(one | {"problem": "mov", "kind": "implicit"})
+    nobody = decided.sel(selection | {"problem": "mov", "kind": "implicit"})
     assert nobody.scheme == "" and np.isnan(nobody.step_size)
     assert VERDICTS[nobody.verdict.item()] == "not_even_the_finest_step"
 
@@ -132,8 +132,8 @@ def test_computing_time_decides_for_many_unknowns():
     needed["seconds"] = needed.seconds.fillna(xr.DataArray([3.0, 2.0, 1.0], dims="scheme"))
     decided = decisions(with_kinds(needed)).sel(quantity="displacement", kind="explicit", filter="all")
     assert decided.scheme.squeeze().values.tolist() == ["cheap", "dear"]
-    one = with_kinds(needed).sel(condition="practice", quantity="displacement").squeeze("allowed_error")
-    assert [ranked(one.isel(problem=k)) for k in (0, 1)] == [["cheap", "dear", "stiff"], ["stiff", "dear", "cheap"]]
+    ordered = with_kinds(needed).sel(condition="practice", quantity="displacement").squeeze("allowed_error")
+    assert [ranked(ordered.isel(problem=k)) for k in (0, 1)] == [["cheap", "dear", "stiff"], ["stiff", "dear", "cheap"]]
 
 
 def test_of_two_kinds_that_tie_the_more_accurate_one_is_first():
@@ -142,8 +142,8 @@ def test_of_two_kinds_that_tie_the_more_accurate_one_is_first():
     needed = needed.squeeze(["problem", "allowed_error"])
     forces = xr.DataArray([100.0, 150.0, 105.0], dims="scheme")
     for error, first in (([0.05, 0.01, 0.02], "stiff"), ([0.02, 0.01, 0.05], "cheap")):
-        made = needed.assign(force_evaluations=forces, error=("scheme", error), largest_error=("scheme", error))
-        assert ranked(made)[0] == first
+        variant = needed.assign(force_evaluations=forces, error=("scheme", error), largest_error=("scheme", error))
+        assert ranked(variant)[0] == first
 
 
 def test_a_scheme_dominates_if_it_is_worse_in_nothing_and_better_in_something():

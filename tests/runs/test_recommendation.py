@@ -128,12 +128,12 @@ def test_a_problem_of_the_study_has_the_decisions_as_its_first_rows(tmp_path):
     for quantity, error in (("displacement", 0.1), ("displacement", 0.01)):
         table = study.recommend("softening", allowed_error=error, quantity=quantity, folder=tmp_path)
         for kind in ("explicit", "implicit"):
-            one = decided.sel(quantity=quantity, allowed_error=error, kind=kind)
+            decision = decided.sel(quantity=quantity, allowed_error=error, kind=kind)
             first = table[table.kind == kind].iloc[0]
             assert (first.name, first.step_size, first.force_evaluations_per_time) == (
-                one.scheme.item(),
-                one.step_size.item(),
-                one.force_evaluations.item(),
+                decision.scheme.item(),
+                decision.step_size.item(),
+                decision.force_evaluations.item(),
             )
     # 16 steps of one force and 8 of two tie, and the names stand in the order of their needs
     table = study.recommend("softening", allowed_error=0.1, folder=tmp_path)

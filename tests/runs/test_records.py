@@ -43,16 +43,16 @@ def test_steps_lie_close_together_and_commensurate_ones_are_whole_parts_and_mult
 
 
 @pytest.fixture
-def found(reference, monkeypatch):
+def ds(reference, monkeypatch):
     monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     schemes = ["average_acceleration", "energy_momentum"]
     return spectrum(RECORDS, PERIODS, REDUCTIONS, DURATION, schemes, 0.1, 0.0025, 0.01)[0]
 
 
 @pytest.mark.slow
-def test_the_step_that_is_needed_keeps_the_error_as_all_finer_ones(found):
-    assert found.largest_step_size.sel(scheme="energy_momentum").isnull().all()  # the force dissipates
-    ours = found.sel(scheme="average_acceleration")
+def test_the_step_that_is_needed_keeps_the_error_as_all_finer_ones(ds):
+    assert ds.largest_step_size.sel(scheme="energy_momentum").isnull().all()  # the force dissipates
+    ours = ds.sel(scheme="average_acceleration")
     assert ours.largest_step_size.notnull().all() and (ours.factorisations_per_step >= 1).all()
     for condition, some in (("any_step", ours), ("practice", ours.isel(step_size=np.flatnonzero(ours.divides)))):
         fine = some.step_size <= some.largest_step_size.sel(condition=condition)
@@ -65,8 +65,8 @@ def test_the_step_that_is_needed_keeps_the_error_as_all_finer_ones(found):
     assert float(ratio.median()) > 10
 
 
-def test_a_lane_is_the_run_of_its_record_period_and_strength(found, reference):
-    ours = found.sel(scheme="average_acceleration").isel(step_size=7)
+def test_a_lane_is_the_run_of_its_record_period_and_strength(ds, reference):
+    ours = ds.sel(scheme="average_acceleration").isel(step_size=7)
     for at in ({"record": 0, "period": 1, "reduction": 0}, {"record": 1, "period": 0, "reduction": 1}):
         known = reference.isel(at)
         alone = _peak(known, "average_acceleration", float(ours.step_size))
