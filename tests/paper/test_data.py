@@ -17,10 +17,10 @@ def test_a_ripple_of_the_amplitude_is_no_loss():
         {"amplitude_decay": (("scheme", "steps_per_period", "periods"), per_period)},
         {"steps_per_period": steps, "periods": [3, 100]},
     )
-    found = loss_of_amplitude(errors, 3, 100).values
-    np.testing.assert_allclose(found[0], loss)
-    assert np.isnan(found[1]).all()
-    np.testing.assert_array_equal(np.isnan(found[2]), steps < 30)
+    losses = loss_of_amplitude(errors, 3, 100).values
+    np.testing.assert_allclose(losses[0], loss)
+    assert np.isnan(losses[1]).all()
+    np.testing.assert_array_equal(np.isnan(losses[2]), steps < 30)
 
 
 def test_chosen_schemes_come_in_the_order_of_the_choice_or_the_first_ones_stand_in():

@@ -35,8 +35,8 @@ def test_what_is_missing_is_named_with_its_line(tmp_path, kind, name, line):
     there = uses(SOURCE)
     for folder, suffix, names in (("figures", "pdf", there["figure"]), ("tables", "csv", there["table"])):
         (tmp_path / folder).mkdir()
-        for one in names:
-            (tmp_path / folder / f"{one}.{suffix}").touch()
+        for stem in names:
+            (tmp_path / folder / f"{stem}.{suffix}").touch()
     (tmp_path / "numbers.json").write_text(json.dumps(there["number"]))
     check_uses(tmp_path / "article.typ", tmp_path)
     if kind == "number":
@@ -54,10 +54,10 @@ def test_the_files_of_figures_and_tables_have_their_numbers(tmp_path):
         '#tabular(ruled(symbols))[C.] <c>\n\nOf #limits-of(table-of("needs")).\n'
         '#pair(picture("one")[], picture("two")[])'
     )
-    of_figures = [("Figure S1", "atlas"), ("Figure S2", "one"), ("Figure S3", "two")]
-    found = numbered(text)
-    assert [one for one in found if one[0].startswith("Figure")] == of_figures
-    assert [one for one in found if one[0].startswith("Table")] == [("Table S1", "orders"), ("Table S2", "")]
+    figures = [("Figure S1", "atlas"), ("Figure S2", "one"), ("Figure S3", "two")]
+    entries = numbered(text)
+    assert [entry for entry in entries if entry[0].startswith("Figure")] == figures
+    assert [entry for entry in entries if entry[0].startswith("Table")] == [("Table S1", "orders"), ("Table S2", "")]
 
 
 def _used(kind):

@@ -167,8 +167,8 @@ def test_a_figure_is_one_new_file(tmp_path):
         "print(*[(p.module, p.caption, p.files, p.requires) for p in discover() if p.name == 'own'])"
     )
     environment = {"PYTHONPATH": f"{tmp_path}:{CONFIG.parent}", "PATH": ""}
-    found = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True)
-    assert found.stdout.strip() == "('paper.figures.own', 'Own.', ['own.nc'], {'own.steps': [3]})", found.stderr
+    result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert result.stdout.strip() == "('paper.figures.own', 'Own.', ['own.nc'], {'own.steps': [3]})", result.stderr
     command = [sys.executable, "-m", "paper.products", "paper.figures.own", "own", ".", "own.pdf"]
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

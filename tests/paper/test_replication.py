@@ -22,8 +22,8 @@ dates article journal
 def test_the_metadata_have_the_form_of_the_template():
     assert list(ABOUT) == KEYS.split()
     assert ABOUT["title"] == f"[Re] {CITATION['references'][0]['title']}" and ABOUT["type"] == "Replication"
-    assert [one["name"] for one in ABOUT["authors"]] == [one["name"] for one in CITATION["authors"]]
-    replicated = {key: value for one in ABOUT["replication"] for key, value in one.items()}
+    assert [author["name"] for author in ABOUT["authors"]] == [author["name"] for author in CITATION["authors"]]
+    replicated = {key: value for entry in ABOUT["replication"] for key, value in entry.items()}
     assert replicated["doi"] == CITATION["references"][0]["doi"]
     assert f"{{{replicated['bib']}," in (LAYOUT.parent / ABOUT["bibliography"]).read_text()
 

@@ -8,7 +8,7 @@ from paper.published import PROBLEMS, SCHEMES, STEPS
 
 def filled(value, **coordinates) -> xr.DataArray:
     """Array with one value everywhere, on the given coordinates."""
-    return xr.DataArray(np.full([len(one) for one in coordinates.values()], value), coordinates, list(coordinates))
+    return xr.DataArray(np.full([len(axis) for axis in coordinates.values()], value), coordinates, list(coordinates))
 
 
 def energy_error(order=2.0, **errors) -> xr.Dataset:
@@ -34,9 +34,9 @@ def accuracy(energy=1.0, displacement=1.0, drift=0.0) -> xr.Dataset:
     return xr.Dataset({name: filled(value, **along) for name, value in values.items()})
 
 
-def times(**of_schemes) -> xr.Dataset:
+def times(**scheme_times) -> xr.Dataset:
     """A dataset like cpu_time.nc with four repeats; other schemes than the given ones take 10 ns a step."""
     time = filled(10.0, problem=PROBLEMS, scheme=SCHEMES, repeat=[0, 1, 2, 3])
-    for scheme, values in of_schemes.items():
+    for scheme, values in scheme_times.items():
         time.loc[{"scheme": scheme}] = np.broadcast_to(values, (len(PROBLEMS), 4))
     return time.to_dataset(name="seconds_per_step")

@@ -157,14 +157,14 @@ def test_tongues_are_closed_where_their_edges_are_missing(closed, holds, reason)
 
 
 @pytest.mark.parametrize(
-    "failing, holds, found",
+    "failing, holds, thresholds",
     [
         ({"average_acceleration": [10, 40], "implicit_midpoint": [20]}, True, ["40", "20", "none"]),
         ({"average_acceleration": [10], "implicit_midpoint": [20], "energy_momentum": [10]}, False, ["10", "20", "10"]),
         ({"average_acceleration": [10]}, False, ["10", "none", "none"]),
     ],
 )
-def test_failures_of_rotating_structures_are_thresholds(failing, holds, found):
+def test_failures_of_rotating_structures_are_thresholds(failing, holds, thresholds):
     names = ["average_acceleration", "implicit_midpoint", "energy_momentum"]
     along = {"problem": ["elastic_pendulum", "fpu_chain"], "steps_per_period": [10, 20, 40, 80]}
     imbalance = filled(0.0, scheme=names, **along)
@@ -176,4 +176,4 @@ def test_failures_of_rotating_structures_are_thresholds(failing, holds, found):
         xr.Dataset({"max_energy_imbalance": imbalance, "status": status}).assign_coords(scheme_title=("scheme", names))
     )
     assert finding.holds == holds
-    assert [part.rpartition(": ")[2] for part in finding.ours.split("; ")] == found
+    assert [part.rpartition(": ")[2] for part in finding.ours.split("; ")] == thresholds

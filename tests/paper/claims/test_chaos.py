@@ -75,9 +75,9 @@ def test_exponents_add_up_or_numerical_damping_adds_to_them():
     data = _chaos()
     assert claims.exponents_add_up(data).holds
     data["contraction"][0, 1, -1] = 0.1
-    found = claims.exponents_add_up(data)
-    assert not found.holds and found.qualification == f"numerical damping adds to it with {SCHEMES[1]}"
-    assert "2.00" in found.ours
+    finding = claims.exponents_add_up(data)
+    assert not finding.holds and finding.qualification == f"numerical damping adds to it with {SCHEMES[1]}"
+    assert "2.00" in finding.ours
 
 
 def test_finer_steps_keep_chaos_or_not():

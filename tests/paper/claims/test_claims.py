@@ -20,11 +20,11 @@ def test_the_ledger_is_whole():
 
 def test_the_paper_is_quoted_in_short_and_nobody_else():
     discover(["claims"])
-    for one in CLAIMS:
-        assert (one.whose == XIE) == (one.section not in OURS), one.statement
-        assert 8 < len(one.words) <= 150 if one.whose == XIE else not one.words, one.statement
-    assert len({one.words for one in CLAIMS if one.words}) == sum(one.whose == XIE for one in CLAIMS)
-    assert {one.whose for one in CLAIMS} >= {"Xie", "Xie, extended", "practice", "this study"}
+    for entry in CLAIMS:
+        assert (entry.whose == XIE) == (entry.section not in OURS), entry.statement
+        assert 8 < len(entry.words) <= 150 if entry.whose == XIE else not entry.words, entry.statement
+    assert len({entry.words for entry in CLAIMS if entry.words}) == sum(entry.whose == XIE for entry in CLAIMS)
+    assert {entry.whose for entry in CLAIMS} >= {"Xie", "Xie, extended", "practice", "this study"}
 
 
 @pytest.fixture
@@ -107,8 +107,8 @@ def test_a_claim_follows_the_data():
     chosen = xr.DataArray([["bathe", "newmark_dissipative"]], dims=("problem", "allowed_error"))
     coords = {"problem": ["yielding"], "allowed_error": [0.01, 0.1]}
     both = chosen.expand_dims(filter=["all"], quantity=["displacement"], kind=["implicit"]).assign_coords(coords)
-    of_1996, elsewhere = energy_error(newmark_dissipative=10.1), both.to_dataset(name="scheme")
-    claimed = conclusions.newmark_should_never_be_used(of_1996, elsewhere)
+    errors, elsewhere = energy_error(newmark_dissipative=10.1), both.to_dataset(name="scheme")
+    claimed = conclusions.newmark_should_never_be_used(errors, elsewhere)
     assert claimed.holds and claimed.qualification.endswith("for an error of 10 % on the yielding")
     claimed = conclusions.newmark_should_never_be_used(energy_error(newmark_dissipative=9.9), elsewhere)
     assert not claimed.holds

@@ -95,5 +95,5 @@ def test_the_springs_agree_where_they_rank_the_schemes_alike(ranks, correlation,
 def test_a_printed_error_is_reproduced_to_its_digit(error, holds):
     from paper.claims.ledger import CLAIMS
 
-    (entered,) = (one for one in CLAIMS if one.printed == "39.5 %" and one.section == "3.1")
+    (entered,) = (claim for claim in CLAIMS if claim.printed == "39.5 %" and claim.section == "3.1")
     assert entered.product.function(energy_error=energy_error(newmark_dissipative=error)).holds == holds

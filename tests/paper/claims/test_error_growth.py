@@ -27,8 +27,8 @@ def _growth(kept=1.0, lost=2.0, error=0.09):
 
 
 def test_the_phase_error_grows_with_the_law_or_not():
-    found = claims.phase_error_grows(_growth())
-    assert found.holds and found.ours == "1.00 and 2.00"
+    finding = claims.phase_error_grows(_growth())
+    assert finding.holds and finding.ours == "1.00 and 2.00"
     assert (
         not claims.phase_error_grows(_growth(kept=1.5)).holds and not claims.phase_error_grows(_growth(lost=1.0)).holds
     )

@@ -28,8 +28,8 @@ def _later(**parts):
             data[name][:] = values
             continue
         first = data[name].dims[0]
-        for one, value in values.items():
-            data[name].loc[{first: one}] = value
+        for label, value in values.items():
+            data[name].loc[{first: label}] = value
     return data
 
 
@@ -48,7 +48,7 @@ def _reality(scheme, **orders):
 
 def _spectral(**powers):
     """A dataset like spectral.nc, with the given power of growth of u from v for each scheme; other powers are zero."""
-    names = [f"growth_{one}_from_{start}" for one in "uv" for start in "uv"]
+    names = [f"growth_{variable}_from_{start}" for variable in "uv" for start in "uv"]
     along = {"scheme": list(powers), "damping_ratio": [0.0]}
     data = xr.Dataset({name: filled(0.0, **along) for name in [*names, "linear_order"]})
     for scheme, power in powers.items():
@@ -188,9 +188,9 @@ def _relaxation(plain, relaxed):
 
 
 def test_relaxation_in_motion():
-    of_fourth, of_second = 1.0 / np.array([20, 100, 200.0]) ** 4, 1.0 / np.array([20, 100, 200.0]) ** 2
-    assert claims.order_with_relaxation(_relaxation(1.0, of_fourth)).holds
-    assert not claims.order_with_relaxation(_relaxation(1.0, of_second)).holds
+    fourth_order, second_order = 1.0 / np.array([20, 100, 200.0]) ** 4, 1.0 / np.array([20, 100, 200.0]) ** 2
+    assert claims.order_with_relaxation(_relaxation(1.0, fourth_order)).holds
+    assert not claims.order_with_relaxation(_relaxation(1.0, second_order)).holds
     assert not claims.motion_with_relaxation(_relaxation(1.0, 2.0)).holds
-    everywhere, mostly = (claims.motion_with_relaxation(_relaxation(1.0, one)) for one in (0.5, [2.0, 0.5, 0.5]))
+    everywhere, mostly = (claims.motion_with_relaxation(_relaxation(1.0, error)) for error in (0.5, [2.0, 0.5, 0.5]))
     assert everywhere.holds and not everywhere.qualification and mostly.holds and mostly.qualification

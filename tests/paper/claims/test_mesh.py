@@ -20,9 +20,9 @@ def _mesh(seconds, ratios=(20.0, 200.0, 2000.0)):
 
 @pytest.mark.parametrize("crossover, holds", [(100, True), (10, False), (1000, False)])
 def test_the_mesh_a_hundred_times_the_motion_or_not(crossover, holds):
-    found = claims.hundred_times_the_motion(_mesh(crossover))
-    assert found.holds == holds and found.ours == f"meshes: {crossover:,}"
-    assert bool(found.qualification) != holds
+    finding = claims.hundred_times_the_motion(_mesh(crossover))
+    assert finding.holds == holds and finding.ours == f"meshes: {crossover:,}"
+    assert bool(finding.qualification) != holds
 
 
 def test_crossovers_are_those_of_all_cases_that_have_one():

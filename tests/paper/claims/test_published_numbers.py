@@ -20,8 +20,8 @@ def _errors(error):
 
 
 def test_central_difference_is_exact_or_not():
-    found = claims.exact_on_a_bar(_errors([np.nan, 0.0, 1e-3]))
-    assert found.holds and found.ours == "0 at 128"
+    finding = claims.exact_on_a_bar(_errors([np.nan, 0.0, 1e-3]))
+    assert finding.holds and finding.ours == "0 at 128"
     missed = claims.exact_on_a_bar(_errors([np.nan, 1e-3, 1e-4]))
     assert not missed.holds and missed.qualification
     assert not claims.exact_on_a_bar(_errors(np.nan)).holds
@@ -44,10 +44,10 @@ def test_control_needs_fewer_steps_or_not():
 
 
 def test_the_step_of_an_implicit_scheme_is_bound_or_not():
-    found = claims.beyond_the_fastest_time(_errors([np.nan, 1.0, 1e-3]))
-    assert not found.holds and found.ours == "1" and found.qualification
-    found = claims.beyond_the_fastest_time(_errors([1e-2, 1e-3, 1e-4]))
-    assert found.holds
+    finding = claims.beyond_the_fastest_time(_errors([np.nan, 1.0, 1e-3]))
+    assert not finding.holds and finding.ours == "1" and finding.qualification
+    finding = claims.beyond_the_fastest_time(_errors([1e-2, 1e-3, 1e-4]))
+    assert finding.holds
     assert not claims.beyond_the_fastest_time(_errors(np.nan)).holds
 
 

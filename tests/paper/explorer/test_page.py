@@ -51,10 +51,10 @@ def datasets():
         "flag_explanations": "; ".join("meant" for _ in OUTCOME_STYLES),
     }
     outcome = random.integers(0, len(OUTCOME_STYLES), shape).astype(np.int8)
-    of_scheme = {"scheme_title": TITLES, "explicit": EXPLICIT, "forces_per_step": [0, 1, 4, 0, 0, 0]}
+    scheme_coordinates = {"scheme_title": TITLES, "explicit": EXPLICIT, "forces_per_step": [0, 1, 4, 0, 0, 0]}
     atlas = xr.Dataset(
         {"outcome": (cell, outcome, stated)} | {name: (cell, values) for name, values in errors.items()},
-        {name: ("scheme", values) for name, values in of_scheme.items()}
+        {name: ("scheme", values) for name, values in scheme_coordinates.items()}
         | {
             "scheme": SCHEMES,
             "forces_per_iteration": ("scheme", [1, 0, 0, 1, 1, 1]),
@@ -76,13 +76,13 @@ def datasets():
         xr.Dataset({"u": (("scheme", "t"), [[u0]]), "step_size": dt}, attrs={"problem": name})
         for name, (u0, dt) in runs.items()
     ]
-    of_runs = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2] * 4]
-    decided = decisions(with_kinds(joined_needs([needs(made_up(of_runs, "hardening"), [0.1, 0.01])])))
+    run_errors = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2] * 4]
+    decided = decisions(with_kinds(joined_needs([needs(made_up(run_errors, "hardening"), [0.1, 0.01])])))
     decided.verdict.attrs = ATTRIBUTES["verdict"]
     return {"atlas": [atlas], "cases": cases, "decisions": [decided]}
 
 
-def _made(datasets, folder):
+def _page_file(datasets, folder):
     """Path of the page, made by the command of the pipeline."""
     product = PRODUCTS["page", "explorer"]
     for argument, names in product.reads.items():
@@ -97,7 +97,7 @@ def _made(datasets, folder):
 
 @pytest.fixture(scope="module")
 def page(datasets, tmp_path_factory):
-    return _made(datasets, tmp_path_factory.mktemp("page"))
+    return _page_file(datasets, tmp_path_factory.mktemp("page"))
 
 
 def _open(browser, page, address="", width=800):
@@ -146,15 +146,15 @@ def test_it_opens_on_a_plain_run_at_every_width(browser, page, width):
     )
     assert "Average acceleration, Central difference" in browser.title and "hardening spring" in browser.title
     sides = [browser.find_elements("css selector", f"[data-side='{side}']") for side in (0, 1)]
-    assert [one.is_displayed() for side in sides for one in side] == [True, True, width > 640, width > 640]
+    assert [element.is_displayed() for side in sides for element in side] == [True, True, width > 640, width > 640]
     tops = {side[0].rect["y"] for side in sides}
     if width > 640:
         assert len(tops) == 1
     else:  # a narrow screen shows one side, which a switch chooses
         browser.find_element("css selector", "label[for='side1']").click()
-        assert [one.is_displayed() for side in sides for one in side] == [False, False, True, True]
-    for one in sides[1]:
-        assert one.rect["width"] > 0.4 * min(width, 1500)
+        assert [element.is_displayed() for side in sides for element in side] == [False, False, True, True]
+    for element in sides[1]:
+        assert element.rect["width"] > 0.4 * min(width, 1500)
     assert _text(browser, ".run[data-side='1']").startswith("u₀ = 1.5, Δt = 0.00758 = T/20")
     check_page(browser)
 
@@ -166,8 +166,8 @@ def test_the_largest_safe_step_of_every_scheme_is_listed_best_first(browser, pag
     for rows, explicit in zip(tables, (0, 1), strict=True):
         steps = {}
         for title, name, kind in zip(TITLES, SCHEMES, EXPLICIT, strict=True):
-            one = atlas.sel(scheme=name, problem="softening").isel(amplitude=5)
-            good = [max(e, p) <= 0.1 for e, p in zip(one.max_energy_error, one.period_error, strict=True)]
+            scheme_map = atlas.sel(scheme=name, problem="softening").isel(amplitude=5)
+            good = [max(e, p) <= 0.1 for e, p in zip(scheme_map.max_energy_error, scheme_map.period_error, strict=True)]
             if kind == explicit:
                 steps[title] = STEPS[good.index(False) - 1] if good[0] else 0.0
         assert [row[0] for row in rows] == sorted(steps, key=steps.__getitem__, reverse=True)
@@ -209,8 +209,8 @@ def test_a_click_or_tap_chooses_a_run(browser, page, datasets, width, kind):
     # the middle of the second cell from the right, and of the third from below
     _click(browser, 6.5 / 8, 2.5 / 13, kind)
     assert _cell(_address(browser)) == pytest.approx([AMPLITUDES[2], STEPS[6]], rel=1e-3)
-    one = atlas.isel(amplitude=2, step_size_over_period=6).sel(scheme="average_acceleration", problem="hardening")
-    label, _ = list(OUTCOME_STYLES.values())[one.outcome.item()]
+    cell = atlas.isel(amplitude=2, step_size_over_period=6).sel(scheme="average_acceleration", problem="hardening")
+    label, _ = list(OUTCOME_STYLES.values())[cell.outcome.item()]
     assert _text(browser, ".run [data-class]") == f"{label}: meant"
     shown = _text(browser, ".run")
     # the address of the run opens the same run
@@ -275,7 +275,7 @@ def test_the_page_leads_to_the_site_in_one_place(page):
 
 
 def test_the_same_data_gives_the_same_page(datasets, page, tmp_path):
-    assert _made(datasets, tmp_path).read_bytes() == page.read_bytes()
+    assert _page_file(datasets, tmp_path).read_bytes() == page.read_bytes()
 
 
 def test_a_large_map_is_thinned(datasets):

@@ -61,8 +61,8 @@ def test_a_scheme_marches_as_in_the_study(runs, problem):
 def test_a_step_at_which_newton_fails_is_taken_as_in_the_study(scheme):
     run = study.run("softening", scheme, dt=1.1, steps=20)
     assert run.newton_restarts > 0
-    found = _computed(f"march(SPRINGS.softening, SCHEMES.{scheme}, 4, 1.1, 20).u")
-    assert abs(np.array(found) - run.u.values).max() < 1e-9 * abs(run.u).max()
+    displacements = _computed(f"march(SPRINGS.softening, SCHEMES.{scheme}, 4, 1.1, 20).u")
+    assert abs(np.array(displacements) - run.u.values).max() < 1e-9 * abs(run.u).max()
 
 
 def test_a_run_ends_where_it_leaves_all_bounds():
@@ -79,9 +79,9 @@ def test_springs_and_their_periods_are_exact():
     periods = _computed(
         f"Object.entries({json.dumps(starts)}).map(([name, u0]) => u0.map((u) => periodOf(SPRINGS[name], u)))"
     )
-    for (problem, u0), found in zip(starts.items(), periods, strict=True):
-        exact = [float(closed_form.period(study.problems[problem], one, 20)) for one in u0]
-        np.testing.assert_allclose(found, exact, rtol=1e-9)
+    for (problem, u0), computed in zip(starts.items(), periods, strict=True):
+        exact = [float(closed_form.period(study.problems[problem], start, 20)) for start in u0]
+        np.testing.assert_allclose(computed, exact, rtol=1e-9)
 
 
 def test_a_balance_is_found_however_far_off_the_guess():
@@ -95,5 +95,5 @@ def test_a_balance_is_found_however_far_off_the_guess():
 @pytest.mark.slow
 def test_the_period_of_a_run_is_that_of_its_passages():
     run = study.run("softening", "rk4", dt=0.06, steps=1000, observe=[Oscillations(0.0)])
-    found = _computed("meanPeriod(march(SPRINGS.softening, SCHEMES.rk4, 4, 0.06, 1000), 0)")
-    assert found == pytest.approx(run.mean_period.item(), rel=1e-6)
+    period = _computed("meanPeriod(march(SPRINGS.softening, SCHEMES.rk4, 4, 0.06, 1000), 0)")
+    assert period == pytest.approx(run.mean_period.item(), rel=1e-6)

@@ -47,16 +47,16 @@ def printed(figure: Figure) -> list[Printed]:
     """All texts that are drawn, without hidden texts such as labels of ticks outside the limits."""
     figure.dpi = 72
     figure.draw_without_rendering()
-    found = []
+    texts = []
 
     def draw(text, renderer, *args, **kwargs):
         # the box of an annotation is that of its words, without the arrow
         if text.get_visible() and text.get_text().strip():
-            found.append(Printed(text.get_text(), _smallest(text), Text.get_window_extent(text, renderer)))
+            texts.append(Printed(text.get_text(), _smallest(text), Text.get_window_extent(text, renderer)))
 
     with mock.patch.object(Text, "draw", draw):
         figure.draw_without_rendering()
-    return found
+    return texts
 
 
 def curves(axes: Axes) -> int:
@@ -69,7 +69,7 @@ def curves(axes: Axes) -> int:
     )
 
 
-def _of_code(words: str) -> bool:
+def _has_code(words: str) -> bool:
     """Whether a text has code outside formulas: an underscore, ``nan``, ``None``, ``inf``, or a number like 5e-05."""
     outside = re.sub(r"\$[^$]*\$", "", words)
     return bool(re.search(r"_|\b(nan|None|inf)\b|\de[-−+]?\d", outside))
@@ -78,22 +78,22 @@ def _of_code(words: str) -> bool:
 def faults(figure: Figure) -> list[str]:
     """Sentences on faults of a figure: wrong size, texts that are too small, contain code, are cut off or overlap."""
     width, height = figure.get_size_inches() * 2.54
-    found = (
+    messages = (
         [] if min(abs(width - COLUMN), abs(width - PAGE)) < 0.01 else [f"{width:.1f} cm is no width of the manuscript"]
     )
-    found += [f"{height:.1f} cm is too high"] if height > TALLEST else []
+    messages += [f"{height:.1f} cm is too high"] if height > TALLEST else []
     texts = printed(figure)
     page = figure.bbox.padded(1)
     for text in texts:
-        found += [f"'{text.words}' has {text.size:.3g} pt"] if text.size < SMALLEST - 1e-6 else []
-        found += [f"'{text.words}' is of code"] if _of_code(text.words) else []
+        messages += [f"'{text.words}' has {text.size:.3g} pt"] if text.size < SMALLEST - 1e-6 else []
+        messages += [f"'{text.words}' is of code"] if _has_code(text.words) else []
         inside = page.contains(*text.place.min) and page.contains(*text.place.max)
-        found += [] if inside else [f"'{text.words}' is cut off at {np.round(text.place.extents)} of {page.extents}"]
-    for one, other in itertools.combinations(texts, 2):
-        shared = Bbox.intersection(one.place, other.place)
+        messages += [] if inside else [f"'{text.words}' is cut off at {np.round(text.place.extents)} of {page.extents}"]
+    for text, other in itertools.combinations(texts, 2):
+        shared = Bbox.intersection(text.place, other.place)
         if shared is not None and min(shared.width, shared.height) > SHARED:
-            found.append(f"'{one.words}' and '{other.words}' overlap")
-    return found
+            messages.append(f"'{text.words}' and '{other.words}' overlap")
+    return messages
 
 
 def crowded(figure: Figure) -> list[str]:
@@ -107,12 +107,12 @@ def faults_of_all(results: Path, article: Collection[str] = ()) -> dict[str, lis
 
     Figures of the ``article`` have a limited number of curves in each panel.
     """
-    read, found = reader(results), {}
+    read, faults_by_figure = reader(results), {}
     for product in discover(["figures"]):
         if product.kind == "figure":
             picture = content_of(product, read)
-            found[product.name] = faults(picture)
+            faults_by_figure[product.name] = faults(picture)
             if product.name in article:
-                found[product.name] += crowded(picture)
+                faults_by_figure[product.name] += crowded(picture)
             plt.close(picture)
-    return {name: sentences for name, sentences in found.items() if sentences}
+    return {name: sentences for name, sentences in faults_by_figure.items() if sentences}

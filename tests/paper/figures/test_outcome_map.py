@@ -18,13 +18,13 @@ def test_styles_stand_in_the_order_of_the_outcomes():
 def test_every_cell_is_drawn_in_its_place():
     amplitudes, parts = np.logspace(-1.5, 1.5, 12), np.logspace(-2, 0, 8)
     outcome = np.random.default_rng(0).integers(0, len(OUTCOME_STYLES), (12, 8))
-    ones = ("amplitude", np.ones(12))
-    one = xr.Dataset(
-        {"outcome": (("amplitude", "step_size_over_period"), outcome), "highest_frequency": ones, "period": ones},
+    unit = ("amplitude", np.ones(12))
+    ds = xr.Dataset(
+        {"outcome": (("amplitude", "step_size_over_period"), outcome), "highest_frequency": unit, "period": unit},
         {"amplitude": amplitudes, "step_size_over_period": parts},
     )
     figure, ax = plt.subplots(dpi=100)
-    outcome_map(ax, one.assign_coords(scheme_title="Bathe", problem_title="spring"), np.inf)
+    outcome_map(ax, ds.assign_coords(scheme_title="Bathe", problem_title="spring"), np.inf)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     drawn = np.asarray(canvas.buffer_rgba())[::-1, :, :3]

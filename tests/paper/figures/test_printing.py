@@ -42,7 +42,7 @@ def test_a_fault_is_found(picture, words, options, fault):
     figure, ax = picture
     place = {"x": 0.1, "y": 0.2} | options
     ax.text(s=words, transform=ax.transAxes, in_layout=False, **place)
-    assert any(fault in one for one in faults(figure))
+    assert any(fault in sentence for sentence in faults(figure))
 
 
 def test_ticks_that_collide_are_found(picture):
@@ -55,7 +55,7 @@ def test_ticks_that_collide_are_found(picture):
 def test_sizes_are_those_of_the_manuscript(picture, width, height, fault):
     figure, _ = picture
     figure.set_size_inches(width / 2.54, height / 2.54)
-    assert any(fault in one for one in faults(figure))
+    assert any(fault in sentence for sentence in faults(figure))
 
 
 def test_a_panel_of_the_article_has_six_curves(picture):

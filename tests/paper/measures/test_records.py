@@ -16,14 +16,14 @@ def _errors(load=0.0, averaged=0.0):
     """Errors of second order, with a part of the load at steps that do not divide."""
     ratio, spacing = np.array([0.25, 0.5, 1.0, 0.4, 0.6, 0.75]), np.array([0.01, 0.02])
     step = ratio * spacing[:, None]
-    passes, own = np.array([0, 0, 0, 1, 1, 1]), step[:, None] ** 2 * np.array([5.0, 20.0])[:, None]
+    passes, period_error = np.array([0, 0, 0, 1, 1, 1]), step[:, None] ** 2 * np.array([5.0, 20.0])[:, None]
     shape = ("scheme", "record", "period", "ratio")
-    error = np.stack([own + load * passes, own + averaged * passes], axis=-1)
+    error = np.stack([period_error + load * passes, period_error + averaged * passes], axis=-1)
     return xr.Dataset(
         {
             "error": ((*shape, "load"), error[None]),
-            "of_period": (shape, own[None]),
-            "of_load": (shape, (0 * own + load * passes)[None]),
+            "of_period": (shape, period_error[None]),
+            "of_load": (shape, (0 * period_error + load * passes)[None]),
             "power_above": (("record", "ratio"), step),
         },
         {
@@ -37,10 +37,10 @@ def _errors(load=0.0, averaged=0.0):
 
 
 def test_a_power_law_has_its_order_and_no_scatter():
-    one = _errors().isel(scheme=0)
-    assert scatter(one, predicted(one)) == pytest.approx(0, abs=1e-12)
-    assert scatter(one, one.power_above) > 0.2
-    assert order(one, "samples", True) == pytest.approx(2)
+    errors = _errors().isel(scheme=0)
+    assert scatter(errors, predicted(errors)) == pytest.approx(0, abs=1e-12)
+    assert scatter(errors, errors.power_above) > 0.2
+    assert order(errors, "samples", True) == pytest.approx(2)
     assert order(_errors(load=0.1).isel(scheme=0), "samples", False) < 0.2
 
 
@@ -123,8 +123,8 @@ def test_the_coarsest_step_and_all_finer_ones_move_the_median_less_than_damping(
     values = np.array([1.0, 2.0, 3.0, 10.0]) * (1 + np.array([0.0, *changes, -0.1]))[:, None]
     variants = ["reference", "spacing", "off", "two", "four", "damping"]
     coords = {"variant": variants, "period": [1.0], "ratio": ("variant", [0.25, 1.0, 4 / 3, 2.0, 4.0, 0.25])}
-    one = xr.DataArray(values[:, None], coords, ("variant", "period", "record"))
-    assert coarsest_step(one) == pytest.approx(coarsest, nan_ok=True)
+    peaks = xr.DataArray(values[:, None], coords, ("variant", "period", "record"))
+    assert coarsest_step(peaks) == pytest.approx(coarsest, nan_ok=True)
 
 
 @pytest.mark.parametrize("step, holds", [(0.01, True), (0.2, False)])
@@ -138,9 +138,9 @@ def test_the_choice_of_records_is_compared_with_the_other_changes(strength, most
     others = moves.sel(variant=["reference"] * 4).assign_coords(variant=["strength", "off", "two", "four"])
     moves = xr.concat([moves, others * xr.DataArray([strength, 1.0, 1.0, 1.0], dims="variant")], "variant")
     moves = moves.assign_coords(ratio=("variant", [0.25, 1.0, 0.25, 0.25, 4 / 3, 2.0, 4.0]))
-    one = {"runs": 7, "failed": 0}
-    found = what_moves_numbers(
-        moves.assign(one).assign_coords(
+    counts = {"runs": 7, "failed": 0}
+    numbers = what_moves_numbers(
+        moves.assign(counts).assign_coords(
             scheme="average_acceleration",
             spacing=0.01,
             parts=4,
@@ -151,8 +151,8 @@ def test_the_choice_of_records_is_compared_with_the_other_changes(strength, most
         )
     )
     # the medians of forty of the four records differ by more than the damping of a tenth
-    assert found["moves_step_is_least"] and found["moves_choice_is_most"] == most
-    assert found["moves_peak_coarsest"] == "4 times the spacing"
+    assert numbers["moves_step_is_least"] and numbers["moves_choice_is_most"] == most
+    assert numbers["moves_peak_coarsest"] == "4 times the spacing"
 
 
 def test_a_median_over_collapses_is_no_drift_and_is_named():

@@ -12,14 +12,14 @@ from tests.runs.made_up import runs
 def test_the_cost_is_that_of_the_need_in_a_time_scale():
     fine = runs([[0.2, 0.05, 0.005, 0.0005], [0.2] * 4, [0.005] * 4])
     drift = runs([[0.0] * 4] * 3, problem="records").isel(quantity=[0]).assign_coords(quantity=["peak drift"])
-    found = costs(joined_needs([needs(fine, [0.01]), needs(drift, [0.01])]))
+    forces = costs(joined_needs([needs(fine, [0.01]), needs(drift, [0.01])]))
     # records have no displacement
-    np.testing.assert_array_equal(found, [[32, np.nan, 40]])
+    np.testing.assert_array_equal(forces, [[32, np.nan, 40]])
 
 
 def _spectral(radii, limits=(np.inf, np.inf)):
     along = {"scheme": ["one", "two"], "damping_ratio": [0.0]}
-    names = [f"growth_{one}_from_{start}" for one in "uv" for start in "uv"]
+    names = [f"growth_{variable}_from_{start}" for variable in "uv" for start in "uv"]
     data = xr.Dataset({name: filled(0.0, **along) for name in names})
     data["infinite_frequency_radius"] = filled(1.0, **along) * [[radii[0]], [radii[1]]]
     data["stability_limit"] = filled(1.0, **along) * [[limits[0]], [limits[1]]]

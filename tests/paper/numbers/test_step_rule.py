@@ -31,14 +31,14 @@ def _rule(largest):
 
 
 def test_ranges_are_those_of_the_runs():
-    found = step_rule_numbers(_rule({**dict.fromkeys(SCHEMES, 0.05), "rk4": 0.01}))
-    assert (found["rule_below_central_difference"], found["rule_most_central_difference"]) == ("0.05", "0.10")
+    numbers = step_rule_numbers(_rule({**dict.fromkeys(SCHEMES, 0.05), "rk4": 0.01}))
+    assert (numbers["rule_below_central_difference"], numbers["rule_most_central_difference"]) == ("0.05", "0.10")
     # T ωmax of the springs is 1 and 4
-    assert found["rule_steps_central_difference"] == "20 to 40"
-    assert (found["rule_below_rk4"], found["rule_most_rk4"]) == ("0.01", "0.02")
-    assert found["rule_steps_rk4"] == "100 to 200"
-    assert not found["rule_serves"]  # Δt ωmax varies as much as the number of steps in a period
-    assert found["rule_exceptions"] == "none"
+    assert numbers["rule_steps_central_difference"] == "20 to 40"
+    assert (numbers["rule_below_rk4"], numbers["rule_most_rk4"]) == ("0.01", "0.02")
+    assert numbers["rule_steps_rk4"] == "100 to 200"
+    assert not numbers["rule_serves"]  # Δt ωmax varies as much as the number of steps in a period
+    assert numbers["rule_exceptions"] == "none"
 
 
 def test_an_amplitude_that_allows_more_than_its_neighbours_does_not_count():
@@ -50,13 +50,13 @@ def test_an_amplitude_that_allows_more_than_its_neighbours_does_not_count():
 def test_a_step_does_not_count_where_a_finer_one_fails():
     rule = _rule(dict.fromkeys(SCHEMES, 0.05))
     rule["energy_error"][0, 0, 0, 1] = 0.02
-    found = step_rule_numbers(rule)
-    assert found["rule_below_central_difference"] == "0.01" and found["rule_below_rk4"] == "0.05"
-    assert found["rule_exceptions"] == "Central_Difference"
+    numbers = step_rule_numbers(rule)
+    assert numbers["rule_below_central_difference"] == "0.01" and numbers["rule_below_rk4"] == "0.05"
+    assert numbers["rule_exceptions"] == "Central_Difference"
 
 
 def test_a_scheme_that_no_step_serves_is_an_exception():
     rule = _rule({**dict.fromkeys(SCHEMES, 0.05), "own": 0.05})
     rule["period_error"][-1, 0] = np.nan
-    found = step_rule_numbers(rule)
-    assert found["rule_exceptions"] == "Own"
+    numbers = step_rule_numbers(rule)
+    assert numbers["rule_exceptions"] == "Own"

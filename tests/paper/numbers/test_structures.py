@@ -30,8 +30,8 @@ def _structures(gauss, bathe):
 
 def test_errors_that_no_finer_step_reduces_are_a_range():
     # the coarser half of the steps does not count, and neither does which of the others comes last
-    found = _plateaus(_structures([0.4, 1e-5, 3.2e-4, 2.5e-4], [0.05, 0.01, 1.6e-4, 1.6e-4]))
-    assert found == {
+    plateaus = _plateaus(_structures([0.4, 1e-5, 3.2e-4, 2.5e-4], [0.05, 0.01, 1.6e-4, 1.6e-4]))
+    assert plateaus == {
         "plateau_gauss4": "0.025 to 0.032",
         "plateau_bathe": "0.016",
         "plateau_from": "40",

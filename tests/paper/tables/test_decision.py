@@ -16,9 +16,9 @@ def _decided() -> xr.Dataset:
     accurate = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2] * 4]
     swing = runs(accurate, velocity=[[0.8, 0.8, 0.1, 0.1]] * 3)
     records = runs(accurate, problem="records").assign_coords(quantity=["peak drift", "velocity"])
-    found = decisions(with_kinds(joined_needs([needs(swing, ERRORS), needs(records.isel(quantity=[0]), ERRORS)])))
-    found.verdict.attrs = ATTRIBUTES["verdict"]
-    return found
+    decided = decisions(with_kinds(joined_needs([needs(swing, ERRORS), needs(records.isel(quantity=[0]), ERRORS)])))
+    decided.verdict.attrs = ATTRIBUTES["verdict"]
+    return decided
 
 
 @pytest.fixture(scope="module")
