@@ -26,22 +26,22 @@ _LETTER = re.compile(r"\\(ss|[oOlLi]|ae|AE|oe|aa|AA)(?:\{\}|(?![a-zA-Z]) ?)")
 
 def _unicode(value: str) -> str:
     """A field with the letters that its accents of LaTeX stand for."""
-    value = _ACCENTED.sub(lambda found: normalize("NFC", found[3] + _ACCENTS[found[1] or found[2]]), value)
-    return _LETTER.sub(lambda found: _LETTERS[found[1]], value)
+    value = _ACCENTED.sub(lambda match: normalize("NFC", match[3] + _ACCENTS[match[1] or match[2]]), value)
+    return _LETTER.sub(lambda match: _LETTERS[match[1]], value)
 
 
 def works() -> dict[str, Work]:
     """Fields of every work by its key; the type of its BibTeX entry is the field ``kind``."""
-    found: dict[str, Work] = {}
+    entries: dict[str, Work] = {}
     for kind, key, body in _ENTRY.findall(FILE.read_text()):
         fields = [_FIELD.fullmatch(line) for line in body.splitlines()]
-        if key in found or not all(fields):
+        if key in entries or not all(fields):
             raise ValueError(f"{FILE.name}: '{key}' occurs twice, or one of its lines is not a field in braces.")
-        found[key] = {"kind": kind} | {field[1]: _unicode(field[2]) for field in fields if field}
-        for name, value in found[key].items():
+        entries[key] = {"kind": kind} | {field[1]: _unicode(field[2]) for field in fields if field}
+        for name, value in entries[key].items():
             if command := re.search(r"\\(?!&)\S*", value):
                 raise ValueError(f"{FILE.name}: {name} of '{key}' has {command[0]!r}; write the letter itself.")
-    return found
+    return entries
 
 
 def _plain(value: str) -> str:
@@ -50,7 +50,7 @@ def _plain(value: str) -> str:
 
 def _authors(work: Work) -> list[tuple[str, str]]:
     """Last names and initials."""
-    names = [_plain(one).split(", ") for one in work["author"].split(" and ")]
+    names = [_plain(author).split(", ") for author in work["author"].split(" and ")]
     return [(last, initials) for last, initials in names]
 
 

@@ -82,19 +82,19 @@ def needed() -> xr.Dataset:
     """The needs of three schemes on a softening and a hardening spring."""
     errors = [[0.2, 0.05, 0.005, 0.0005], [0.05, 0.05, 0.02, 0.02], [0.2, 0.02, 0.005, 0.0005]]
     parts = [needs(runs(errors, problem), [0.1, 0.01]) for problem in ("softening", "hardening")]
-    found = with_kinds(joined_needs(parts))
-    found.verdict.attrs = ATTRIBUTES["verdict"]
-    return found
+    ds = with_kinds(joined_needs(parts))
+    ds.verdict.attrs = ATTRIBUTES["verdict"]
+    return ds
 
 
 def write_to(results: Path) -> Path:
     """Write the datasets to a folder of results, and return the folder."""
-    made = {
+    datasets = {
         "assessment/mine": assessment(),
         "energy_error": energy_error(),
         "decisions": decisions(),
         "needs": needed(),
     }
-    for name, dataset in made.items():
+    for name, dataset in datasets.items():
         io.write(dataset.assign_attrs(source=io.SOURCE), results / f"{name}.nc")
     return results

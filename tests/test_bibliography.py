@@ -19,7 +19,7 @@ SOURCES = [path for folder in ("study", "reference", "paper") for path in sorted
 #: Authors, year and DOI of every work, by key.
 LABELS = {key: (bibliography.label(work), work.get("doi", "")) for key, work in WORKS.items()}
 SCHEMES = {name: (type(scheme), scheme.source, scheme.doi) for name, scheme in study.schemes.items()}
-SCHEMES |= {one.__name__: (one, one.source, one.doi) for one in Wrapper.__subclasses__()}
+SCHEMES |= {wrapper.__name__: (wrapper, wrapper.source, wrapper.doi) for wrapper in Wrapper.__subclasses__()}
 _DOI = r"10\.\d{4,9}/(?:[^\s\"\]()]|\([^\s()]*\))*(?:\w|\(\d+\))"
 #: Fields that a work of each kind needs in addition to author, title and year.
 NEEDED = {
@@ -72,9 +72,9 @@ def test_the_text_cites_works_that_are_there():
 
 
 def test_every_work_is_cited():
-    of_schemes = {key for key, label in LABELS.items() if label in {one[1:] for one in SCHEMES.values()}}
-    of_docstrings = {key for _, docstring in _docstrings() for key in bibliography.cited_in(docstring, REFERENCES)}
-    cited = _keys_of_the_text() | of_schemes | of_docstrings
+    in_schemes = {key for key, label in LABELS.items() if label in {scheme[1:] for scheme in SCHEMES.values()}}
+    in_docstrings = {key for _, docstring in _docstrings() for key in bibliography.cited_in(docstring, REFERENCES)}
+    cited = _keys_of_the_text() | in_schemes | in_docstrings
     assert WORKS.keys() - cited == set()
 
 
@@ -88,8 +88,8 @@ def test_the_source_of_a_scheme_is_a_work_that_its_docstring_cites(name):
 def test_every_doi_in_the_files_is_that_of_a_work():
     known = {work.get("doi") for work in WORKS.values()}
     files = [*SOURCES, PROJECT / "README.md", PROJECT / "CITATION.cff"]
-    found = {path.name: set(re.findall(_DOI, path.read_text())) - known for path in files}
-    assert {name: unknown for name, unknown in found.items() if unknown} == {}
+    unknown_by_file = {path.name: set(re.findall(_DOI, path.read_text())) - known for path in files}
+    assert {name: unknown for name, unknown in unknown_by_file.items() if unknown} == {}
 
 
 def test_datasets_name_the_paper_as_the_bibliography_does():
@@ -142,8 +142,8 @@ def test_a_doi_is_found_whole(doi):
 def test_accents_of_latex_are_letters(written, read, tmp_path, monkeypatch):
     monkeypatch.setattr(bibliography, "FILE", tmp_path / "references.bib")
     bibliography.FILE.write_text(f"@book{{one2000,\n  title = {{{written}}}\n}}\n")
-    found = bibliography.works()["one2000"]["title"]
-    assert found.replace("{", "").replace("}", "") == read.replace("{", "").replace("}", "")
+    title = bibliography.works()["one2000"]["title"]
+    assert title.replace("{", "").replace("}", "") == read.replace("{", "").replace("}", "")
 
 
 def test_another_command_of_latex_is_named(tmp_path, monkeypatch):

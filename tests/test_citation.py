@@ -20,7 +20,7 @@ CODEMETA, ZENODO = (json.loads((PROJECT / name).read_text()) for name in ("codem
 @pytest.mark.parametrize("catalogue, title, authors", [(CODEMETA, "name", "author"), (ZENODO, "title", "creators")])
 def test_what_catalogues_read_is_that_of_the_citation(catalogue, title, authors):
     assert catalogue[title] == CITATION["title"]
-    assert [one["name"] for one in catalogue[authors]] == [one["name"] for one in CITATION["authors"]]
+    assert [author["name"] for author in catalogue[authors]] == [author["name"] for author in CITATION["authors"]]
     assert catalogue["version"] == CITATION["version"] == METADATA["version"]
     assert str(CITATION["date-released"]) in catalogue.values()
     assert CITATION["license"] in str(catalogue["license"])
@@ -44,6 +44,6 @@ def test_the_conda_recipe_is_that_of_the_package():
     assert RECIPE["about"]["license"] == METADATA["license"] and RECIPE["package"]["name"] == METADATA["name"]
     assert RECIPE["about"]["summary"] == METADATA["description"]
     _, *run = RECIPE["requirements"]["run"]
-    assert run == [one.lower().replace(">=", " >=") for one in METADATA["dependencies"]]
+    assert run == [requirement.lower().replace(">=", " >=") for requirement in METADATA["dependencies"]]
     (name, command), *others = METADATA["scripts"].items()
     assert not others and RECIPE["build"]["python"]["entry_points"] == [f"{name} = {command}"]

@@ -57,8 +57,8 @@ def test_an_assessment_is_found_by_its_file(capsys, tmp_path, monkeypatch):
     study.io.write(small_results.assessment().assign_attrs(source=study.io.SOURCE), "mynm.nc")
     study.io.write(small_results.assessment().assign_attrs(source=study.io.SOURCE), "sub/mynm.nc")
     study.io.write(small_results.assessment().assign_attrs(source=study.io.SOURCE), "sub/other.nc")
-    of_folder = ["mynm", "--folder", "."], ["mynm", "--folder", "sub"], ["other.nc", "--folder", "sub"]
-    ways = ["mynm"], ["mynm.nc"], ["sub/mynm"], ["sub/mynm.nc"], *of_folder
+    folder_arguments = ["mynm", "--folder", "."], ["mynm", "--folder", "sub"], ["other.nc", "--folder", "sub"]
+    ways = ["mynm"], ["mynm.nc"], ["sub/mynm"], ["sub/mynm.nc"], *folder_arguments
     for way in ways:
         main(["recommend", *way, "--allowed-error", "0.01"])
     printed = capsys.readouterr().out

@@ -102,8 +102,8 @@ def test_the_plate_bends_like_a_beam():
     plate = load(f"{FOLDER / 'plate.py'}:cantilever", (FunctionType,))(40, 4)
     file = runpy.run_path(str(FOLDER / "plate.py"))
     length, height = 40 * file["SIDE"], 4 * file["SIDE"]
-    of_beam = 1.8751**2 / length**2 * np.sqrt(file["YOUNG"] * height**2 / (12 * file["DENSITY"]))
-    found = frequencies(plate)
-    assert found is not None and found[0] == pytest.approx(of_beam, rel=0.03)
+    beam_frequency = 1.8751**2 / length**2 * np.sqrt(file["YOUNG"] * height**2 / (12 * file["DENSITY"]))
+    plate_frequencies = frequencies(plate)
+    assert plate_frequencies is not None and plate_frequencies[0] == pytest.approx(beam_frequency, rel=0.03)
     ds = study.run(plate, "average_acceleration", dt=5e-5, steps=100, observe=["max_energy_error"])
     assert ds.status == 0 and ds.max_energy_error < 0.01

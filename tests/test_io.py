@@ -100,19 +100,19 @@ def test_two_writers_and_three_readers_never_meet_half_a_file(tmp_path):
     failures, reads = spawn.Queue(), spawn.Queue()
     people = [spawn.Process(target=_write, args=(path, value, failures)) for value in (1, 2)]
     people += [spawn.Process(target=_read, args=(path, failures, reads)) for _ in range(3)]
-    for one in people:
-        one.start()
+    for process in people:
+        process.start()
     # a process ends only after its queues are read
     seen: set[int] = set()
     failed: set[str] = set()
-    while any(one.is_alive() for one in people):
-        for queue, found in ((reads, seen), (failures, failed)):
+    while any(process.is_alive() for process in people):
+        for queue, values in ((reads, seen), (failures, failed)):
             while not queue.empty():
-                found.add(queue.get())
+                values.add(queue.get())
         time.sleep(0.01)
     assert not failed
     assert seen == {1, 2}
-    assert [one.name for one in tmp_path.iterdir()] == ["one.nc"]
+    assert [file.name for file in tmp_path.iterdir()] == ["one.nc"]
 
 
 def _fill(content, path: Path, answers) -> None:
@@ -129,13 +129,13 @@ def test_a_file_that_does_not_fit_is_refused_in_a_sentence_and_leaves_what_was_t
     path, spawn = tmp_path / "one.nc", multiprocessing.get_context("spawn")
     path.write_text("before")
     answers = spawn.Queue()
-    one = spawn.Process(target=_fill, args=(content, path, answers))
-    one.start()
+    process = spawn.Process(target=_fill, args=(content, path, answers))
+    process.start()
     sentence = answers.get(timeout=60)
-    one.join()
+    process.join()
     assert sentence.startswith(f"'{path}' cannot be written: ") and sentence.endswith(" bytes are free.")
     assert path.read_text() == "before"
-    assert [one.name for one in tmp_path.iterdir()] == ["one.nc"]
+    assert [file.name for file in tmp_path.iterdir()] == ["one.nc"]
 
 
 def test_a_file_that_cannot_be_is_refused_before_any_work(tmp_path):

@@ -8,7 +8,7 @@ import study
 from study.scheme.base import Scheme
 
 #: Public classes of schemes.
-SCHEMES = [one for one in map(study.__getattr__, dir(study)) if inspect.isclass(one) and issubclass(one, Scheme)]
+SCHEMES = [kind for kind in map(study.__getattr__, dir(study)) if inspect.isclass(kind) and issubclass(kind, Scheme)]
 
 
 @pytest.mark.parametrize(
@@ -41,7 +41,7 @@ def test_the_message_lists_the_keywords(make, sentence):
 
 @pytest.mark.parametrize("kind", SCHEMES)
 def test_no_scheme_has_a_parameter_without_a_name(kind):
-    assert {one.kind for one in inspect.signature(kind).parameters.values()} <= {inspect.Parameter.KEYWORD_ONLY}
+    assert {entry.kind for entry in inspect.signature(kind).parameters.values()} <= {inspect.Parameter.KEYWORD_ONLY}
 
 
 def test_a_derived_scheme_takes_keywords_too_and_may_add_a_parameter_without_a_default():

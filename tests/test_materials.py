@@ -40,8 +40,8 @@ def test_a_committed_state_gives_its_force_again(name, path):
     forces, history = _along(material, path)
     again, same = _along(material, path[-1:], history)
     assert again[0] == pytest.approx(forces[-1], abs=1e-12)
-    for one, other in zip(jax.tree.leaves(history), jax.tree.leaves(same), strict=True):
-        assert float(one) == pytest.approx(float(other), abs=1e-12)
+    for value, other in zip(jax.tree.leaves(history), jax.tree.leaves(same), strict=True):
+        assert float(value) == pytest.approx(float(other), abs=1e-12)
 
 
 @pytest.mark.slow

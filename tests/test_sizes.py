@@ -32,9 +32,9 @@ def test_a_size_counts_only_if_all_finer_ones_keep_the_error(kept, random):
 
 def test_runs_from_other_starts_refuse_a_size_and_give_no_margin():
     size, error = np.array([1.0, 0.9, 0.8, 0.7, 0.4]), np.array([0.2, 0.5, 0.2, np.nan, 0.2])
-    own = np.array([True, False, True, True, True])
-    assert largest_with_margin(size, error, 0.4, own) == 0.4  # the failed run refuses all larger sizes
+    from_own_start = np.array([True, False, True, True, True])
+    assert largest_with_margin(size, error, 0.4, from_own_start) == 0.4  # the failed run refuses all larger sizes
     completed = np.nan_to_num(error, nan=0.2)
-    assert largest_with_margin(size, completed, 0.4, own) == 0.8
-    assert largest_with_margin(size, completed, 0.5, own) == 1.0
-    assert largest_with_margin(size, completed, 0.1, own) == 0.0
+    assert largest_with_margin(size, completed, 0.4, from_own_start) == 0.8
+    assert largest_with_margin(size, completed, 0.5, from_own_start) == 1.0
+    assert largest_with_margin(size, completed, 0.1, from_own_start) == 0.0

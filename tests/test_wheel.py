@@ -27,14 +27,14 @@ EXTRAS = METADATA["optional-dependencies"]
 
 def _needed(*requirements: str) -> dict[str, Distribution]:
     """The installed distributions of some requirements and of all their dependencies, by name."""
-    found: dict[str, Distribution] = {}
+    distributions: dict[str, Distribution] = {}
     waiting = [Requirement(text) for text in requirements]
     while waiting:
-        one = waiting.pop()
-        if one.name not in found and (one.marker is None or one.marker.evaluate({"extra": ""})):
-            found[one.name] = distribution(one.name)
-            waiting += map(Requirement, found[one.name].requires or [])
-    return found
+        package = waiting.pop()
+        if package.name not in distributions and (package.marker is None or package.marker.evaluate({"extra": ""})):
+            distributions[package.name] = distribution(package.name)
+            waiting += map(Requirement, distributions[package.name].requires or [])
+    return distributions
 
 
 @pytest.fixture(scope="module")
@@ -60,10 +60,10 @@ def python(wheel, tmp_path_factory) -> Path:
     command = [sys.executable, "-m", "pip", "--python", python, "install", "--no-deps", "--no-index", "--quiet", wheel]
     subprocess.run(command, check=True)
     packages = Path(sysconfig.get_path("purelib", "venv", {"base": str(folder), "platbase": str(folder)}))
-    for one in _needed(*METADATA["dependencies"]).values():
-        for name in {file.parts[0] for file in one.files or []} - {"..", "__pycache__"}:
+    for package in _needed(*METADATA["dependencies"]).values():
+        for name in {file.parts[0] for file in package.files or []} - {"..", "__pycache__"}:
             if not (packages / name).exists():
-                (packages / name).symlink_to(Path(str(one.locate_file(name))))
+                (packages / name).symlink_to(Path(str(package.locate_file(name))))
     return python
 
 
@@ -158,7 +158,7 @@ def test_pinned_packages_name_no_registry_and_satisfy_the_declared_bounds():
     pinned: dict[str, list[str]] = {}
     for name, version in re.findall(r"^([\w.-]+)==([^\s;\\]+)", text, re.MULTILINE):
         pinned.setdefault(name, []).append(version)
-    declared = [*METADATA["dependencies"], *(one for extra in EXTRAS if extra != "opensees" for one in EXTRAS[extra])]
+    declared = [*METADATA["dependencies"], *(line for extra in EXTRAS if extra != "opensees" for line in EXTRAS[extra])]
     for requirement in map(Requirement, declared):
         if requirement.name != METADATA["name"]:
             versions = pinned[requirement.name.lower()]

@@ -22,8 +22,8 @@ def check_contents(report: Path, results: Path) -> None:
     listed = {Path(path).relative_to("results").as_posix() for path in stated["results"]}
     assert {f"{name}.pdf" for name in ("manuscript", "supplement", "replication")} <= listed
     assert {"explorer.html", "tables.html", "claims.html", "claims.csv"} <= listed
-    made = {*results.glob("figures/*.svg"), *results.glob("tables/*.csv")}
-    assert {path.relative_to(results).as_posix() for path in made} <= listed
+    products = {*results.glob("figures/*.svg"), *results.glob("tables/*.csv")}
+    assert {path.relative_to(results).as_posix() for path in products} <= listed
     labels = [result["labels"]["content"] for result in stated["results"].values()]
     assert all(labels) and len(set(labels)) == len(labels)
 

@@ -47,15 +47,15 @@ def running(folder, undisturbed):
     """A process of Snakemake that has begun to make the datasets again."""
     for target in TARGETS:
         (folder / "results" / target).unlink(missing_ok=True)
-    of_a_killed_run = folder / "results" / ".site.1.ab.unfinished"
-    of_a_killed_run.mkdir()
-    (of_a_killed_run / "index.html").touch()
+    leftover = folder / "results" / ".site.1.ab.unfinished"
+    leftover.mkdir()
+    (leftover / "index.html").touch()
     command = [*SNAKEMAKE, *PATHS, "--configfile", str(SMALL)]
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     with (folder / "log").open("w") as log:
         run = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment, start_new_session=True)
     _wait(lambda: len(_processes(folder)) > 3)
-    assert not of_a_killed_run.exists()
+    assert not leftover.exists()
     yield run
     if run.poll() is None:
         run.kill()
@@ -64,7 +64,7 @@ def running(folder, undisturbed):
 
 
 def _processes(folder: Path) -> list[psutil.Process]:
-    return [one for one in psutil.process_iter(["cwd"]) if one.info["cwd"] == str(folder)]
+    return [process for process in psutil.process_iter(["cwd"]) if process.info["cwd"] == str(folder)]
 
 
 def _wait(condition, seconds: float = 60.0) -> None:
@@ -97,8 +97,10 @@ def test_no_process_outlives_a_run_that_is_killed(folder, running):
 
 def test_the_pipeline_goes_on_without_its_worker_and_after_interrupts(folder, running, undisturbed):
     """After the worker is killed, jobs run without it, and the datasets equal those of an undisturbed run."""
-    _wait(lambda: any("pipeline.worker" in " ".join(one.cmdline()) for one in psutil.Process(running.pid).children()))
-    (worker,) = (one for one in psutil.Process(running.pid).children() if "pipeline.worker" in one.cmdline())
+    _wait(
+        lambda: any("pipeline.worker" in " ".join(child.cmdline()) for child in psutil.Process(running.pid).children())
+    )
+    (worker,) = (child for child in psutil.Process(running.pid).children() if "pipeline.worker" in child.cmdline())
     worker.kill()
     running.wait()
     make(folder, *TARGETS)

@@ -77,9 +77,9 @@ def _unmarked(method: str | None):
     ],
 )
 def test_an_experiment_with_an_option_without_bounds_is_refused(function, sentence):
-    one = Experiment(("own",), function, "own")
+    entry = Experiment(("own",), function, "own")
     with pytest.raises(ValueError) as caught:
-        model_of((one,))
+        model_of((entry,))
     assert str(caught.value).startswith(f"{__name__}: {sentence}") and "\n" not in str(caught.value)
 
 

@@ -270,10 +270,10 @@ def test_the_page_of_the_keys_has_every_key_of_the_configurations(config):
 
     def keys_of(value, place):
         if isinstance(value, dict):
-            for key, one in value.items():
-                yield from keys_of(one, f"{place}.{key}".lstrip("."))
+            for key, entry in value.items():
+                yield from keys_of(entry, f"{place}.{key}".lstrip("."))
         else:
             yield place
 
-    unknown = [key for key in keys_of(config, "") if not any(one.fullmatch(key) for one in patterns)]
+    unknown = [key for key in keys_of(config, "") if not any(pattern.fullmatch(key) for pattern in patterns)]
     assert len(listed) > 50 and unknown == []

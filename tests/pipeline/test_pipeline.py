@@ -64,11 +64,11 @@ def test_everything_is_made(project):
 @pytest.mark.parametrize("text", TEXTS, ids=lambda text: text.stem)
 def test_the_listed_figures_and_tables_are_those_that_typst_counts(project, text):
     inputs = {"results": str(project / "results")}
-    found = json.loads(typst.query(str(text), "figure", root="/", sys_inputs=inputs, ignore_system_fonts=True))
-    figures = [Path(one["body"]["source"]).stem for one in found if one["kind"] == "image"]
+    elements = json.loads(typst.query(str(text), "figure", root="/", sys_inputs=inputs, ignore_system_fonts=True))
+    figures = [Path(element["body"]["source"]).stem for element in elements if element["kind"] == "image"]
     listed = numbered(text)
     assert [name for label, name in listed if label.startswith("Figure")] == figures
-    assert len(listed) - len(figures) == sum(one["kind"] == "table" for one in found)
+    assert len(listed) - len(figures) == sum(element["kind"] == "table" for element in elements)
     assert "| Figure 1 | `figures/" in (project / "results" / "README.md").read_text()
 
 
@@ -101,19 +101,19 @@ def test_datasets_explain_themselves(project):
 
 def test_datasets_keep_the_cf_conventions(project, tmp_path):
     """One file for every set of variables is checked; files with the same variables differ only in their numbers."""
-    of_kind = {}
+    file_by_variables = {}
     for path in sorted((project / "results").rglob("*.nc")):
         with xr.open_dataset(path) as ds:
-            of_kind[frozenset(ds.variables)] = path
-    files = sorted(of_kind.values())
+            file_by_variables[frozenset(ds.variables)] = path
+    files = sorted(file_by_variables.values())
     report = tmp_path / "report.json"
     checker = Path(sys.executable).with_name("compliance-checker")
     options = ["--test", "cf:1.11", "--format", "json_new", "--output", report]
     subprocess.run([checker, *options, *files], capture_output=True, check=False)
-    found = json.loads(report.read_text())
-    assert len(found) == len(files) > 20
-    for file, checks in found.items():
-        assert [one for one in checks["cf:1.11"]["all_priorities"] if one["msgs"]] == [], file
+    checks_by_file = json.loads(report.read_text())
+    assert len(checks_by_file) == len(files) > 20
+    for file, checks in checks_by_file.items():
+        assert [check for check in checks["cf:1.11"]["all_priorities"] if check["msgs"]] == [], file
 
 
 def test_the_ledger_is_decided(project):
@@ -161,9 +161,9 @@ def test_one_core_gives_the_same_bytes_as_two(project, tmp_path):
     products = {"figures/energy_drift.svg", "stability/tiles/rk4_0.nc"}
     done = call_snakemake(again, "--cores", "1", *(f"results/{product}" for product in products))
     assert done.returncode == 0, done.stderr[-4000:]
-    made = hashes_of(again)
-    assert products <= set(made)
-    assert made.items() <= hashes_of(project).items()
+    hashes = hashes_of(again)
+    assert products <= set(hashes)
+    assert hashes.items() <= hashes_of(project).items()
 
 
 def test_an_edited_figure_script_redraws_that_figure(copy):
@@ -189,7 +189,7 @@ def test_an_archive_alone_makes_a_figure_again(project, tmp_path):
     subprocess.run(command, cwd=project, check=True, capture_output=True)
     unpacked = tmp_path / "unpacked"
     shutil.unpack_archive(tmp_path / "archive.zip", unpacked)
-    crate = {one["@id"]: one for one in json.loads((unpacked / "ro-crate-metadata.json").read_text())["@graph"]}
+    crate = {node["@id"]: node for node in json.loads((unpacked / "ro-crate-metadata.json").read_text())["@graph"]}
     run = crate["#run"]
     assert run["@type"] == "CreateAction" and run["instrument"] == {"@id": "snakefile"}
     assert {"@id": "results/energy_error.nc"} in run["result"] and {"@id": "configuration.yaml"} in run["object"]

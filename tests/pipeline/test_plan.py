@@ -18,11 +18,11 @@ from tests.pipeline.pipeline import PROJECT
 def jobs() -> dict[tuple[str, str], Job]:
     """The jobs of the default study, by the names of step and job."""
     planned = plan(Path(), yaml.safe_load((PROJECT / "config" / "study.yaml").read_text()))
-    return {(step["name"], name): Job(**one) for step in planned["steps"] for name, one in step["jobs"].items()}
+    return {(step["name"], name): Job(**job) for step in planned["steps"] for name, job in step["jobs"].items()}
 
 
-def _that_read(jobs, source: str) -> set[tuple[str, str]]:
-    return {key for key, one in jobs.items() if source in one.inputs}
+def _readers(jobs, source: str) -> set[tuple[str, str]]:
+    return {key for key, job in jobs.items() if source in job.inputs}
 
 
 def _names(keys: Iterable[tuple[str, str]]) -> set[str]:
@@ -30,18 +30,18 @@ def _names(keys: Iterable[tuple[str, str]]) -> set[str]:
 
 
 def test_an_edited_scheme_concerns_what_runs_it(jobs):
-    runge_kutta, alpha = (_that_read(jobs, f"study/scheme/{name}.py") for name in ("runge_kutta", "alpha"))
+    runge_kutta, alpha = (_readers(jobs, f"study/scheme/{name}.py") for name in ("runge_kutta", "alpha"))
     assert {"energy_error", "energy_drift", "large_steps", "phase_portrait"} <= _names(runge_kutta)
     assert "energy_error" in _names(alpha) and not {"energy_drift", "houbolt_start"} & _names(alpha)
     assert not any(name.startswith("reference_") for name in _names(runge_kutta | alpha))
 
 
 def test_an_edited_problem_concerns_what_runs_it_and_a_new_one_nothing_else(jobs):
-    chains = _that_read(jobs, "study/problem/chains.py")
+    chains = _readers(jobs, "study/problem/chains.py")
     assert ("reference_structures", "fpu_chain") in chains and ("structures", "fpu_chain") in chains
-    own = {"reference_structures", "structures", "structure_history", "published_numbers", "runs", "site"}
-    assert _names(chains) <= own
-    springs = _that_read(jobs, "study/problem/springs.py")
+    steps = {"reference_structures", "structures", "structure_history", "published_numbers", "runs", "site"}
+    assert _names(chains) <= steps
+    springs = _readers(jobs, "study/problem/springs.py")
     assert {"reference_springs", "energy_error", "accuracy", "kinks"} <= _names(springs)
     assert ("kinks", "hardening") in springs and ("kinks", "yielding") not in springs
 
@@ -64,8 +64,8 @@ def test_the_records_of_a_folder_are_inputs(tmp_path):
 
 
 def test_schemes_and_data_that_no_option_names_are_inputs(jobs):
-    assert "later_schemes" in _names(_that_read(jobs, "study/scheme/noh_bathe.py"))
-    assert "kinks" in _names(_that_read(jobs, "study/mechanics/records/el_centro_1940_ns.at2"))
+    assert "later_schemes" in _names(_readers(jobs, "study/scheme/noh_bathe.py"))
+    assert "kinks" in _names(_readers(jobs, "study/mechanics/records/el_centro_1940_ns.at2"))
     configuration = yaml.safe_load((PROJECT / "config" / "study.yaml").read_text())
     configuration["published_numbers"]["coarsest"].append({"problem": "elastic_beam", "steps": 64})
     configuration["assess"]["own"] = {"problem": "pendulum", "duration": 60.0}
@@ -75,8 +75,8 @@ def test_schemes_and_data_that_no_option_names_are_inputs(jobs):
 
 
 def test_every_job_of_the_study_depends_on_the_settings_of_jax(jobs):
-    made = {key for key, one in jobs.items() if one.command.startswith("pipeline.command")}
-    assert len(made) > 50 and made <= _that_read(jobs, "study/settings.py")
+    commands = {key for key, job in jobs.items() if job.command.startswith("pipeline.command")}
+    assert len(commands) > 50 and commands <= _readers(jobs, "study/settings.py")
 
 
 def test_what_is_drawn_depends_on_the_style_and_what_is_counted_does_not(jobs):
@@ -85,9 +85,9 @@ def test_what_is_drawn_depends_on_the_style_and_what_is_counted_does_not(jobs):
 
 
 def test_a_product_outside_of_the_folder_of_its_kind_is_refused():
-    found = products.discover()
-    paper.check_places(found)
-    claim = next(product for product in found if product.kind == "claim")
+    discovered = products.discover()
+    paper.check_places(discovered)
+    claim = next(product for product in discovered if product.kind == "claim")
     with pytest.raises(ValueError, match="is declared in paper.figures.own: move it to paper/claims"):
         paper.check_places([replace(claim, module="paper.figures.own")])
 

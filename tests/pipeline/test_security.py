@@ -51,7 +51,7 @@ def test_a_string_reaches_the_experiment_as_it_is(tmp_path, monkeypatch, hostile
     file.write_text("import study\nproblem = study.Problem(lambda u: u, 1.0)\n")
     whole = _whole({"assess": {"own": {"problem": f"{file}:problem", "duration": 1.0}}})
     steps = steps_of(discover(), whole, Sources(PROJECT, "study", "reference", "pipeline"))
-    (step,) = (one for one in steps if one.name == "assessment")
+    (step,) = (step for step in steps if step.name == "assessment")
     command = step.jobs["own"].command
     words = shlex.split(command)
     assert json.loads(words[-1])["problem"] == f"{file}:problem"

@@ -30,21 +30,21 @@ def check_pages(results: Path) -> None:
         pages = re.findall(r'<page width="(.+?)" height="(.+?)">(.*?)</page>', stated, re.DOTALL)
         assert least <= len(pages) <= most, name
         for number, (width, height, page) in enumerate(pages, 1):
-            found = [(*map(float, word[:4]), word[4]) for word in WORD.findall(page)]
+            boxes = [(*map(float, word[:4]), word[4]) for word in WORD.findall(page)]
             lowest = float(height) - MARGIN + INTO_MARGIN
-            low = [word for *_, bottom, word in found if bottom > lowest and not word.isdigit()]
+            low = [word for *_, bottom, word in boxes if bottom > lowest and not word.isdigit()]
             assert not low, (name, number, low)
-            outside = [word for _, _, right, _, word in found if right > float(width) - MARGIN + INTO_MARGIN]
+            outside = [word for _, _, right, _, word in boxes if right > float(width) - MARGIN + INTO_MARGIN]
             assert not outside, (name, number, outside)
-            over = [(one[4], other[4]) for one, other in combinations(found, 2) if _overlap(one, other)]
+            over = [(box[4], other[4]) for box, other in combinations(boxes, 2) if _overlap(box, other)]
             assert len(over) <= OVERLAPS, (name, number, over)
 
 
-def _overlap(one: tuple, other: tuple) -> bool:
+def _overlap(box: tuple, other: tuple) -> bool:
     """Whether the boxes of two words share more than a point in width, and more than half of the smaller height."""
-    across = min(one[2], other[2]) - max(one[0], other[0])
-    down = min(one[3], other[3]) - max(one[1], other[1])
-    return across > 1 and down > min(one[3] - one[1], other[3] - other[1]) / 2
+    across = min(box[2], other[2]) - max(box[0], other[0])
+    down = min(box[3], other[3]) - max(box[1], other[1])
+    return across > 1 and down > min(box[3] - box[1], other[3] - other[1]) / 2
 
 
 def check_ledger(results: Path) -> None:
