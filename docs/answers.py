@@ -12,7 +12,7 @@ import xarray as xr
 from paper.products import reader
 from paper.tables.decision import column, limits_of, omega_step_of, sentence, steps_of
 from paper.tables.models import MODELS
-from study.runs.needs import TIED, cost, keeps_part
+from study.runs.needs import CODES, TIED, cost, keeps_part
 from study.scheme.codes import names_in_codes
 from study.words import number
 
@@ -31,7 +31,7 @@ _FORM = """<form id="answers" class="narrow" hidden>
 <label>over <input name="periods" type="number" min="0.1" step="any"> periods</label>
 <label>scheme <select name="kind"><option value="">of any kind</option><option>explicit</option>\
 <option>implicit</option></select></label>
-<label>in <select name="code"><option value="">any program</option></select></label>
+<label>of <select name="code"></select></label>
 </form>
 <div id="answer" aria-live="polite"><p>The filters need JavaScript; the table of all recommendations does not.</p></div>
 <script type="application/json" id="needs">DATA</script>
@@ -116,6 +116,7 @@ def data(needed: xr.Dataset, limits: Mapping[str, float]) -> dict[str, Any]:
     ]
     return {
         "first": FIRST,
+        "programs": CODES,
         "tied": TIED,
         "problems": problems,
         "quantities": needed.quantity.values.tolist(),

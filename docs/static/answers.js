@@ -12,6 +12,9 @@ if (form) {
 
   const rowsOf = () => needs.rows.filter(([p, q, e]) => p === +model.value && q === +quantity.value && e === +error.value);
   const cost = (row) => row[10];
+  // names and inputs of the chosen programs for a scheme
+  const inputs = (scheme) => Object.entries(scheme.codes).filter(([name]) =>
+    code.value === "codes" ? needs.programs.some((program) => name.startsWith(program)) : name === code.value);
 
   // the cheapest scheme; among ties the one with the smallest error
   const decide = (rows) => {
@@ -54,7 +57,7 @@ if (form) {
     }
     const admitted = rowsOf().filter((row) => {
       const scheme = needs.schemes[row[3]];
-      return (!kind.value || scheme.explicit === (kind.value === "explicit")) && (!code.value || code.value in scheme.codes);
+      return (!kind.value || scheme.explicit === (kind.value === "explicit")) && (!code.value || inputs(scheme).length);
     });
     const groups = [true, false].map((explicit) =>
       ranked(admitted.filter((row) => needs.schemes[row[3]].explicit === explicit))).filter((group) => group.length);
@@ -66,7 +69,7 @@ if (form) {
       const line = element("p", "");
       line.append(element("b", `${scheme.title}: ${counted}`), `${omega && `, ωΔt = ${omega}`}, `,
         scheme.explicit ? "explicit" : "implicit", best[11] ? " (the whole motion needs another step)" : "");
-      if (code.value) line.append(": ", element("code", scheme.codes[code.value]));
+      for (const [name, input] of inputs(scheme)) line.append(`; ${name} `, element("code", input));
       parts.push(line);
     }
     if (!groups.length) parts.push(element("p", "No step tried keeps this error with a scheme of this kind and program."));
@@ -96,7 +99,8 @@ if (form) {
   fill(model, needs.problems.map((one, p) => [p, one.title]),
     needs.problems.findIndex((one) => one.model === needs.first.model));
   fill(error, needs.errors.map((name, e) => [e, name]), needs.errors.indexOf(needs.first.error));
-  code.append(...needs.codes.map((name) => new Option(name, name)));
+  fill(code, [["codes", `${needs.programs.slice(0, -1).join(", ")} or ${needs.programs.at(-1)}`],
+    ["", "any program or paper"], ...needs.codes.map((name) => [name, name])]);
   quantities();
   form.hidden = false;
   form.addEventListener("input", (event) => {
