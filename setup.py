@@ -7,6 +7,6 @@ from setuptools import setup
 
 text = Path("README.md").read_text(encoding="utf-8")
 text = re.sub(r"!\[[^]]*\]\([^)]*\)\s+\*[^*]*\*\s+", "", text)  # with its caption
-text = re.sub(r"\s\(\[[^]]*\]\([^)]*\)\)", "", text)  # a link in brackets
+text = re.sub(r"\s\(\[[^]]*\]\((?!https:)[^)]*\)\)", "", text)  # a link in brackets
 text = re.sub(r"\[([^]]*)\]\((?!https:)[^)]*\)", r"\1", text)
 setup(long_description=text, long_description_content_type="text/markdown")

@@ -125,10 +125,10 @@ def overshoot(theory: Theory) -> str:
 
 def forces(scheme: study.Scheme) -> str:
     """Numbers of forces that a step and a Newton iteration evaluate, in a phrase."""
-    counted, of_one = forces_of(scheme), forces_of(scheme, several=False).per_iteration
+    counted, single = forces_of(scheme), forces_of(scheme, several=False).per_iteration
     phrases = [f"{counted.per_step} per step"] if counted.per_step else []
     phrases += [f"{counted.per_iteration} per Newton iteration"] if counted.per_iteration else []
-    phrases[-1] += f", {of_one} with one unknown" if counted.per_iteration != of_one else ""
+    phrases[-1] += f", {single} with one unknown" if counted.per_iteration != single else ""
     return " and ".join(phrases)
 
 

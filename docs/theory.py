@@ -69,7 +69,7 @@ _NO_RADIUS = 5e-3
 _LINEAR = study.Problem(force=lambda u: u, potential=lambda u: u * u / 2, u0=1.0, title="linear oscillator")
 
 
-def _of_rule(scheme: study.Scheme) -> tuple[float, float]:
+def _forces_and_error(scheme: study.Scheme) -> tuple[float, float]:
     """Forces that a step evaluates, and error of the displacement, in one period of :data:`STEPS` steps."""
     starts = np.eye(2)
     run = study.run(
@@ -121,7 +121,7 @@ def theory_of(scheme: study.Scheme) -> Theory:
     limit, at_infinity = scheme.stability_limit, linear.infinite_frequency_radius.item()
     if limit is None:
         limit = linear.stability_limit.item()
-    forces, error_of_rule = _of_rule(scheme)
+    forces, error_of_rule = _forces_and_error(scheme)
     least_radius = np.nan
     if 0 < limit < np.inf:
         least_radius = _least_radius(scheme, limit)

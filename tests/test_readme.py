@@ -157,11 +157,11 @@ assert ds.peak == 1 and ds.status == 0 and abs(ds.u[-1] - 1) < 0.1, ds
 experiment = DECLARED["study.experiments.last_displacement", "last_displacement"]
 options = json.loads(sys.argv[2])
 configuration.check([experiment], options)
-made = experiment.function(**options["last_displacement"])
-study.io.write(made.assign_attrs(source=study.io.SOURCE), Path("last_displacement.nc"))
-one = [p for p in PRODUCTS.values() if p.module in {m.__name__ for m in modules.values()}]
-assert sorted(p.kind for p in one) == ["claim", "figure", "numbers", "table"], one
-for product in one:
+ds = experiment.function(**options["last_displacement"])
+study.io.write(ds.assign_attrs(source=study.io.SOURCE), Path("last_displacement.nc"))
+examples = [p for p in PRODUCTS.values() if p.module in {m.__name__ for m in modules.values()}]
+assert sorted(p.kind for p in examples) == ["claim", "figure", "numbers", "table"], examples
+for product in examples:
     print(product.kind, products.content_of(product, reader(Path("."))))
 """
 
@@ -179,9 +179,9 @@ def test_the_examples_of_contributing_run(tmp_path):
 
 def _stated(pattern: str, text: str = README) -> list[int]:
     """Numbers in a text that match the groups of a pattern, which must occur once."""
-    found = re.findall(pattern, " ".join(text.split()))
-    assert len(found) == 1, f"the text states {pattern!r} {len(found)} times"
-    return [int(one.replace(",", "")) for one in (found[0] if isinstance(found[0], tuple) else found)]
+    matches = re.findall(pattern, " ".join(text.split()))
+    assert len(matches) == 1, f"the text states {pattern!r} {len(matches)} times"
+    return [int(digits.replace(",", "")) for digits in (matches[0] if isinstance(matches[0], tuple) else matches)]
 
 
 def _claims_of_the_paper() -> list[ledger.Claim]:
@@ -210,8 +210,8 @@ def check_the_results_of_the_readme(results: Path) -> None:
     (cells,) = _stated(r"tables of the paper hold (\d+) errors")
     (twice,) = _stated(r"and then to one, (\d+) of them agree")
     (once,) = _stated(r"if they were rounded once, (\d+) do")
-    made = [int(numbers[name]) for name in ("cells", "cells_rounded_twice", "cells_rounded_once")]
-    assert made == [cells, twice, once]
+    counts = [int(numbers[name]) for name in ("cells", "cells_rounded_twice", "cells_rounded_once")]
+    assert counts == [cells, twice, once]
 
 
 @pytest.mark.exhaustive

@@ -84,7 +84,7 @@ def chosen(
     return quantity, dataset.sel(quantity=quantity).sel(allowed_error=error, method="nearest")
 
 
-def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = None) -> pd.DataFrame:
+def table_of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = None) -> pd.DataFrame:
     """The table of :func:`study.recommend` for a dataset of :func:`study.assess`."""
     if "recommended_step_size" not in assessed:
         raise ValueError("recommend takes a dataset of study.assess.")

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from study.analysis.recommendation import asked_for, costs_of, firsts, of_assessment
+from study.analysis.recommendation import asked_for, costs_of, firsts, table_of_assessment
 from study.assessment.assurance import (
     confirmation,
     limits_of_reference,
@@ -31,7 +31,7 @@ EMPHASISED = 6
 
 def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     """Sentences on the fastest scheme of each kind that keeps an error of a quantity; if none does, on the reasons."""
-    table = of_assessment(assessed, error, quantity)
+    table = table_of_assessment(assessed, error, quantity)
     suitable = table[table["step_size"].notna()]
     if suitable.empty:
         reasons = ", ".join(sorted(set(table.verdict)))
@@ -64,7 +64,7 @@ def caveats(assessed: xr.Dataset, row) -> list[str]:
 
 def tables_of(assessed: xr.Dataset, quantity: str) -> list[pd.DataFrame]:
     """The table of ``recommend`` for each allowed error."""
-    return [of_assessment(assessed, limit, quantity) for limit in assessed.allowed_error.values]
+    return [table_of_assessment(assessed, limit, quantity) for limit in assessed.allowed_error.values]
 
 
 def emphasised(assessed: xr.Dataset, tables: list[pd.DataFrame]) -> list[str]:

@@ -9,7 +9,7 @@ import xarray as xr
 from study import io
 from study.algebra.scalars import is_number
 from study.analysis.duration import FREE, step_exponent
-from study.analysis.recommendation import Recommended, chosen, of_assessment, over_duration
+from study.analysis.recommendation import Recommended, chosen, over_duration, table_of_assessment
 from study.registry import UnknownName, did_you_mean
 from study.runs.needs import MOTION, NO_VALUE, UNCERTAIN, ranked
 from study.words import listed, percent, step_with_unit
@@ -152,7 +152,7 @@ def recommend(
         table, known = _table_of_needs(dataset, allowed_error, quantity), (dataset.decided * dataset.time_scale).item()
         free = bool(dataset.free_vibration)
     else:
-        table, known = of_assessment(dataset, allowed_error, quantity), dataset.attrs["duration"]
+        table, known = table_of_assessment(dataset, allowed_error, quantity), dataset.attrs["duration"]
         free = bool(dataset.attrs.get("free_vibration")) and known == dataset.attrs["duration_requested"]
     if duration is None or duration <= known:
         return table
