@@ -16,7 +16,7 @@ from typing import Any
 from sphinx.cmd.build import build_main
 
 import study
-from docs import accessible, answers, confirmed, decisions, gallery
+from docs import accessible, answers, confirmed, decisions, doors, gallery
 from docs.conformance_page import REPORTS, codes_page, conformance_page
 from docs.docstrings import parsed
 from docs.figures_page import figures_page
@@ -71,6 +71,7 @@ def write_sources(results: Path, folder: Path, places: Iterable[str]) -> None:
     pages |= {"how_to/conformance.md": conformance_page(), "how_to/codes.md": codes_page()}
     pages |= {f"included/{name}.md": text for name, text in decisions.tables(results).items()}
     pages["included/answers.md"] = answers.form(results)
+    pages["included/doors.md"] = doors.doors(results)
     pages["included/gallery.md"] = gallery.grid()
     pages["included/decks.md"] = confirmed.decks()
     pages["interface/problems.rst"] = registry_page("Problems", makers)

@@ -44,7 +44,7 @@ def reads() -> list[str]:
     """The files of the results that the site reads."""
     questions = "\n".join(page.read_text(encoding="utf-8") for page in sorted(PAGES.glob("gallery/*.md")))
     opened = re.findall(r'study\.open_dataset\("([\w/]+)"\)', questions)
-    datasets = dict.fromkeys([*SCHEME_DATASETS, "decisions", "spectral", *opened])
+    datasets = dict.fromkeys([*SCHEME_DATASETS, "decisions", "spectral", "spectrum", "runs/yielding", *opened])
     figures = [f"figures/{figure.name}.svg" for figure in FIGURES]
     tables = [f"tables/{table.name}.csv" for table in TABLES]
     return [*(f"{name}.nc" for name in datasets), *figures, NUMBERS, *tables, *PRODUCTS]

@@ -41,6 +41,11 @@ def test_the_examples_of_the_readme_print_what_follows_them(tmp_path, monkeypatc
     assert printed == stated.splitlines()
 
 
+def test_the_first_page_of_the_site_has_the_same_lines():
+    page = (PROJECT / "docs" / "pages" / "index.md").read_text()
+    assert blocks(page, "python") == blocks(README, "python")
+
+
 def test_the_readme_has_few_words_before_the_first_command():
     assert len(README.partition("```sh")[0].split()) <= 150
 

@@ -16,7 +16,6 @@ SHOWN = [
     "bathe",
     "rk4",
     "gauss4",
-    "dormand_prince6",
 ]
 COLUMNS = 5
 #: Largest error drawn; at larger errors the motion is lost.

@@ -1,4 +1,4 @@
-"""Error against cost of general solvers at a series of tolerances, and of two schemes at fixed steps."""
+"""Error against cost of general solvers at a series of tolerances, and of the Runge-Kutta method at fixed steps."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -9,8 +9,8 @@ from paper.products import figure
 
 #: Largest error drawn; at larger errors the solution is lost.
 TOP = 3
-#: Schemes at fixed steps, with their shades of grey.
-SCHEMES = {"central_difference": "0.8", "rk4": "0.55"}
+#: Solvers in the figure, and the scheme at fixed steps with which they are compared.
+SHOWN, SCHEME = ("cvode_adams", "dopri8", "kvaerno5", "scipy_dop853", "heyoka"), "rk4"
 #: Label of each cost, with the names of its variables for schemes and for solvers.
 _COSTS = {
     "time (s)": ("median_seconds", "median_solver_seconds"),
@@ -20,9 +20,9 @@ _COSTS = {
 
 @figure(
     "Error of the displacement over 100 periods against time (above) and evaluations of the force (below): "
-    "general solvers, a point for each tolerance, and two schemes at fixed steps (grey).",
+    "general solvers, a point for each tolerance, and the Runge-Kutta method at fixed steps (grey).",
     data="work_precision",
-    requires={"work_precision.schemes.schemes": list(SCHEMES), "work_precision.solvers.periods": [100]},
+    requires={"work_precision.schemes.schemes": [SCHEME], "work_precision.solvers.periods": [100]},
 )
 def draw(data: xr.Dataset) -> Figure:
     """Error of the displacement over a hundred periods against computing time (above) and force evaluations (below)."""
@@ -32,13 +32,10 @@ def draw(data: xr.Dataset) -> Figure:
     for index, (row, (label, (scheme_cost, solver_cost))) in enumerate(zip(axes, _COSTS.items(), strict=True)):
         for column, (ax, problem) in enumerate(zip(row, data.problem.values, strict=True)):
             runs = data.sel(problem=problem)
-            for scheme, grey in SCHEMES.items():
-                run = runs.sel(scheme=scheme)
-                error = run.displacement_error.where(run.displacement_error < TOP)
-                ax.plot(
-                    run[scheme_cost], error, color=grey, linestyle="-", linewidth=2.5, label=run.scheme_title.item()
-                )
-            for solver, look in curve_styles_in_order(SOLVERS).items():
+            run = runs.sel(scheme=SCHEME)
+            error = run.displacement_error.where(run.displacement_error < TOP)
+            ax.plot(run[scheme_cost], error, color="0.7", linestyle="-", linewidth=2.5, label=run.scheme_title.item())
+            for solver, look in curve_styles_in_order(SHOWN).items():
                 run = runs.sel(solver=solver)
                 error = run.solver_displacement_error.where(run.solver_displacement_error < TOP)
                 ax.plot(run[solver_cost], error, label=SOLVERS[solver], **look)

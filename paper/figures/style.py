@@ -54,8 +54,8 @@ _PLAIN = (1e-4, 1e5)
 #: Size of an exponent over the size of its base.
 _EXPONENT = 0.7
 
-#: Maximum number of characters in a line of the legend of a family.
-ENTRY = 14
+#: Maximum number of characters in a line of the legend of a family, and of curves of a family in a panel.
+ENTRY, MOST = 14, 6
 
 _COLOURS = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#7A1F4B"]
 _LINES = ["-", "--", "-.", ":", (0, (7, 1.5)), (0, (3, 1, 1, 1, 1, 1)), (0, (1, 0.6))]
@@ -190,6 +190,8 @@ def figure_of_families(
 ) -> tuple[Figure, list[tuple[xr.Dataset, np.ndarray]]]:
     """A figure as wide as the page: a column of panels for each family, and a place for a legend below each column.
 
+    A family has the first ``MOST`` of its schemes in the dataset.
+
     Parameters
     ----------
     rows, height
@@ -201,7 +203,7 @@ def figure_of_families(
         The figure, and a pair for each family: its part of the dataset, and an array of its panels from top to bottom
         with the place of its legend last.
     """
-    parts = families(dataset)
+    parts = {name: part.isel(scheme=slice(MOST)) for name, part in families(dataset).items()}
     entries = [[wrapped(title, ENTRY) for title in part.scheme_title.values] for part in parts.values()]
     legend = max(0.08 * len(titles) + 0.31 * sum(title.count("\n") + 1 for title in titles) for titles in entries)
     figure = empty(PAGE, rows * (height + 0.3) + legend + 1.95)  # with room for titles and labels
