@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 import study
-from docs.drawing import ACCENT, INK, OTHER, panel, svg
+from docs.drawing import ACCENT, INK, panel, svg
 from paper.figures.outcome_map import outcome_map
 from paper.products import reader
 
