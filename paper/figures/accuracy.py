@@ -39,7 +39,7 @@ def draw(accuracy: xr.Dataset) -> Figure:
     accuracy = schemes_of_1996(accuracy).sel(problem=PROBLEM)
     losses = loss_of_amplitude(accuracy, SHORTER, PERIODS)
     accuracy = accuracy.sel(periods=PERIODS)
-    figure, axes = panels(len(ROWS), len(MEASURES), PAGE, 10, sharex=True, sharey="col")
+    figure, axes = panels(len(ROWS), len(MEASURES), PAGE, 9, sharex=True, sharey="col")
     for place, (row, (title, schemes)) in enumerate(zip(axes, ROWS.items(), strict=True)):
         for column, (ax, (measure, label)) in enumerate(zip(row, MEASURES.items(), strict=True)):
             sizes = losses if measure == "amplitude_decay" else abs(accuracy[measure])
@@ -53,5 +53,6 @@ def draw(accuracy: xr.Dataset) -> Figure:
         row[0].set_ylabel(wrapped(title, 26))
     for ax in axes[-1]:
         ax.set_xlabel("steps per period")
-    legend_below(figure, columns=4)
+    handles = [curve for ax in axes[:, 0] for curve in ax.lines]
+    legend_below(figure, columns=4, handles=handles)
     return figure

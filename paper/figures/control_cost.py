@@ -24,7 +24,7 @@ def draw(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> Figure:
     problems = control_cost.problem.values[:MOST]
     rows = -(-len(problems) // COLUMNS)
     columns = -(-len(problems) // rows)
-    figure, axes = panels(rows, columns, PAGE, 5.4 * rows + 1.2, sharey=True)
+    figure, axes = panels(rows, columns, PAGE, 5 * rows + 1.2, sharey=True)
     for index, (ax, problem) in enumerate(zip(axes.flat, problems, strict=False)):
         costs = control_cost.sel(problem=problem)
         ax.axhline(ALLOWED, color="0.85", linewidth=2, zorder=0)

@@ -28,7 +28,7 @@ def draw(data: xr.Dataset) -> Figure:
     """Error of the displacement over a hundred periods against computing time (above) and force evaluations (below)."""
     data = data.sel(periods=100)
     size = data.sizes["problem"]
-    figure, axes = panels(2, size, PAGE, 10, sharex="row", sharey=True)
+    figure, axes = panels(2, size, PAGE, 9, sharex="row", sharey=True)
     for index, (row, (label, (scheme_cost, solver_cost))) in enumerate(zip(axes, _COSTS.items(), strict=True)):
         for column, (ax, problem) in enumerate(zip(row, data.problem.values, strict=True)):
             runs = data.sel(problem=problem)

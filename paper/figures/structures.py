@@ -11,7 +11,6 @@ from paper.products import figure
 SHOWN = [
     "average_acceleration",
     "central_difference",
-    "houbolt",
     "bathe",
     "implicit_midpoint",
     "energy_momentum",
