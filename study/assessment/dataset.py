@@ -1,5 +1,6 @@
 """The results of an assessment as a dataset, with the times of the recommended steps."""
 
+import itertools
 import math
 import time
 import warnings
@@ -19,9 +20,9 @@ from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 from study.sizes import Limit
 
-#: Timing of a recommended step: least number of timed runs, time in s that a timed run should take, and largest number
-#: of steps of a timed run.
-REPEATS, ENOUGH, MOST_TIMED = 5, 0.003, 20_000
+#: Timing of a recommended step: number of turns in which all schemes are timed, least number of timed runs in a turn,
+#: time in s that a timed run should take, and largest number of steps of a timed run.
+TURNS, REPEATS, ENOUGH, MOST_TIMED = 2, 3, 0.003, 20_000
 #: Ratio of two times that nearly agree, number of runs that must nearly agree with the shortest one, and time in s from
 #: which on no run is added for this.
 NEARLY, AGREEING, PATIENCE = 1.1, 3, 1.0
@@ -77,7 +78,7 @@ class Assessed(NamedTuple):
     tolerances: dict[Limit, Tolerance] | None = None
 
 
-def times_of_steps(problem: Problem, scheme: Scheme, steps_by_dt: dict[float, int]) -> dict[float, tuple]:
+def times_of_steps(timed: Timed, steps_by_dt: dict[float, int]) -> dict[float, tuple[float, float]]:
     """Shortest time in s of all steps of a run, and the interquartile range of the repeated runs, by step size.
 
     Other work on the machine only lengthens a run, so that the shortest one is nearest to the time of the scheme. Runs
@@ -89,7 +90,6 @@ def times_of_steps(problem: Problem, scheme: Scheme, steps_by_dt: dict[float, in
     scaled to the number of steps wanted. The overhead of a call is the time of a run of one step. It is subtracted from
     that time if it exceeds twice the overhead.
     """
-    timed = Timed(problem, scheme, ())
 
     def repeated(dt: float, steps: int) -> list[tuple[float, bool]]:
         runs = list[tuple[float, bool]]()
@@ -121,22 +121,26 @@ def times_of_steps(problem: Problem, scheme: Scheme, steps_by_dt: dict[float, in
 def _times(
     problem: Problem, schemes: dict[str, Scheme], results: dict[str, Assessed], end: float = math.inf
 ) -> dict[str, dict]:
-    """Times of recommended steps by scheme, one scheme after the other.
+    """Times of recommended steps by scheme: the shorter ones of several turns, each through all schemes.
 
-    After Ctrl-C, or after ``end`` of the monotonic clock, only the finished schemes have times.
+    A slow second of the machine thus lengthens the times of no scheme alone. After Ctrl-C, or after ``end`` of the
+    monotonic clock, only the finished schemes have times.
     """
-    times, longest = dict[str, dict](), 0.0
-    for name, result in results.items():
+    times, timed, longest = dict[str, dict](), dict[str, Timed](), 0.0
+    for _, (name, result) in itertools.product(range(TURNS), results.items()):
         if (begin := time.monotonic()) + longest > end:
             break
         steps = result.runs.groupby("dt").steps.first()
         steps_by_dt = {v.recommended: int(steps[v.recommended]) for v in result.verdicts.values() if v.recommended > 0}
         try:
-            times[name] = times_of_steps(problem, schemes[name], steps_by_dt) if steps_by_dt else {}
+            if steps_by_dt and name not in timed:
+                timed[name] = Timed(problem, schemes[name], ())
+            turn = times_of_steps(timed[name], steps_by_dt) if steps_by_dt else {}
         except KeyboardInterrupt:
-            untimed = [other for other in results if other not in times]
-            warnings.warn(f"interrupted: {', '.join(untimed)} have no times.", RuntimeWarning, stacklevel=4)
+            if untimed := [other for other in results if other not in times]:
+                warnings.warn(f"interrupted: {', '.join(untimed)} have no times.", RuntimeWarning, stacklevel=4)
             break
+        times[name] = {dt: min(turn[dt], times.get(name, turn)[dt]) for dt in turn}
         longest = max(longest, time.monotonic() - begin)
     return times
 
