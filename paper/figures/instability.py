@@ -60,5 +60,5 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset, window: xr.Dataset) -> Fig
     close.set(xlabel="largest energy over the initial energy", ylabel="share of runs", xscale="log")
     whole_decades(close)
     letter(close, 3, "runs at close steps and starts")
-    legend_below(figure, columns=3, axes=energy)
+    legend_below(figure, columns=2, axes=energy)
     return figure
