@@ -77,7 +77,9 @@ def test_the_texts_state_the_law_of_longer_durations():
         "⅔": ["hht_alpha", "generalized_alpha", "bathe", "noh_bathe"],
     }
     assert {*re.findall("[¼⅓½⅔]", ANSWERS.replace("≤ ½ max", ""))} == {*stated}
-    assert "by √(n/100) with central difference, average acceleration or Fox-Goodwin" in " ".join(README.split())
+    assert "by √(n/100), and divide Ω by it, with central difference, average acceleration or Fox-Goodwin" in " ".join(
+        README.split()
+    )
     for fraction, names in stated.items():
         for scheme in (study.schemes[name] for name in names):
             assert step_exponent(scheme.order, scheme.order_of_loss) == pytest.approx(unicodedata.numeric(fraction))
@@ -253,11 +255,15 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     if not (results / "numbers.json").exists():
         pytest.skip("results/numbers.json is not there; `make` makes it")
     check_the_results_of_the_readme(results)
+    n, words = json.loads((results / "numbers.json").read_text()), " ".join(README.split())
     shown, drawn = map(imread, (PROJECT / ".github" / "cost.png", results / "figures" / f"{PICTURE}.png"))
     right = abs(shown - drawn)[:, int(0.6 * shown.shape[1]) :] if shown.shape == drawn.shape else np.ones(1)
     assert right.mean() < PIXELS, f"copy {PICTURE}.png to .github/cost.png"
-    assert by_model(results) in README
-    n, words = json.loads((results / "numbers.json").read_text()), " ".join(README.split())
+    table = by_model(results)
+    assert table in README
+    cheapest, kinds = table.count("**Central difference"), len(table.strip().splitlines()) - 2
+    assert (cheapest, kinds) == (5, 7) and "central difference is the cheapest scheme of OpenSees, Abaqus" in words
+    assert "for five of [seven kinds of model]" in words
     assert f"Over n > {n['decided_periods']} periods" in words and f"√(n/{n['decided_periods']})" in words
     partly = f"wrong at some of the steps for these kinds: {n['models_partly']}."
     assert partly in words

@@ -41,6 +41,6 @@ def draw(data: xr.Dataset) -> Figure:
                 ax.plot(run[solver_cost], error, label=SOLVERS[solver], **look)
             ax.set(xscale="log", yscale="log", xlabel=label, ylim=(1e-11, TOP))
             letter(ax, index * size + column, wrapped(runs.problem_title.item(), 18))
-        row[0].set_ylabel("error of the displacement")
+        row[0].set_ylabel("error of displacement")
     legend_below(figure, columns=5)
     return figure
