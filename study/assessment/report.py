@@ -155,7 +155,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     model = "<br>".join(map(text_of, assessed.attrs.get("model", "").splitlines()))
     values = table_of(("reference", "value", "at t, s"), values_of_reference(assessed))
     if assessed.quantity_units.isin(["1", "s-1", "s-2"]).any():
-        values = f"<div>{values}<p>Unknowns are in the unit of the model.</p></div>"
+        values = f"<div>{values}<p>Units that are missing are those of the model.</p></div>"
     parts.append(f'<h2>Model and reference motion</h2><p>{model}</p><div class="pair">{values}')
     drawn = next((figure for name in quantities if (figure := motion(assessed.sel(quantity=name)))), "")
     parts.append(f"{drawn}</div>")
