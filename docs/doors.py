@@ -18,7 +18,8 @@ def _frame(axes: Axes, spectrum: xr.Dataset) -> None:
     steps = 1e3 * spectrum.largest_step_size.sel(condition="practice").min(["record", "reduction"], skipna=False)
     for name, colour in SCHEMES.items():
         axes.plot(steps.period, steps.sel(scheme=name), "o-", color=colour, label=study.schemes[name].title)
-    axes.set(xlabel="period, s", ylabel="step for 1 % of peak drift, ms", ylim=(0, None))
+    allowed = f"{100 * spectrum.allowed_error.item():g} %"
+    axes.set(xlabel="period, s", ylabel=f"step for {allowed} of peak drift, ms", ylim=(0, None))
     axes.legend(frameon=False)
 
 
