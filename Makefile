@@ -37,7 +37,7 @@ CONFORMANCE ?= results
   citation clean
 
 # XLA compiles single operations with the options that marches have anyway, in half the time
-study site test: export XLA_FLAGS ?= --xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1
+study site test test-pipeline test-all coverage: export XLA_FLAGS ?= --xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1
 
 # the pages of the site, results/site/index.html, are made on request, with missing parts of the study
 study site: .venv/ready

@@ -111,11 +111,7 @@ def table_of_assessment(assessed: xr.Dataset, error: float, quantity: str | None
         },
         index=pd.Index(answers.scheme.values, name="scheme"),
     )
-    slower_by = table["seconds"] - table["seconds"].min()
-    fastest = table["seconds"].idxmin() if slower_by.notna().any() else None
-    ties = (
-        slower_by <= (table["seconds_spread"] + (table["seconds_spread"][fastest] if fastest is not None else 0.0)) / 2
-    )
+    ties = _ties(table) & table["seconds"].notna()
     table.insert(table.columns.get_loc("seconds_spread") + 1, "ties_with_fastest", ties)
     table = table.loc[_ranked(table)]
     if "tolerance" in assessed:
@@ -143,15 +139,26 @@ def costs_of(table: pd.DataFrame) -> pd.Series:
     return table["force_evaluations"] if forces.notna().all() else table["steps"]
 
 
+def _ties(table: pd.DataFrame) -> pd.Series:
+    """Whether the time of each scheme differs from the shortest one by less than the spread of both.
+
+    If no scheme has a time, all tie.
+    """
+    seconds = table["seconds"].fillna(np.inf)
+    fastest = table.loc[seconds.idxmin()]
+    spread = (table["seconds_spread"] + fastest.seconds_spread) / 2
+    return ~(seconds - fastest.seconds > spread.fillna(0.0))
+
+
 def _ranked(table: pd.DataFrame) -> list:
-    """Names of the schemes, the fastest first; within the spread of times, the number of forces or steps decides."""
+    """Names of the schemes, the fastest first.
+
+    Among the schemes that tie with the fastest one of those left, the number of forces or steps decides.
+    """
     remaining, ranked, counts = table.sort_values("seconds", kind="stable"), list[object](), costs_of(table)
     while len(remaining):
-        first = remaining.iloc[0]
-        ties = ~(remaining["seconds"] - first.seconds > (remaining["seconds_spread"] + first.seconds_spread) / 2)
-        together = remaining[ties & (remaining["seconds"].notna() | np.isnan(first.seconds))]
-        ranked += counts[together.index].sort_values(kind="stable").index.tolist()
-        remaining = remaining.drop(together.index)
+        ranked.append(counts[remaining.index[_ties(remaining)]].sort_values(kind="stable").index[0])
+        remaining = remaining.drop(ranked[-1])
     return ranked
 
 

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 import study
+from study.analysis.recommendation import _ranked
 from study.assessment.report import answer
 from study.runs.needs import NO_VALUE, UNCERTAIN, decisions
 from tests import small_results
@@ -61,6 +62,13 @@ def test_times_within_their_spread_are_ranked_by_counts(assessed):
     assert study.recommend(assessed, allowed_error=0.01).index[0] == "average_acceleration"
     assessed.seconds.loc[{"scheme": "central_difference"}] = 1e-6
     assert study.recommend(assessed, allowed_error=0.01).index[0] == "central_difference"
+
+
+def test_a_noisy_time_places_no_scheme_before_a_faster_one_with_fewer_forces():
+    """``noisy`` ties with ``explicit``, from which ``fast`` differs. It is slower than ``fast`` and has more forces."""
+    rows = {"explicit": (1.0, 0.1, 10), "fast": (1.5, 0.1, 20), "noisy": (2.0, 3.0, 30)}
+    table = pd.DataFrame.from_dict(rows, "index", columns=["seconds", "seconds_spread", "force_evaluations"])
+    assert _ranked(table.assign(step_size=1.0)) == ["explicit", "fast", "noisy"]
 
 
 def _with_step(assessed, step):
