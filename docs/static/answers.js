@@ -11,7 +11,14 @@ if (form) {
   const element = (name, text) => Object.assign(document.createElement(name), {textContent: text});
 
   const rowsOf = () => needs.rows.filter(([p, q, e]) => p === +model.value && q === +quantity.value && e === +error.value);
-  const cost = (row) => row[10];
+  // the law of study/analysis/duration.py: over n periods the step falls with n^(-a), and a shorter duration keeps it;
+  // null if no law is known
+  const factor = (row) => {
+    const problem = needs.problems[model.value];
+    if (problem.records || !(periods.value > problem.decided)) return 1;
+    return row[9] === null ? null : (periods.value / problem.decided) ** row[9];
+  };
+  const cost = (row) => row[10] * (factor(row) ?? 1);
   // names and inputs of the chosen programs for a scheme
   const inputs = (scheme) => Object.entries(scheme.codes).filter(([name]) =>
     code.value === "codes" ? needs.programs.some((program) => name.startsWith(program)) : name === code.value);
@@ -31,12 +38,11 @@ if (form) {
     const unit = Math.max(10 ** (Math.floor(Math.log10(number)) - 2), 1);
     return Number((Math.ceil(number / unit - 1e-9) * unit).toPrecision(12));
   };
-  // the law of study/analysis/duration.py: the step falls with n^(-a), and a shorter duration keeps it
-  const steps = (row, problem) => {
-    if (problem.records || !(periods.value > problem.decided)) return [row[4], row[6]];
-    if (row[9] === null) return ["not known", ""];
-    const factor = (periods.value / problem.decided) ** row[9];
-    return [`about ${roundedUp(row[5] * factor).toLocaleString("en")}`, `${Number((row[6] / factor).toPrecision(2))}`];
+  const steps = (row) => {
+    const finer = factor(row);
+    if (finer === null) return ["not known", ""];
+    if (finer === 1) return [row[4], row[6]];
+    return [`about ${roundedUp(row[5] * finer).toLocaleString("en")}`, `${Number((row[6] / finer).toPrecision(2))}`];
   };
 
   const quantities = () => {
@@ -45,7 +51,7 @@ if (form) {
     fill(quantity, [...known].sort((a, b) => names.includes(b) - names.includes(a) || a - b)
       .map((q) => [q, needs.quantities[q]]), quantity.value);
     const problem = needs.problems[model.value];
-    periods.value = problem.decided;
+    periods.value = problem.records ? "" : problem.decided;
     periods.disabled = problem.records;
   };
 
@@ -64,7 +70,7 @@ if (form) {
     const first = groups.length && decide(groups.map(([best]) => best));
     groups.sort((a, b) => (b[0] === first) - (a[0] === first));
     for (const [best] of groups) {
-      const scheme = needs.schemes[best[3]], [step, omega] = steps(best, problem);
+      const scheme = needs.schemes[best[3]], [step, omega] = steps(best);
       const counted = problem.records || step === "not known" ? step : `${step} steps in a period`;
       const line = element("p", "");
       line.append(element("b", `${scheme.title}: ${counted}`), `${omega && `, ωΔt = ${omega}`}, `,
@@ -76,16 +82,18 @@ if (form) {
     parts.push(element("p", `Measured on: ${problem.title}, ${problem.unknowns} unknown${problem.unknowns > 1 ? "s" : ""}, ` +
       (problem.records ? `each run ${problem.duration} s long; ω of the shortest period. ` :
         `period T = ${problem.scale} s, highest ω = ${problem.omega} /s, ${problem.decided} T. `) +
-      (periods.value > problem.decided ? "The step for the longer duration follows from a law of free vibration; it was not run." : "")));
+      (!(periods.value > problem.decided) ? "" : groups.flat().some((row) => factor(row) !== null) ?
+        "The step for the longer duration follows from a law of free vibration; it was not run." :
+        "For the longer duration no law is known: assess your own model.")));
     const table = document.createElement("table"), body = table.createTBody();
     const head = table.createTHead().insertRow();
     const timed = problem.timed ? ["computing time in a second"] : [];
     for (const name of ["scheme", "kind", problem.records ? "step" : "steps in T", "ωΔt", "forces in a second", ...timed])
       head.append(element("th", name));
     for (const row of groups.flat()) {
-      const line = body.insertRow(), [step, omega] = steps(row, problem), scheme = needs.schemes[row[3]];
+      const line = body.insertRow(), [step, omega] = steps(row), scheme = needs.schemes[row[3]];
       for (const text of [scheme.title + (row[11] ? " ‡" : ""), scheme.explicit ? "explicit" : "implicit", step, omega,
-        Number(row[7].toPrecision(3)).toLocaleString("en"),
+        factor(row) === null ? "" : Number((row[7] * factor(row)).toPrecision(3)).toLocaleString("en"),
         ...timed.map(() => `${Number((1e3 * cost(row)).toPrecision(2))} ms`)]) line.append(element("td", text));
     }
     const scroll = element("div", "");

@@ -9,7 +9,7 @@ from paper.measures.step_control import ALLOWED
 from paper.products import figure
 
 #: Schemes and general solver in the figure, and the maximum number of panels.
-SHOWN, SOLVER, MOST = ["average_acceleration", "generalized_alpha", "rk4", "dormand_prince6"], "cvode_adams", 8
+SHOWN, SOLVER, MOST = ["average_acceleration", "rk4", "dormand_prince6"], "cvode_adams", 8
 COLUMNS = 4
 
 

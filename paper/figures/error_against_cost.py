@@ -10,14 +10,14 @@ from paper.products import figure
 from study.sizes import unbroken
 
 PROBLEM, PERIODS = "softening", 100
-#: Schemes of the figure, with their colours, which differ in greyscale, and their markers.
+#: Schemes of the figure, with their colours and markers, which most of them have in all figures.
 SCHEMES = {
-    "central_difference": ("#000000", "o"),
-    "average_acceleration": ("#0072B2", "s"),
-    "generalized_alpha": ("#D55E00", "^"),
-    "bathe": ("#7A1F4B", "D"),
-    "rk4": ("#009E73", "v"),
-    "kahan_li8": ("#E69F00", "P"),
+    "central_difference": ("#0072B2", "s"),
+    "average_acceleration": ("#000000", "o"),
+    "generalized_alpha": ("#7A1F4B", "v"),
+    "bathe": ("#D55E00", "P"),
+    "rk4": ("#E69F00", "X"),
+    "kahan_li8": ("#009E73", "^"),
 }
 #: General solvers of the figure, with their markers, and in each panel the distance in points of the name from the last
 #: point, to the left of it if negative. The Taylor method of heyoka evaluates no force.

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels, whole_decades
+from paper.figures.style import PAGE, curve_styles, letter, panels, whole_decades
 from paper.products import figure
 
 #: Markers of the panels, and their colours, which differ in greyscale.
@@ -21,7 +21,7 @@ LOOKS = (("o", "#000000"), ("s", "#0072B2"), ("^", "#D55E00"), ("D", "#E69F00"),
 )
 def draw(mesh: xr.Dataset) -> Figure:
     """One curve per panel, with a point for each stiffness of one row; on one panel, curves over the steps tried."""
-    picture, ((ratios, errors),) = panels(1, 2, PAGE, 6.5)
+    picture, ((ratios, errors),) = panels(1, 2, PAGE, 7.0)
     names = [f"{rows} × {columns}" for rows, columns in zip(mesh.rows.values, mesh.columns.values, strict=True)]
     implicit, explicit = (
         mesh.seconds_per_period.sel(scheme=name) for name in ("average_acceleration", "central_difference")
@@ -45,6 +45,5 @@ def draw(mesh: xr.Dataset) -> Figure:
         ax.set(xscale="log", yscale="log")
         whole_decades(ax)
         letter(ax, index, title)
-    handles = [handle for ax in (ratios, errors) for handle in ax.get_legend_handles_labels()[0]]
-    legend_below(picture, columns=3, handles=handles)
+        ax.legend(loc="upper center", bbox_to_anchor=(0.45, -0.22), ncols=2)
     return picture

@@ -48,7 +48,7 @@ def chaos_numbers(chaos: xr.Dataset) -> dict:
 
     def ordered(problem: str, scheme: str) -> str:
         order, half = orders_of_means(chaos, problem)[scheme]
-        return f"{order:.1f} ± {half:.1f}" if np.isfinite(order) else "none"
+        return f"{order:.1f} ± {half:.1f}" if half < order else "none"
 
     def second(problem: str) -> bool:
         return all(is_second(*orders_of_means(chaos, problem)[scheme]) for scheme in FAITHFUL)

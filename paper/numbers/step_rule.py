@@ -6,7 +6,7 @@ import xarray as xr
 
 from paper.data import largest_omega_step
 from paper.products import numbers
-from study.words import number
+from study.words import listed, number
 
 #: Allowed relative error of energy and period.
 ERROR = 0.01
@@ -34,7 +34,7 @@ def step_rule_numbers(rule: xr.Dataset) -> dict:
         "rule_smallest": number(rule.amplitude.min().item(), 2),
         "rule_largest": number(rule.amplitude.max().item(), 2),
         "rule_serves": bool(((ratio < NO_RULE) & (ratio < finest / fewest)).sel(scheme=SCHEMES).all()),
-        "rule_exceptions": ", ".join(rule.scheme_title.values[(ratio > NO_RULE).values]) or "none",
+        "rule_exceptions": listed(rule.scheme_title.values[(ratio > NO_RULE).values]) or "none",
     }
     for name in SCHEMES:
         entries |= {

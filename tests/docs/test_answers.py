@@ -118,5 +118,9 @@ def test_a_program_and_a_duration_narrow_the_answer(page):
     page.execute_script(last, -5)
     assert page.execute_script(BEST) == []
     assert "above zero" in page.execute_script("return document.querySelector('#answer').innerText")
+    forces = "return document.querySelector('#answer tbody td:nth-child(5)').innerText.replace(',', '')"
+    page.execute_script(last, 10)
+    short = float(page.execute_script(forces))
     page.execute_script(last, 40)
+    assert float(page.execute_script(forces)) == pytest.approx(2 * short, rel=0.01)
     assert page.execute_script(BEST) == ["Cheap: about 32 steps in a period", "Stiff: about 41 steps in a period"]
