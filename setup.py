@@ -1,4 +1,4 @@
-"""The long description of the wheel: README without its picture, and with files that an index does not have as names, not links."""
+"""The long description of the wheel: README without its picture, and with names of files in place of links to them."""
 
 import re
 from pathlib import Path
