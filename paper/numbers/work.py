@@ -115,7 +115,7 @@ def decision_numbers(decisions: xr.Dataset, needs: xr.Dataset, softening: xr.Dat
     least = first.scheme_title.sel(quantity="displacement").to_series()
     return {
         **counted,
-        "fewest_of_displacement": ", ".join(f"{title} ({count})" for title, count in least.value_counts().items()),
+        "fewest_of_displacement": listed(f"{title} in {count}" for title, count in least.value_counts().items()),
         **_starts(decisions),
         "decided_errors": listed(f"{100 * error:g}" for error in decisions.allowed_error.values),
         "decided_periods": listed(sorted({f"{periods:,.0f}" for periods in springs.decided.values})),
