@@ -7,7 +7,8 @@ import xarray as xr
 
 from paper.claims.step_bound import CONFIRMED, LARGEST_STEP, SCHEMES, confirmed, exceptions, over_convex
 from paper.products import numbers
-from study.words import at_most, listed, span
+from paper.wording import joined
+from study.words import at_most, span
 
 
 @numbers(bound="stability/step_bound", rule="stability/step_rule", requires={"step_rule.schemes": SCHEMES})
@@ -28,7 +29,7 @@ def step_bound_numbers(bound: xr.Dataset, rule: xr.Dataset) -> dict:
         "bound_runs": bound.error.sel(quantity="energy").size,
         "bound_energy_confirmed": int(close.sel(quantity="energy").sum()),
         "bound_period_confirmed": int(close.sel(quantity="period").sum()),
-        "bound_exceptions": listed(exceptions(bound, ~close.all(["scheme", "quantity"]))) or "none",
+        "bound_exceptions": joined(exceptions(bound, ~close.all(["scheme", "quantity"])), {}),
         "bound_step": f"{LARGEST_STEP:g}",
         "bound_convex_runs": f"{int(described.sum()):,}",
         "bound_convex_most": f"{over.where(described).max().item():.2f}",

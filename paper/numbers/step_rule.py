@@ -6,7 +6,8 @@ import xarray as xr
 
 from paper.data import largest_omega_step
 from paper.products import numbers
-from study.words import listed, number
+from paper.wording import joined
+from study.words import number
 
 #: Allowed relative error of energy and period.
 ERROR = 0.01
@@ -34,7 +35,7 @@ def step_rule_numbers(rule: xr.Dataset) -> dict:
         "rule_smallest": number(rule.amplitude.min().item(), 2),
         "rule_largest": number(rule.amplitude.max().item(), 2),
         "rule_serves": bool(((ratio < NO_RULE) & (ratio < finest / fewest)).sel(scheme=SCHEMES).all()),
-        "rule_exceptions": listed(rule.scheme_title.values[(ratio > NO_RULE).values]) or "none",
+        "rule_exceptions": joined(rule.scheme_title.values[(ratio > NO_RULE).values], {}),
     }
     for name in SCHEMES:
         entries |= {

@@ -7,6 +7,7 @@ from paper.products import numbers
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
 from paper.tables.models import ERROR, FILTER, MODELS, USUAL, answers
 from paper.tables.whole_motion import ERROR as WHOLE
+from paper.wording import joined
 from study.runs.needs import FILTERS, WHOLE_MOTION, cheapest, keeps_part, needs
 from study.sizes import fewest
 from study.words import listed
@@ -115,7 +116,7 @@ def decision_numbers(decisions: xr.Dataset, needs: xr.Dataset, softening: xr.Dat
     least = first.scheme_title.sel(quantity="displacement").to_series()
     return {
         **counted,
-        "fewest_of_displacement": listed(f"{title} in {count}" for title, count in least.value_counts().items()),
+        "fewest_of_displacement": joined((f"{title} in {count}" for title, count in least.value_counts().items()), {}),
         **_starts(decisions),
         "decided_errors": listed(f"{100 * error:g}" for error in decisions.allowed_error.values),
         "decided_periods": listed(sorted({f"{periods:,.0f}" for periods in springs.decided.values})),

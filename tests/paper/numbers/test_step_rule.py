@@ -52,7 +52,7 @@ def test_a_step_does_not_count_where_a_finer_one_fails():
     rule["energy_error"][0, 0, 0, 1] = 0.02
     numbers = step_rule_numbers(rule)
     assert numbers["rule_below_central_difference"] == "0.01" and numbers["rule_below_rk4"] == "0.05"
-    assert numbers["rule_exceptions"] == "Central_Difference"
+    assert numbers["rule_exceptions"] == "Central Difference"
 
 
 def test_a_scheme_that_no_step_serves_is_an_exception():
