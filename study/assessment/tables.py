@@ -1,8 +1,7 @@
 """Tables of the page of an assessment."""
 
 import itertools
-from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 
 import numpy as np
 import pandas as pd
@@ -27,7 +26,7 @@ def table_of(
     head: Iterable[str],
     rows: Iterable[Iterable[object]],
     text: tuple[int, ...] = (),
-    strong: Iterable[tuple[int, int]] = (),
+    strong: Container[tuple[int, int]] = (),
 ) -> str:
     """A table of HTML.
 
@@ -35,18 +34,15 @@ def table_of(
     bold type.
     """
 
-    def row_of(tag: str, row: list[object], bold: Iterable[int] = ()) -> str:
+    def row_of(tag: str, row: list[object], place: int = -1) -> str:
         kinds = (' class="text"' if i in text else "" for i in itertools.count())
         # an empty cell in the head of the table is not marked as a heading
         tags = (tag if cell else "td" for cell in row)
-        words = (f"<b>{text_of(cell)}</b>" if i in bold else text_of(cell) for i, cell in enumerate(row))
+        words = (f"<b>{text_of(cell)}</b>" if (place, i) in strong else text_of(cell) for i, cell in enumerate(row))
         return "".join(f"<{t}{kind}>{word}</{t}>" for t, kind, word in zip(tags, kinds, words, strict=False))
 
-    bold = defaultdict[int, list[int]](list)
-    for i, k in strong:
-        bold[i].append(k)
     cells = row_of("th", list(head))
-    body = "".join(f"<tr>{row_of('td', list(row), bold[i])}</tr>" for i, row in enumerate(rows))
+    body = "".join(f"<tr>{row_of('td', list(row), place)}</tr>" for place, row in enumerate(rows))
     return f'<div class="scroll" tabindex="0"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
 
 

@@ -153,3 +153,10 @@ def test_every_number_is_used(product):
     assert keys
     unused = {key for key in keys if not any(re.fullmatch(key, name) for name in used)}
     assert not unused
+
+
+@pytest.mark.parametrize("text", sorted(LAYOUT.parent.glob("*.typ")), ids=lambda path: path.stem)
+def test_no_semicolon_follows_a_number_or_a_fact(text):
+    """Typst ends the expression at a semicolon, and does not print it."""
+    prose = re.sub(r"//.*", "", text.read_text())
+    assert re.findall(r"#[a-z][\w.-]*;|#(?:holds|given)\([\w.]+\)\[[^\[\]]*\];", prose) == []
