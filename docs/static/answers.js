@@ -100,12 +100,13 @@ if (form) {
     scroll.className = "wide";
     scroll.append(table);
     if (groups.length) parts.push(scroll);
-    if (groups.flat().some((row) => row[11])) parts.push(element("p", "‡ The whole motion, with displacement, velocity, acceleration and energy, needs another step."));
+    if (groups.flat().some((row) => row[11]))
+      parts.push(element("p", "‡ The whole motion, with displacement, velocity, acceleration and energy, needs another step."));
     document.getElementById("answer").replaceChildren(...parts);
   };
 
-  fill(model, needs.problems.map((one, p) => [p, one.title]),
-    needs.problems.findIndex((one) => one.model === needs.first.model));
+  fill(model, needs.problems.map(({title}, p) => [p, title]),
+    needs.problems.findIndex((problem) => problem.model === needs.first.model));
   fill(error, needs.errors.map((name, e) => [e, name]), needs.errors.indexOf(needs.first.error));
   fill(code, [["codes", `${needs.programs.slice(0, -1).join(", ")} or ${needs.programs.at(-1)}`],
     ["", "any program or paper"], ...needs.codes.map((name) => [name, name])]);

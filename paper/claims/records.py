@@ -23,7 +23,7 @@ _WITH_AVERAGE = {"record_error.schemes": [SCHEME]}
 )
 def power_above_decides(record_error):
     average = record_error.sel(scheme=SCHEME)
-    value, step = scatter(average, average.power_above), scatter(average, average.of_period)
+    value, step = scatter(average, average.power_above), scatter(average, average.period_error)
     holds = value <= ONE_CURVE
     return Finding(f"{value:.2f}, and {step:.2f} about (ωΔt)²", holds, when(not holds, "power near 1/Δt decides it"))
 

@@ -47,19 +47,19 @@ function build() {
     button.onclick = () => choose({problem: p, u0, step: dt / periodAt({problem: p, u0})})
     return button
   }))
-  sides.forEach((one, side) => {
-    one.run.innerHTML = `<div aria-live="polite"></div><div class="figures"></div>`
-    one.map.innerHTML = `<p><select aria-label="scheme"></select><a></a></p><div class="plane" tabindex="0" role="application"
+  sides.forEach((place, side) => {
+    place.run.innerHTML = `<div aria-live="polite"></div><div class="figures"></div>`
+    place.map.innerHTML = `<p><select aria-label="scheme"></select><a></a></p><div class="plane" tabindex="0" role="application"
       aria-roledescription="map of runs" aria-describedby="keys"><canvas></canvas><svg aria-hidden="true"></svg></div>`
-    $("select", one.map).onchange = ({target}) =>
+    $("select", place.map).onchange = ({target}) =>
       choose({schemes: choice.schemes.map((s, k) => (k === side ? +target.value : s))})
-    one.plane = $(".plane", one.map)
-    one.plane.onclick = ({clientX, clientY}) => {
-      const {left, top} = one.plane.getBoundingClientRect()
-      choose(one.frame.runAt(clientX - left, clientY - top))
+    place.plane = $(".plane", place.map)
+    place.plane.onclick = ({clientX, clientY}) => {
+      const {left, top} = place.plane.getBoundingClientRect()
+      choose(place.frame.runAt(clientX - left, clientY - top))
     }
-    one.plane.onpointermove = (event) => event.buttons && event.pointerType === "mouse" && one.plane.onclick(event)
-    one.plane.onkeydown = onKey
+    place.plane.onpointermove = (event) => event.buttons && event.pointerType === "mouse" && place.plane.onclick(event)
+    place.plane.onkeydown = onKey
   })
   new ResizeObserver(draw).observe($(".sides"))
   matchMedia("(prefers-color-scheme: dark)").onchange = draw
@@ -77,8 +77,8 @@ function onKey(event) {
 // Rows of the schemes of a kind, the largest safe step first.
 function rowsOf(explicit) {
   const {i, u0} = cellOf(choice), period = periodAt({...choice, u0})
-  const found = meta.schemes.map((one, s) => ({...one, s, step: safeStep(choice, s, i)}))
-  const chosen = found.filter((one) => one.explicit === explicit).sort((a, b) => b.step - a.step)
+  const steps = meta.schemes.map((scheme, s) => ({...scheme, s, step: safeStep(choice, s, i)}))
+  const chosen = steps.filter((scheme) => scheme.explicit === explicit).sort((a, b) => b.step - a.step)
   return chosen.map(({name, title, s, step, forces, forcesPerIteration}) => {
     const perStep = explicit ? `${forces} a step, ${Math.ceil(forces / step)} a period`
       : `${forces ? `${forces} a step and ` : ""}${forcesPerIteration} an iteration`
@@ -92,11 +92,11 @@ function rowsOf(explicit) {
 // The decisions of the study on the chosen spring as a list; empty without a decision.
 function decisionsOf({problem, error}) {
   const {name, unit} = meta.problems[problem]
-  const of = meta.decisions.filter((one) => one.problem === name && Math.abs(one.error / error - 1) < 1e-9)
-  const items = of.map(({quantity, kind, title, steps}) => `<li>${quantity}, ${kind}: ${title
+  const decisions = meta.decisions.filter((decision) => decision.problem === name && Math.abs(decision.error / error - 1) < 1e-9)
+  const items = decisions.map(({quantity, kind, title, steps}) => `<li>${quantity}, ${kind}: ${title
     ? `${escaped(title)}, ${steps} steps a period` : "no step that was tried"}</li>`)
-  return of.length ? `<p class="note">From ${of[0].starts} starts of the motion of u₀ = ${short(unit)}, at rest and in
-    motion, an error within ${error}\u00a0% over ${of[0].periods} periods needs the fewest forces, or up to a tenth more, with:</p><ul class="decisions">${items.join("")}</ul>` : ""
+  return decisions.length ? `<p class="note">From ${decisions[0].starts} starts of the motion of u₀ = ${short(unit)}, at rest and in
+    motion, an error within ${error}\u00a0% over ${decisions[0].periods} periods needs the fewest forces, or up to a tenth more, with:</p><ul class="decisions">${items.join("")}</ul>` : ""
 }
 
 function drawAnswer() {
@@ -113,10 +113,10 @@ function drawAnswer() {
 
 function drawLegend() {
   const list = document.createElement("ul")
-  for (const one of classesFor(choice.colour)) {
+  for (const category of classesFor(choice.colour)) {
     const item = document.createElement("li")
-    item.append(swatch(one))
-    item.insertAdjacentHTML("beforeend", `<span>${one.label}${one.note ? `<small>: ${one.note}</small>` : ""}</span>`)
+    item.append(swatch(category))
+    item.insertAdjacentHTML("beforeend", `<span>${category.label}${category.note ? `<small>: ${category.note}</small>` : ""}</span>`)
     list.append(item)
   }
   $(".legend").replaceChildren(list)
@@ -135,18 +135,18 @@ function draw() {
   const window = computed.length && {u: limits(computed, "u"), v: limits(computed, "v")}
   // a narrow screen hides one of the maps
   const wide = Math.max(...sides.map(({map}) => map.clientWidth))
-  sides.forEach((one, side) => {
-    const s = choice.schemes[side], {name, title} = meta.schemes[s], link = $("a", one.map)
+  sides.forEach((place, side) => {
+    const s = choice.schemes[side], {name, title} = meta.schemes[s], link = $("a", place.map)
     $(`label[for="side${side}"]`).textContent = title
-    fill($("select", one.map), meta.schemes.map(({title}, s) => [String(s), title]), s)
+    fill($("select", place.map), meta.schemes.map(({title}, s) => [String(s), title]), s)
     link.href = `${SITE}schemes/${name}.html`
     link.textContent = `about ${title}`
-    one.plane.setAttribute("aria-label", `${title}: ${COLOURS[choice.colour]} over step size and amplitude`)
-    one.frame = frameOf(wide, choice)
-    one.plane.style.height = `${one.frame.height}px`
-    drawCells($("canvas", one.plane), one.frame, choice, s)
-    $("svg", one.plane).innerHTML = `${axes(one.frame)}${marks(one.frame, choice, side)}`
-    const [words, figures] = one.run.children
+    place.plane.setAttribute("aria-label", `${title}: ${COLOURS[choice.colour]} over step size and amplitude`)
+    place.frame = frameOf(wide, choice)
+    place.plane.style.height = `${place.frame.height}px`
+    drawCells($("canvas", place.plane), place.frame, choice, s)
+    $("svg", place.plane).innerHTML = `${axes(place.frame)}${marks(place.frame, choice, side)}`
+    const [words, figures] = place.run.children
     words.innerHTML = summary(choice, s, runs[side])
     $("[data-class]", words).prepend(swatch(classesFor("outcome")[$("[data-class]", words).dataset.class]))
     figures.innerHTML = runs[side] ? drawn(runs[side], window, escaped(title)) : ""

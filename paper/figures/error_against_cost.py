@@ -5,20 +5,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from paper.data import SOLVERS
-from paper.figures.style import PAGE, legend_below, letter, panels, whole_decades
+from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels, whole_decades
 from paper.products import figure
 from study.sizes import unbroken
 
 PROBLEM, PERIODS = "softening", 100
-#: Schemes of the figure, with their colours and markers, which most of them have in all figures.
-SCHEMES = {
-    "central_difference": ("#0072B2", "s"),
-    "average_acceleration": ("#000000", "o"),
-    "generalized_alpha": ("#7A1F4B", "v"),
-    "bathe": ("#D55E00", "P"),
-    "rk4": ("#E69F00", "X"),
-    "kahan_li8": ("#009E73", "^"),
-}
+SCHEMES = ["central_difference", "average_acceleration", "generalized_alpha", "bathe", "rk4", "kahan_li8"]
 #: General solvers of the figure, with their markers, and in each panel the distance in points of the name from the last
 #: point, to the left of it if negative. The Taylor method of heyoka evaluates no force.
 GENERAL: dict[str, tuple[str, list[tuple[float, float]]]] = {
@@ -60,6 +52,7 @@ def draw(data: xr.Dataset) -> Figure:
     Schemes of the figure that were not run are left out.
     """
     data = data.sel(problem=PROBLEM, periods=PERIODS)
+    looks = curve_styles(data)
     picture, (row,) = panels(1, 2, PAGE, 8.0, sharey=True)
     for place, (axes, (label, (scheme_cost, solver_cost))) in enumerate(zip(row, _COSTS.items(), strict=True)):
         for solver, (marker, offsets) in GENERAL.items():
@@ -71,11 +64,11 @@ def draw(data: xr.Dataset) -> Figure:
             axes.plot(runs[solver_cost], known, **look)
             drawn = [at for at in zip(runs[solver_cost].values, known.values, strict=True) if at[1] > BOTTOM]
             _name(axes, solver, drawn, offsets[place])
-        for scheme, (colour, marker) in ((name, SCHEMES[name]) for name in SCHEMES if name in data.scheme):
+        for scheme in (name for name in SCHEMES if name in data.scheme):
             runs = data.sel(scheme=scheme).sortby("steps_per_period", ascending=False)
             # a small error at a step that is coarser than one whose motion is lost is an accident
             kept = unbroken(runs.displacement_error.values < TOP)
-            look = {"color": colour, "marker": marker, "ls": "-", "lw": 1.4, "label": runs.scheme_title.item()}
+            look = looks[scheme] | {"linestyle": "-", "linewidth": 1.4, "label": runs.scheme_title.item()}
             axes.plot(runs[scheme_cost], runs.displacement_error.where(kept), **look)
         for error in (0.1, 0.01, 0.001):
             axes.axhline(error, color="0.8", lw=0.6, zorder=0)

@@ -29,7 +29,7 @@ def draw(errors: xr.Dataset) -> Figure:
     """Three panels with one point for each record, oscillator and step."""
     runs = errors.sel(scheme=SCHEME)
     figure, (axes,) = panels(1, 3, PAGE, 6.2)
-    by = [runs.power_above, predicted(runs), runs.of_period]
+    by = [runs.power_above, predicted(runs), runs.period_error]
     titles = ["power above $1/(4\\Delta t)$", "prediction", "mean load over a step"]
     labels = ["root of the share of the power", "predicted error", "predicted error of the period"]
     for index, (ax, predictor, title, label) in enumerate(zip(axes, by, titles, labels, strict=True)):

@@ -66,10 +66,10 @@ _MARKERS = ["o", "s", "v", "^", "D", "P", "X", "<"]
 _STYLE_NUMBERS = {
     "Newmark and Wilson": (0, 1, 2, 3, 21, 23, 36, 38),
     "Multi-step and composite": (4, 8, 9, 10, 11, 14, 37, 39, 52, 49),
-    "α-methods": (5, 17, 16, 15, 34, 35, 44, 46),
+    "α-methods": (5, 17, 16, 15, 34, 43, 44, 46),
     "Runge-Kutta and conserving": (6, 19, 13, 12, 24, 25, 7, 42),
     "Explicit with dissipation": (29, 30, 26, 27, 20, 40, 41, 47, 50, 53),
-    "Splitting": (28, 32, 18, 31, 22, 33, 43, 45),
+    "Splitting": (28, 32, 18, 31, 22, 35, 33, 45),
 }
 
 

@@ -13,7 +13,7 @@ ONE_CURVE = 0.15
 
 def predicted(errors: xr.Dataset) -> xr.DataArray:
     """Predicted error of the displacement."""
-    return np.hypot(errors.of_period, errors.of_load)
+    return np.hypot(errors.period_error, errors.load_error)
 
 
 def scatter(errors: xr.Dataset, predictor: xr.DataArray) -> float:
@@ -35,4 +35,4 @@ def order(errors: xr.Dataset, load: str, divides: bool) -> float:
 def over_period(errors: xr.Dataset, load: str) -> float:
     """97.5th percentile of measured error over predicted error of the period, at steps that do not divide."""
     off = errors.sel(scheme=SCHEME).isel(ratio=(errors.divides == 0).values)
-    return float(np.nanpercentile(off.error.sel(load=load) / off.of_period, RANGE[1]))
+    return float(np.nanpercentile(off.error.sel(load=load) / off.period_error, RANGE[1]))

@@ -28,7 +28,7 @@ def record_error_numbers(errors: xr.Dataset) -> dict:
     low, high = np.nanpercentile(ratio, RANGE)
     scatters = {
         name: scatter(average, by)
-        for name, by in {"law": law, "step": average.of_period, "power": average.power_above}.items()
+        for name, by in {"law": law, "step": average.period_error, "power": average.power_above}.items()
     }
 
     def within(error):

@@ -25,19 +25,19 @@ class RecordError(NamedTuple):
 
     Attributes
     ----------
-    of_period
+    period_error
         Error by the error of the period.
-    of_load
+    load_error
         Error by the part of the record that the steps pass over.
     """
 
-    of_period: _Errors
-    of_load: _Errors
+    period_error: _Errors
+    load_error: _Errors
 
     @property
     def total(self) -> _Errors:
         """Root of the sum of both squares."""
-        return np.hypot(self.of_period, self.of_load)
+        return np.hypot(self.period_error, self.load_error)
 
 
 def record_error(

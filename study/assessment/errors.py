@@ -134,15 +134,15 @@ class Target:
         return np.abs(self.values).max(axis=0)
 
     @cached_property
-    def own(self) -> np.ndarray:
+    def value(self) -> np.ndarray:
         """Reduced value of each component, or its largest absolute value along time, of shape (components,)."""
         return self.until(self.times[-1:])[0]
 
     @property
     def reached(self) -> np.ndarray:
-        """Time at which each component has the value ``own``, of shape (components,); NaN for a root mean square."""
+        """Time at which each component has its value, of shape (components,); NaN for a root mean square."""
         if self.quantity.reduce == "rms":
-            return np.full(self.own.shape, np.nan)
+            return np.full(self.value.shape, np.nan)
         last = self.quantity.reduce == "final"
         return np.where(last, self.times[-1], self.times[np.abs(self.values).argmax(axis=0)])
 
@@ -185,7 +185,7 @@ def target(quantity: Quantity, problem: Problem, solution: DenseSolution, finer:
             "to it has no meaning."
         )
     result = Target(quantity, problem, solution, times, values, np.abs(values).max(axis=0))
-    reduced = result.own if quantity.reduce else result.sizes
+    reduced = result.value if quantity.reduce else result.sizes
     return replace(result, scale=quantity.scales(reduced, result.sizes))
 
 
@@ -317,4 +317,4 @@ def difference(
     if quantity.reduce is None:
         return float(along[-1]), along
     first_target, second_target = (target(quantity, problem, s) for s in (first, second))
-    return float(_relative(first_target.own - second_target.own, first_target.scale).max()), along
+    return float(_relative(first_target.value - second_target.value, first_target.scale).max()), along

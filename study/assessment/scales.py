@@ -106,7 +106,7 @@ def measured(reference: Certified, with_energy: bool) -> dict[str, Measured]:
         name: Measured(
             target.quantity.relative_to(len(target.scale)),
             target.quantity.units,
-            target.own,
+            target.value,
             target.reached,
             target.scale,
             (target.times, target.values),
@@ -142,7 +142,7 @@ def remarks_on_scales(targets: Mapping[str, Target]) -> list[str]:
         if target.quantity.scale in ("own", "peak"):
             remedy = f"study.Quantity(..., scale='each') as quantities['{name}'] gives each component its own scale"
             remarks += remark_on_components(
-                name, np.abs(target.own) if target.quantity.scale == "own" else target.sizes, remedy
+                name, np.abs(target.value) if target.quantity.scale == "own" else target.sizes, remedy
             )
         if target.quantity.reduce == "final" and target.quantity.scale in ("own", "each"):
             peaks = target.sizes if target.quantity.scale == "each" else np.full(len(target.scale), target.sizes.max())

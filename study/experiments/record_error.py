@@ -130,8 +130,8 @@ def record_error(schemes: Schemes) -> xr.Dataset:
     -------
     xarray.Dataset
         ``error`` of the displacement along time over the peak, at the samples of the record at which a step ends, with
-        the dimension ``load``; ``peak_error`` of linear and yielding oscillators; ``of_period`` and ``of_load``, the
-        terms of :func:`study.record_error`. All have the shape (scheme, record, period, ratio); steps that are too
+        the dimension ``load``; ``peak_error`` of linear and yielding oscillators; ``period_error`` and ``load_error``,
+        the terms of :func:`study.record_error`. All have the shape (scheme, record, period, ratio); steps that are too
         small or too large are NaN, as are predictions for schemes without one.
     """
     exact = io.open_dataset("reference/record_error")
@@ -212,8 +212,8 @@ def record_error(schemes: Schemes) -> xr.Dataset:
                 {"long_name": "largest error of the displacement of the linear oscillator over its peak", "units": "1"},
             ),
             "peak_error": ((*dims, "spring"), peak_error, {"long_name": "relative error of the peak", "units": "1"}),
-            "of_period": (dims, terms[0], {"long_name": "predicted error by the error of the period", "units": "1"}),
-            "of_load": (dims, terms[1], {"long_name": "predicted error by the load passed over", "units": "1"}),
+            "period_error": (dims, terms[0], {"long_name": "predicted error by the error of the period", "units": "1"}),
+            "load_error": (dims, terms[1], {"long_name": "predicted error by the load passed over", "units": "1"}),
             "power_above": (
                 ("record", "ratio"),
                 high,

@@ -174,14 +174,14 @@ class Quantity(Record):
         """Whether the function takes the acceleration."""
         return "a" in _arguments_of(self.function)
 
-    def scales(self, own: np.ndarray, along: np.ndarray) -> np.ndarray:
+    def scales(self, values: np.ndarray, peaks: np.ndarray) -> np.ndarray:
         """Scale of the error of each component, of shape (m,).
 
         Parameters
         ----------
-        own
+        values
             Reduced value of each component, or its largest absolute value along time, of shape (m,).
-        along
+        peaks
             Largest absolute value of each component along time, of shape (m,).
 
         Raises
@@ -190,13 +190,13 @@ class Quantity(Record):
             If the quantity has neither one scale nor one for each component.
         """
         if isinstance(self.scale, tuple):
-            if len(self.scale) not in (1, len(own)):
+            if len(self.scale) not in (1, len(values)):
                 raise ValueError(
-                    f"scale of '{self.long_name or self.name}' must be one number or one for each of its {len(own)} "
-                    f"components, not {len(self.scale)} numbers."
+                    f"scale of '{self.long_name or self.name}' must be one number or one for each of its "
+                    f"{len(values)} components, not {len(self.scale)} numbers."
                 )
-            return np.broadcast_to(np.array(self.scale), np.shape(own))
-        sizes = np.abs(along if self.scale == "peak" else own)
+            return np.broadcast_to(np.array(self.scale), np.shape(values))
+        sizes = np.abs(peaks if self.scale == "peak" else values)
         largest = np.full(sizes.shape, sizes.max())
         return np.maximum(sizes, SMALLEST_SCALE * largest) if self.scale == "each" else largest
 

@@ -20,10 +20,10 @@ def test_a_step_that_divides_the_spacing_has_the_error_of_the_period_in_white_no
     off = np.abs(response(2 / dt * np.tan(w * dt / 2)) - response(w))
     expected = np.sqrt(np.sum(off**2) / np.sum(np.abs(response(w)) ** 2))
     error = study.record_error(study.GroundMotion.el_centro(), dt, PERIOD, DAMPING)
-    assert error.of_load == pytest.approx(0, abs=1e-12)
+    assert error.load_error == pytest.approx(0, abs=1e-12)
     assert error.total == pytest.approx(expected, rel=0.02)
     central = study.record_error(study.GroundMotion.el_centro(), dt, PERIOD, DAMPING, "central_difference")
-    assert error.of_period == pytest.approx(2 * central.of_period)
+    assert error.period_error == pytest.approx(2 * central.period_error)
 
 
 def test_power_that_the_steps_mistake_for_that_of_the_oscillator_is_its_error():
@@ -34,7 +34,7 @@ def test_power_that_the_steps_mistake_for_that_of_the_oscillator_is_its_error():
     ground = study.GroundMotion(np.cos(2 * np.pi * FREQUENCY * t) + ratio * alias, spacing)
     coarse = study.record_error(ground, dt * (1 + 1e-9), np.array([PERIOD, 2 * PERIOD]), DAMPING)
     seen = (1 + ratio) * np.sinc(FREQUENCY * dt) ** 2
-    assert coarse.of_load[0] == pytest.approx(seen - 1, rel=0.01)
+    assert coarse.load_error[0] == pytest.approx(seen - 1, rel=0.01)
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,7 @@ def test_a_residual_drift_has_an_error_of_its_own_size():
     ratio, omega = 0.2, np.sqrt(1 - 0.04)
     exact = 0.05 + 0.95 * np.exp(-0.2 * 20) * (np.cos(omega * 20) + ratio / omega * np.sin(omega * 20))
     targets = _targets(settled, 20.0, {"drift": study.Quantity(lambda u: u, reduce="final")})
-    assert targets["drift"].own == pytest.approx([exact], rel=1e-9)
+    assert targets["drift"].value == pytest.approx([exact], rel=1e-9)
     value = study.run(settled, "rk4", dt=1.0, steps=20).u[-1].item()
     assert _errors(settled, 20.0, targets, 1.0).drift == pytest.approx(abs(value - exact) / abs(exact), rel=1e-6)
 
@@ -126,7 +126,7 @@ def test_a_final_value_is_compared_with_the_largest_value_of_its_own_component()
     problem = study.Problem(stiffness=np.diag([1.0, 4.0]), u0=[50.0, 0.0081], title="apart")
     quantities = {"end": study.Quantity(lambda u: u, reduce="final", scale="each")}
     targets = _targets(problem, np.pi / 2 - 0.2, quantities)
-    assert targets["end"].own == pytest.approx([50 * np.sin(0.2), -0.0081 * np.cos(0.4)], rel=1e-6)
+    assert targets["end"].value == pytest.approx([50 * np.sin(0.2), -0.0081 * np.cos(0.4)], rel=1e-6)
     assert remarks_on_scales(targets) == []
     with pytest.warns(RuntimeWarning, match=r"the final value of 'end', 3.5e-05, .* along time, 0\.0081,"):
         remarks_on_scales(_targets(problem, np.pi / 4 - 2.16e-3, quantities))

@@ -67,11 +67,11 @@ def test_errors_are_those_of_single_runs(reference, records, monkeypatch):
         assert ours.error.sel(load="samples").item() == pytest.approx(error, rel=1e-6)
         peaks = np.abs([linear.peak.item(), yielding.peak.item()] / known.peak_drift.values - 1)
         assert ours.peak_error.values == pytest.approx(peaks, rel=1e-6)
-    assert (ds.of_load.where(ds.divides == 1).fillna(0) < 1e-9).all()
-    ratio = ds.error.sel(load="samples") / np.hypot(ds.of_period, ds.of_load)
+    assert (ds.load_error.where(ds.divides == 1).fillna(0) < 1e-9).all()
+    ratio = ds.error.sel(load="samples") / np.hypot(ds.period_error, ds.load_error)
     assert 0.3 < ratio.median() < 1.5
     # the mean of the load leaves the error of the period at steps that pass over samples
-    far = (ds.of_load > 10 * ds.of_period) & (ds.ratio < 1)
+    far = (ds.load_error > 10 * ds.period_error) & (ds.ratio < 1)
     assert (ds.error.sel(load="averages") < ds.error.sel(load="samples") / 3).where(far, True).mean() > 0.9
 
 

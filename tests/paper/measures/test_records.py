@@ -22,8 +22,8 @@ def _errors(load=0.0, averaged=0.0):
     return xr.Dataset(
         {
             "error": ((*shape, "load"), error[None]),
-            "of_period": (shape, period_error[None]),
-            "of_load": (shape, (0 * period_error + load * passes)[None]),
+            "period_error": (shape, period_error[None]),
+            "load_error": (shape, (0 * period_error + load * passes)[None]),
             "power_above": (("record", "ratio"), step),
         },
         {
