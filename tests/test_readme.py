@@ -267,6 +267,8 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     assert f"Over n > {n['decided_periods']} periods" in words and f"√(n/{n['decided_periods']})" in words
     partly = f"wrong at some of the steps for these kinds: {n['models_partly']}."
     assert partly in words
+    steps = [n[f"ueda_mean_steps_{scheme}"] for scheme in ("central_difference", "average_acceleration")]
+    assert "from {} steps in a period of the load on with central difference, and from {} on".format(*steps) in words
     assert n["moves_step_is_least"]
     runs = study.open_dataset("runs/softening", results).sel(scheme="central_difference", quantity="displacement")
     from_rest = runs.error.sel(periods=100).swap_dims(size="steps_per_period").dropna("steps_per_period")

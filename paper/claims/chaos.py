@@ -95,6 +95,19 @@ def orders_of_means(chaos: xr.Dataset, problem: str = "ueda") -> dict[str, tuple
     return orders
 
 
+def fewest_steps_of_mean(chaos: xr.Dataset, error: float) -> dict[str, float]:
+    """Fewest steps per period, by scheme, from which on the mean square of Ueda's oscillator keeps a relative error.
+
+    The exact mean square is that of the Runge-Kutta method at the finest step. Two standard errors of the difference
+    count as error. The value is NaN if the most steps do not keep the error.
+    """
+    ueda = ueda_of(chaos)
+    exact = ueda.sel(scheme="rk4").isel(steps_per_period=-1)
+    spread = 2 * np.hypot(ueda.mean_square_uncertainty, exact.mean_square_uncertainty)
+    kept = abs(ueda.mean_square - exact.mean_square) + spread <= error * exact.mean_square
+    return least_number(kept, "steps_per_period").to_series().to_dict()
+
+
 def is_second(order: float, half: float) -> bool:
     """Whether an order is two: nearly, or within its interval, which excludes first and third order."""
     return abs(order - 2) < max(NEARLY_TWO, half) and abs(order - 2) + half < 1

@@ -3,7 +3,15 @@
 import numpy as np
 import xarray as xr
 
-from paper.claims.chaos import contraction_ratio, fewest_steps, is_second, lost_again, orders_of_means, ueda_of
+from paper.claims.chaos import (
+    contraction_ratio,
+    fewest_steps,
+    fewest_steps_of_mean,
+    is_second,
+    lost_again,
+    orders_of_means,
+    ueda_of,
+)
 from paper.products import numbers
 from paper.terms import FAITHFUL
 from paper.wording import joined, number
@@ -11,6 +19,8 @@ from study.words import at_most, listed, span
 
 #: Number of standard errors of an interval.
 ERRORS = 2
+#: Relative error of the mean square that is allowed in the answer on chaotic motion.
+MEAN_ERROR = 0.01
 SCHEMES = ["average_acceleration", "central_difference", "rk4", "newmark_dissipative"]
 
 
@@ -34,6 +44,7 @@ def chaos_numbers(chaos: xr.Dataset) -> dict:
         (steps, ueda.scheme_title.values[fewest == steps]) for steps in np.unique(fewest[np.isfinite(fewest)])
     ]
     exact = ueda.sel(scheme="rk4").isel(steps_per_period=-1)
+    mean_steps = fewest_steps_of_mean(chaos, MEAN_ERROR)
     ratio = contraction_ratio(chaos)
     fine = chaos.sel(scheme="rk4").isel(steps_per_period=-1, place=0)
     most = chaos.steps_per_period.values[chaos.regular.sel(scheme="newmark_dissipative", problem="ueda").values == 1]
@@ -61,6 +72,9 @@ def chaos_numbers(chaos: xr.Dataset) -> dict:
         "ueda_mean_square": f"{exact.mean_square.item():.4g}",
         "ueda_mean_square_uncertainty": number(exact.mean_square_uncertainty.item(), ".0e"),
         **{f"ueda_order_{name}": ordered("ueda", name) for name in FAITHFUL},
+        "ueda_mean_error": f"{100 * MEAN_ERROR:g}",
+        "ueda_finest": f"{chaos.steps_per_period.values[-1]}",
+        **{f"ueda_mean_steps_{name}": number(mean_steps[name], ".0f") for name in FAITHFUL},
         "ueda_converges": second("ueda"),
         "ueda_regular": "; ".join(
             f"{title} with {regular('ueda', name)} steps"

@@ -51,6 +51,16 @@ def test_other_statistics_converge_or_not(order, holds):
     assert not nothing.holds and nothing.ours == "none"
 
 
+def test_the_steps_of_a_mean_count_its_uncertainty():
+    data = _chaos(steps=(16, 32, 64))
+    error = (data.scheme != "rk4") * xr.DataArray([0.02, 0.009, 0.0], dims="steps_per_period") + 0 * data.regular
+    data["mean_square"] = 2.5 * (1 + error)
+    data["mean_square_uncertainty"] = xr.full_like(data.regular, 1e-6)
+    assert claims.fewest_steps_of_mean(data, 0.01) == {"rk4": 16, **dict.fromkeys(claims.FAITHFUL, 32)}
+    data["mean_square_uncertainty"] += 2.5 * 0.0004  # 0.9 % and twice √2 · 0.04 % are more than 1 %
+    assert claims.fewest_steps_of_mean(data, 0.01) == {"rk4": 16, **dict.fromkeys(claims.FAITHFUL, 64)}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("shared, scatter", [(4e-4, 0.0), (1e-5, 0.1)])
 def test_the_interval_of_an_order_covers_it(shared, scatter):
