@@ -19,9 +19,9 @@ from study.scheme.codes import names_in_codes
 from study.scheme.named import schemes as schemes_by_name
 from study.words import listed
 
-#: Number of times that the schemes of a problem are timed, one after the other. Other work on the machine slows some of
-#: them, so the shortest time counts.
-ROUNDS = 5
+#: Number of rounds in which the schemes of a problem are timed, one after the other, and the least time in s that runs
+#: of a step size take in a round. Other work on the machine slows most of the short runs, so the shortest time counts.
+ROUNDS, ENOUGH = 5, 0.03
 
 
 def _options(configuration: Mapping) -> Options:
@@ -47,8 +47,10 @@ def computing_times(needed: xr.Dataset) -> xr.DataArray:
             progress(f"time of {scheme} on {problem}")
             sizes, place = step_sizes.sel(scheme=scheme), {"problem": problem, "scheme": scheme}
             for dt in np.unique(sizes.values[np.isfinite(sizes.values)]).tolist():
-                steps = max(int(duration / dt * (1 + 1e-9)), 1)
-                shortest = np.fmin(times.loc[place], run.run(dt, steps)[0] / (steps * dt))
+                steps, seconds = max(int(duration / dt * (1 + 1e-9)), 1), list[float]()
+                while sum(seconds) < ENOUGH:
+                    seconds.append(run.run(dt, steps)[0])
+                shortest = np.fmin(times.loc[place], min(seconds) / (steps * dt))
                 times.loc[place] = times.loc[place].where(sizes != dt, shortest)
     return times
 
