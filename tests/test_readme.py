@@ -77,9 +77,8 @@ def test_the_texts_state_the_law_of_longer_durations():
         "⅔": ["hht_alpha", "generalized_alpha", "bathe", "noh_bathe"],
     }
     assert {*re.findall("[¼⅓½⅔]", ANSWERS.replace("≤ ½ max", ""))} == {*stated}
-    assert "by √(n/100), and divide Ω by it, with central difference, average acceleration or Fox-Goodwin" in " ".join(
-        README.split()
-    )
+    words = " ".join(README.split())
+    assert "a = ½ with central difference, average acceleration or Fox-Goodwin, and ⅔ with generalized-α" in words
     for fraction, names in stated.items():
         for scheme in (study.schemes[name] for name in names):
             assert step_exponent(scheme.order, scheme.order_of_loss) == pytest.approx(unicodedata.numeric(fraction))
@@ -264,7 +263,9 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     cheapest, kinds = table.count("**Central difference"), len(table.strip().splitlines()) - 2
     assert (cheapest, kinds) == (5, 7) and "central difference is the cheapest scheme of OpenSees, Abaqus" in words
     assert "for five of [seven kinds of model]" in words
-    assert f"Over n > {n['decided_periods']} periods" in words and f"√(n/{n['decided_periods']})" in words
+    assert f"Over n > {n['decided_periods']} periods" in words and f"(n/{n['decided_periods']})^a" in words
+    assert f"ωΔt = {float(n['bound_convex_central_difference']):g} is enough with central difference" in words
+    assert f"and {float(n['bound_convex_average_acceleration']):g} with average acceleration" in words
     partly = f"wrong at some of the steps for these kinds: {n['models_partly']}."
     assert partly in words
     steps = [n[f"ueda_mean_steps_{scheme}"] for scheme in ("central_difference", "average_acceleration")]

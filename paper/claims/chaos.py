@@ -128,10 +128,10 @@ def statistics_converge(chaos):
 
 
 def _orders(orders: dict[str, tuple[float, float]], chaos: xr.Dataset) -> str:
-    """Orders with their intervals, by title of the scheme."""
+    """Orders with their intervals, by title of the scheme; none where the interval has zero."""
     titles = dict(zip(chaos.scheme.values, chaos.scheme_title.values, strict=True))
     return "; ".join(
-        f"{titles[name]}: " + (f"{order:.1f} ± {half:.1f}" if np.isfinite(order) else "none")
+        f"{titles[name]}: " + (f"{order:.1f} ± {half:.1f}" if half < order else "none")
         for name, (order, half) in orders.items()
     )
 

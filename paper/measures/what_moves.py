@@ -16,7 +16,7 @@ CHOSEN = (20, 40)
 #: Variants with a longer step than the reference, in ascending order.
 STEPS = ["spacing", "off", "two", "four"]
 #: Number of resamplings of the records, and percentiles of 95 % intervals.
-RESAMPLED, INTERVAL = 2000, (2.5, 97.5)
+RESAMPLED, INTERVAL = 6000, (2.5, 97.5)
 #: Share of single records that do not exceed a change.
 SINGLE = 0.9
 

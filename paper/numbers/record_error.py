@@ -58,6 +58,9 @@ def record_error_numbers(errors: xr.Dataset) -> dict:
     for name, value in scatters.items():
         entries[f"record_error_scatter_{name}"] = f"{value:.2f}"
     rk4 = errors.sel(scheme="rk4")
+    entries["record_error_with_power"] = int(
+        ((average.error.sel(load="samples") > 0) & (average.power_above > 0)).sum()
+    )
     entries["record_error_rk4_dividing"] = f"{order(rk4, 'samples', True):.1f}"
     passing = rk4.error.sel(load="samples")[..., (rk4.divides.values == 0) & (rk4.ratio.values <= 1)]
     entries["record_error_rk4_ratios"] = span(passing.ratio, ".2g")

@@ -27,11 +27,12 @@ def step_rule_numbers(rule: xr.Dataset) -> dict:
     most_of_neighbours = safe.rolling(amplitude=min(2, safe.sizes["amplitude"])).min().max(everywhere)
     fewest, finest = steps.min(everywhere), steps.max(everywhere)
     ratio = most / everywhere_safe
+    printed = {name: math.floor(100 * everywhere_safe.sel(scheme=name).item()) / 100 for name in SCHEMES}
     entries = {
         "rule_error": f"{100 * ERROR:g}",
         "rule_periods": f"{rule.periods.item():,}",
         "rule_amplitudes": rule.sizes["amplitude"],
-        "rule_tried": int((rule.omega_step <= everywhere_safe.sel(scheme=SCHEMES[:2]).min()).sum()),
+        "rule_tried": int((rule.omega_step <= min(printed[name] for name in SCHEMES[:2])).sum()),
         "rule_smallest": number(rule.amplitude.min().item(), 2),
         "rule_largest": number(rule.amplitude.max().item(), 2),
         "rule_serves": bool(((ratio < NO_RULE) & (ratio < finest / fewest)).sel(scheme=SCHEMES).all()),
@@ -39,7 +40,7 @@ def step_rule_numbers(rule: xr.Dataset) -> dict:
     }
     for name in SCHEMES:
         entries |= {
-            f"rule_below_{name}": f"{math.floor(100 * everywhere_safe.sel(scheme=name).item()) / 100:.2f}",
+            f"rule_below_{name}": f"{printed[name]:.2f}",
             f"rule_most_{name}": f"{most_of_neighbours.sel(scheme=name).item():.2f}",
             f"rule_steps_{name}": f"{number(fewest.sel(scheme=name).item(), 2)} to "
             + number(finest.sel(scheme=name).item(), 2),

@@ -58,10 +58,13 @@ def what_moves_numbers(moves: xr.Dataset) -> dict:
         "moves_p_delta": f"{100 * moves.p_delta.item():g}",
         "moves_collapse": f"{moves.collapse.item():.3g}",
     }
-    smaller, most = [], []
+    smaller, most, unclear = [], [], []
     for name in QUANTITIES:
         quantity, short = moves[name], name.partition("_")[0]
-        change = 100 * median_changes(quantity).change
+        medians = median_changes(quantity)
+        change, damping = 100 * medians.change, medians.sel(variant="damping")
+        if len(periods := damping.period.values[(damping.low * damping.high < 0).values]):
+            unclear.append(f"the {name.replace('_', ' ')} at {listed(f'{period:g}' for period in periods)} s")
         for variant in ("spacing", "two", "four", "damping", "strength"):
             entries[f"moves_{short}_{variant}"] = span(change.sel(variant=variant), "+.1f").replace("-", "−")
         for count in CHOSEN:
@@ -78,6 +81,7 @@ def what_moves_numbers(moves: xr.Dataset) -> dict:
         most.append(
             known.size and (100 * chosen > known.sel(variant=["spacing", "damping", "strength"]).max("variant")).all()
         )
+    entries["moves_damping_unclear"] = listed(unclear) if unclear else None
     entries["moves_step_is_least"] = bool(np.all(smaller))
     entries["moves_choice_is_most"] = bool(np.all(most))
     return entries

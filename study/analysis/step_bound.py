@@ -114,7 +114,8 @@ class Orbit(NamedTuple):
     period_by_energy, acceleration_by_energy
         Derivatives with respect to the energy of T, and of the integral S of M ü² over a period.
     separatrix_distance
-        Energy that is missing to the lower one of the two barriers, over the height of the energy above rest.
+        Least difference of the energy from the barriers beyond the motion and the hills within it, over the height of
+        the energy above rest.
     """
 
     u: _Points
@@ -226,6 +227,12 @@ def _barrier(problem: Problem, end: float, rest: float, scale: float) -> float:
     return float(_at(problem, np.float64(_top(problem, inner, places[falls[0]])))[0])
 
 
+def _hill(problem: Problem, u: _Points, forces: _Points) -> float:
+    """Height of the potential at the highest hill between rising places, or minus infinity."""
+    tops = (_top(problem, *u[i : i + 2]) for i in np.flatnonzero((forces[:-1] > 0) & (forces[1:] <= 0)))
+    return max((float(_at(problem, np.float64(top))[0]) for top in tops), default=-math.inf)
+
+
 @partial(jit, compiler=eqx.filter_jit)
 def _switches(problem: Problem, places):
     return jax.vmap(lambda u: switches(problem.static_force, u))(places)
@@ -306,7 +313,8 @@ def orbit(problem: Problem) -> Orbit:
             tangent = np.asarray(_at(problem, places)[2])
             _check_resolved(problem, places, forces, tangent)
             barrier = min(_barrier(problem, end, rest, side * scale) for end, side in zip(ends, (-1, 1), strict=True))
-            distance = (barrier - at_start) / (at_start - float(well.rest))
+            hill = _hill(problem, *(values[: ENDS - 1 : -1] for values in (places, forces)))
+            distance = min(barrier - at_start, at_start - hill) / (at_start - float(well.rest))
             return Orbit(places, v, forces, tangent, mass, float(period), *map(float, (*by_energy, distance)))
         before = float(period)
     raise ValueError(
@@ -369,8 +377,9 @@ def step_bound(
     xarray.Dataset
         ``coefficient`` C, ``step_size`` in s and ``omega_step``, the step √(error/C) times ω, of shape (quantity).
         No step exceeds the stability limit. ``period``, ``highest_frequency`` ω, ``convex_coefficient``, the bound on C
-        of the energy for a tangent that is nowhere negative, and ``separatrix_distance``, the energy that is missing to
-        the lower barrier of the potential over the energy above rest, infinite without a barrier.
+        of the energy for a tangent that is nowhere negative, and ``separatrix_distance``, the least difference of the
+        energy from the barriers of the potential beyond the motion and the hills within it, over the energy above rest;
+        infinite without both.
 
     Raises
     ------
@@ -418,7 +427,10 @@ def step_bound(
             "separatrix_distance": (
                 (),
                 motion.separatrix_distance,
-                {"long_name": "energy missing to the lower barrier over the energy above rest", "units": "1"},
+                {
+                    "long_name": "energy between the motion and the nearest barrier or hill over that above rest",
+                    "units": "1",
+                },
             ),
             "convex_coefficient": (
                 (),

@@ -30,8 +30,8 @@ YIELD, HARDENING, SPEED = 0.02, 0.05, 0.1
 REFINED = (1, 2, 4)
 #: Number of runs of one step, of which the shortest gives the time of a call, and this step over the period: so short
 #: that Newton's method converges at once. A run that takes less than ``LONG`` calls goes on with the motion, up to
-#: ``TIMED`` steps.
-CALLS, SHORT, LONG, TIMED = 50, 1e-9, 100, 2000
+#: ``TIMED`` steps, and short runs are repeated for ``ENOUGH`` seconds.
+CALLS, SHORT, LONG, TIMED, ENOUGH = 50, 1e-9, 100, 2000, 0.02
 
 #: Numbers of rows and columns of a panel.
 Panels = Annotated[list[Annotated[list[Annotated[int, Ge(1), Le(1000)]], Len(2, 2)]], Len(1, 20)]
@@ -87,11 +87,9 @@ def panel(rows: int, columns: int, stiffening: float) -> tuple[Problem, float, f
 
 def seconds_of_step(timer: Timed, dt: float, steps: int, call: float) -> float:
     """Time of a step in a run of these steps, or of more if the call takes a large part of the time."""
-    seconds, _ = timer.run(dt, steps)
-    if steps < TIMED and seconds < LONG * call:
+    if steps < TIMED and timer.run(dt, steps)[0] < LONG * call:
         steps = TIMED
-        seconds, _ = timer.run(dt, steps)
-    return (seconds - call) / steps
+    return (timer.shortest(dt, steps, ENOUGH) - call) / steps
 
 
 @experiment("mesh", timed=True)

@@ -130,7 +130,10 @@ def step_bound(allowed_error: Tolerance, periods: int) -> xr.Dataset:
             "separatrix_distance": (
                 "motion",
                 distance,
-                {"long_name": "energy missing to the lower barrier over the energy above rest", "units": "1"},
+                {
+                    "long_name": "energy between the motion and the nearest barrier or hill over that above rest",
+                    "units": "1",
+                },
             ),
             "quantity": ("quantity", ["energy", "period"], {"long_name": "quantity whose error is measured"}),
             "allowed_error": ((), allowed_error, {"long_name": "allowed error of the energy", "units": "1"}),

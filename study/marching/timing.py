@@ -37,3 +37,10 @@ class Timed:
         start = time.perf_counter()
         result = self._program.run(*self._begin, np.asarray(dt), steps, every=1, samples=0, pause=steps)
         return time.perf_counter() - start, bool(result.status == COMPLETED)
+
+    def shortest(self, dt: float, steps: int, enough: float) -> float:
+        """Shortest computing time in s of runs that follow each other for ``enough`` seconds."""
+        seconds: list[float] = []
+        while sum(seconds) < enough:
+            seconds.append(self.run(dt, steps)[0])
+        return min(seconds)

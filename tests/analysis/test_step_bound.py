@@ -151,11 +151,12 @@ def test_a_convex_chain_of_many_unknowns_keeps_the_bound_of_the_energy(scheme, c
     [
         (lambda u: 1 - jnp.cos(u), 2.5, 1 / np.tan(1.25) ** 2),
         (lambda u: u**4 / 4 - u**2 / 2, 1.4, 0.0196 / 0.2304),
+        (lambda u: u**4 / 4 - u**2 / 2, 1.42, (1.42**4 / 4 - 1.42**2 / 2) / (1.42**4 / 4 - 1.42**2 / 2 + 0.25)),
         (lambda u: jnp.expm1(-u) ** 2, -0.5, 1 / np.expm1(0.5) ** 2 - 1),
         (lambda u: jnp.logaddexp(u, -u), 3.0, np.inf),
         (lambda u: u**2 / 2 + 1 / u, 2.0, np.inf),
     ],
-    ids=["pendulum", "double well", "limit far away", "none", "wall"],
+    ids=["pendulum", "in one well", "over both wells", "limit far away", "none", "wall"],
 )
 def test_the_distance_to_a_separatrix(potential, u0, distance):
     bound = step_bound(study.Problem(potential=potential, u0=u0), "central_difference")
