@@ -136,10 +136,10 @@ def test_the_import_of_a_run_collects_no_garbage_and_leaves_out_what_few_runs_ne
     heavy = "matplotlib scipy.optimize sympy diffrax netCDF4 reference study.assessment study.experiments"
     code = f"""
 import gc, sys, study
-found = []
-gc.callbacks.append(lambda *_: found.append(1))
+collections = []
+gc.callbacks.append(lambda *_: collections.append(1))
 study.run
-print(len(found), gc.isenabled(), set("{heavy}".split()) & set(sys.modules))
+print(len(collections), gc.isenabled(), set("{heavy}".split()) & set(sys.modules))
 gc.disable()
 study.LinearTheory
 print(gc.isenabled())

@@ -266,7 +266,7 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     assert f"Over n > {n['decided_periods']} periods" in words and f"(n/{n['decided_periods']})^a" in words
     assert f"ωΔt = {float(n['bound_convex_central_difference']):g} is enough with central difference" in words
     assert f"and {float(n['bound_convex_average_acceleration']):g} with average acceleration" in words
-    partly = f"wrong at some of the steps for these kinds: {n['models_partly']}."
+    partly = f"wrong at some of the steps in the rows {n['models_partly']}."
     assert partly in words
     steps = [n[f"ueda_mean_steps_{scheme}"] for scheme in ("central_difference", "average_acceleration")]
     assert "from {} steps in a period of the load on with central difference, and from {} on".format(*steps) in words

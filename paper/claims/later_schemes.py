@@ -93,7 +93,7 @@ def second_order_with_one_force(spectral):
 )
 def third_order_with_damping(spectral):
     order = spectral.linear_order.sel(scheme="wat2").sortby("damping_ratio")
-    return Finding(" and ".join(number(each) for each in order.values), bool((order > THIRD_ORDER).all()))
+    return Finding(" and ".join(map(number, order.values)), bool((order > THIRD_ORDER).all()))
 
 
 @claim(

@@ -300,14 +300,14 @@ def better_for_waves_than_central_difference(later_schemes):
     whose="Blanes and Moan (2002)",
 )
 def least_error_of_fourth_order(later_schemes):
-    error, reference = later_schemes.fourth_order_error, {"of_fourth_order": "blanes_moan4"}
+    error, reference = later_schemes.fourth_order_error, {"fourth_order_scheme": "blanes_moan4"}
     ratios = (error / error.sel(reference)).drop_sel(reference)
     medians = ratios.median("force_evaluations")
     name = medians.idxmin().item()
     holds = medians.min().item() >= 1
     best = "McLachlan's" if name == "mclachlan4" else "another"
     reason = when(not holds, f"{best} method has a smaller error on this oscillator")
-    return Finding(span(ratios.sel(of_fourth_order=name)), holds, reason)
+    return Finding(span(ratios.sel(fourth_order_scheme=name)), holds, reason)
 
 
 @claim(

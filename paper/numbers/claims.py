@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from paper.claims.ledger import OURS, Verdict
+from paper.claims.ledger import OURS, PRACTICE, STUDY, Verdict
 from paper.products import numbers
 
 #: Claims of 1996 on numerical damping, on the worst scheme and on chaos, which the article discusses.
@@ -15,9 +15,12 @@ JUDGED = [
 
 @numbers(claims="claims.csv")
 def claim_numbers(claims: pd.DataFrame) -> dict:
-    """Counts of claims by verdict, for the paper and for each additional section."""
+    """Counts of claims by verdict, for the paper, for each additional section, and of schemes by who makes them."""
     ours = claims["section"].isin(list(OURS))
     parts = {"claims": claims[~ours]} | {prefix: claims[claims["section"] == name] for name, prefix in OURS.items()}
+    schemes = claims[claims["section"] == "schemes"]
+    parts["author_claims"] = schemes[~schemes["whose"].isin([PRACTICE, STUDY])]
+    parts["practice_claims"] = schemes[schemes["whose"] == PRACTICE]
     counts: dict = {}
     for prefix, part in parts.items():
         count = part["verdict"].value_counts()

@@ -6,7 +6,7 @@ import xarray as xr
 from paper.measures.orders import LOST
 from paper.products import numbers
 from paper.wording import joined
-from study.words import printed, span
+from study.words import listed, printed, span
 
 #: Circumstances with kinks of the force, and smooth circumstances.
 KINKED, SMOOTH = ["hysteresis", "contact"], ["plain", "damping", "load"]
@@ -34,8 +34,15 @@ def observed_order_numbers(orders: xr.Dataset) -> dict:
         "reality_reaches_round_off": bool((orders.status == meanings.index("exact")).any()),
         "reality_kinks_highest": f"{float(kinked.max()):.1f}",
         "reality_kinks_take_all": bool(kinked.max() < TWO and displacement.sel(circumstance=SMOOTH).max() > TWO + 1),
-        "reality_start": span(wrong.sel(scheme=depends), ".1f") if len(depends) else None,
-        "reality_start_schemes": joined(depends, data),
+        "reality_start": listed(
+            (
+                f"order {claimed} becomes {span(part, '.1f')} with {joined(part.scheme.values, data)}"
+                for claimed, part in wrong.sel(scheme=depends).groupby("order")
+            ),
+            "; ",
+        )
+        if len(depends)
+        else None,
         "reality_alpha_is_late": bool(late.max() < ONE and moved.min() > ONE),
         "reality_alpha": span(late, ".1f"),
         "reality_newton_loosest": printed(f"{orders.tolerance.max().item():.0e}"),

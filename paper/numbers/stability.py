@@ -9,7 +9,8 @@ from paper.products import numbers
 from paper.published import PROBLEMS
 from paper.requirements import contained
 from paper.terms import CHAOTIC, DAMPED, DISSIPATIVE, FAITHFUL
-from study.words import at_most, span
+from paper.wording import joined
+from study.words import at_most, listed, span
 
 
 @numbers()
@@ -26,8 +27,8 @@ def long_time_numbers(long_times: xr.Dataset) -> dict:
     }
 
 
-def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str, float]:
-    """Share of failed runs among the runs of explicit schemes with ωΔt below a finite linear limit, by problem.
+def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> xr.DataArray:
+    """Share of failed runs among the runs of explicit schemes with ωΔt below a finite linear limit, (scheme, problem).
 
     Here ω is the highest frequency along the motion.
     """
@@ -36,8 +37,8 @@ def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str
     limit = limits.sel(scheme=explicit.scheme)
     below = explicit.step_size_over_period * explicit.period * explicit.highest_frequency < limit
     lost = sum(is_outcome(explicit, name) for name in FAILURES) > 0
-    dims = ["scheme", "amplitude", "step_size_over_period"]
-    return by_name((lost & below).sum(dims) / below.sum(dims))
+    dims = ["amplitude", "step_size_over_period"]
+    return ((lost & below).sum(dims) / below.sum(dims)).transpose("scheme", "problem")
 
 
 @numbers(
@@ -92,7 +93,7 @@ def stability_numbers(
         "map_schemes": atlas.sizes["scheme"],
         "map_span": f"{SPAN:g}",
         "map_chaotic_schemes": int(by_scheme["chaotic"].sum()),
-        "map_untouched": ", ".join(atlas.scheme_title.values[untouched.values]) or "none",
+        "map_untouched": joined(atlas.scheme_title.values[untouched.values], {}),
         "damped_end_at_rest": bool(
             (at_rest & ~by_scheme["chaotic"] & ~by_scheme["growing"]).sel(scheme=DISSIPATIVE).all()
         ),
@@ -100,11 +101,14 @@ def stability_numbers(
         "chaos_before_roots": bool(onset < several),
         "chaos_from": f"{onset:.2f}",
         "chaotic_exponent": f"{CHAOTIC:g}",
-        "chaos_of_order": f"{chaotic[unique].sum()} of the {unique.sum()}",
+        "chaotic_steps": f"{chaotic[unique].sum()} of the {unique.sum()}",
         "unique_average_acceleration": f"{several.item():.2f}",
         "together": f"{in_chaos.median().item():.0f}",
         "together_span": span(in_chaos, ".0f"),
-        **{f"lost_left_{name}": f"{100 * part:.0f}" for name, part in lost_left.items()},
+        "lost_left": listed(
+            f"{listed(f'{100 * share:.0f}' for share in shares.values)} % with {shares.scheme_title.item()}"
+            for shares in lost_left.sel(problem=["hardening", "softening", "double_well"])
+        ),
         "softening_needs_more": bool(
             at_all_amplitudes.sel(problem="softening") > at_all_amplitudes.sel(problem="hardening")
         ),

@@ -29,7 +29,10 @@ def step_bound_numbers(bound: xr.Dataset, rule: xr.Dataset) -> dict:
         "bound_runs": bound.error.sel(quantity="energy").size,
         "bound_energy_confirmed": int(close.sel(quantity="energy").sum()),
         "bound_period_confirmed": int(close.sel(quantity="period").sum()),
-        "bound_exceptions": joined(exceptions(bound, ~close.all(["scheme", "quantity"])), {}),
+        **{
+            f"bound_{quantity}_exceptions": joined(exceptions(bound, ~close.sel(quantity=quantity).all("scheme")), {})
+            for quantity in ("energy", "period")
+        },
         "bound_step": f"{LARGEST_STEP:g}",
         "bound_convex_runs": f"{int(described.sum()):,}",
         "bound_convex_most": f"{over.where(described).max().item():.2f}",

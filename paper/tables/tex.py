@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pandas as pd
 
 from paper.products import Product
@@ -30,10 +31,48 @@ _SET = str.maketrans(
 _DOTS = {"\u0307": "dot", "\u0308": "ddot"}
 
 
+#: Letters of a line of 17 cm in footnotesize, and of the space between two columns; a table that is wider wraps the
+#: columns with more than ``NARROW`` letters.
+LINE, SPACE, NARROW = 118, 2, 10
+#: Largest number of rows of a table on one page.
+ROWS = 30
+
+
+def _columns(frame: pd.DataFrame) -> tuple[str, str]:
+    """Format of the columns, and size of the letters, which are smaller if the longest words do not fit.
+
+    Wrapped columns share the line by the roots of their lengths, but hold their words.
+    """
+    cells = [[str(name), *map(str, frame[name])] for name in frame]
+    lengths = np.array([max(map(len, column)) for column in cells])
+    wrapped = (lengths > NARROW) & (lengths.sum() + SPACE * len(lengths) > LINE)
+    words = np.array([max(len(word) for cell in column for word in re.split("[ -]", cell)) for column in cells])
+    shortest, roots = np.where(wrapped, words, lengths), np.where(wrapped, np.sqrt(lengths - words), 0.0)
+    needed = shortest.sum() + SPACE * len(cells)
+    widths = (shortest + max(LINE - needed, 0) * roots / max(roots.sum(), 1.0)) / max(LINE, needed)
+    columns = [
+        rf">{{\raggedright\arraybackslash}}p{{{width:.3f}\linewidth}}" if wrap else "l"
+        for width, wrap in zip(widths, wrapped, strict=True)
+    ]
+    return "".join(columns), "scriptsize" if needed > LINE else "footnotesize"
+
+
 def tex(product: Product, frame: pd.DataFrame) -> str:
     """The source of a table with its caption and label, after a comment that names the table and what it needs."""
-    comment = f"% Table '{product.name}' of the study: {product.title}. In the preamble: \\usepackage{{booktabs}}\n"
-    table = frame.to_latex(index=False, escape=True, caption="CAPTION", label=f"tab:{product.name}")
+    (columns, letters), is_long = _columns(frame), len(frame) > ROWS
+    packages = ["booktabs", *["array"] * ("p{" in columns), *["longtable"] * is_long]
+    comment = f"% Table '{product.name}' of the study: {product.title}. In the preamble: "
+    comment += f"\\usepackage{{{','.join(packages)}}}\n"
+    table = frame.to_latex(
+        index=False,
+        escape=True,
+        caption="CAPTION",
+        label=f"tab:{product.name}",
+        column_format=columns,
+        longtable=is_long,
+    )
+    size = f"\\{letters}\\setlength{{\\tabcolsep}}{{3pt}}\n"
+    table = f"{{{size}{table}}}\n" if is_long else table.replace("{table}\n", f"{{table}}\n{size}", 1)
     caption = re.sub(r"([&%$#_{}])", r"\\\1", product.title)
     dotted = re.sub(
         r"(\w)([\u0307\u0308])",

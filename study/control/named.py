@@ -1,9 +1,7 @@
 """The estimators and controllers that have names."""
 
-from study.control.controllers import Controller, DeadBand, Filtered, Integral, ProportionalIntegral
-from study.control.estimators import EmbeddedPair, Estimator, StepDoubling, ThreePoint, ZienkiewiczXie
-from study.control.of_balance import ZienkiewiczXieOfBalance
-from study.control.of_codes import (
+from study.control.balance import ZienkiewiczXieOfBalance
+from study.control.codes import (
     ApparentFrequency,
     HalfIncrement,
     HalfStepResidual,
@@ -11,6 +9,8 @@ from study.control.of_codes import (
     Nastran,
     Proportional,
 )
+from study.control.controllers import Controller, DeadBand, Filtered, Integral, ProportionalIntegral
+from study.control.estimators import EmbeddedPair, Estimator, StepDoubling, ThreePoint, ZienkiewiczXie
 from study.registry import Registry
 
 #: Estimators by name.

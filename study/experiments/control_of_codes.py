@@ -5,9 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from study.control.controllers import Controller, Prescribed
-from study.control.estimators import Estimator, ZienkiewiczXie
-from study.control.of_codes import (
+from study.control.codes import (
     ApparentFrequency,
     HalfIncrement,
     HalfStepResidual,
@@ -15,6 +13,8 @@ from study.control.of_codes import (
     Nastran,
     Proportional,
 )
+from study.control.controllers import Controller, Prescribed
+from study.control.estimators import Estimator, ZienkiewiczXie
 from study.declaration.experiment import experiment, progress, references
 from study.declaration.options import Count, Counts, Springs
 from study.experiments import coordinates

@@ -54,7 +54,7 @@ OF_WAVES: dict[str, Scheme] = {
     "central_difference": central_difference,
 }
 #: Schemes of fourth order that are compared at equal numbers of force evaluations.
-OF_FOURTH_ORDER: dict[str, Scheme] = {
+FOURTH_ORDER: dict[str, Scheme] = {
     "blanes_moan4": blanes_moan4,
     "mclachlan4": mclachlan4,
     "yoshida4": yoshida4,
@@ -255,7 +255,7 @@ def later_schemes(
     ]
     fourth = [
         plain.errors(scheme, [count // forces_of(scheme).per_step for count in forces])
-        for scheme in OF_FOURTH_ORDER.values()
+        for scheme in FOURTH_ORDER.values()
     ]
     error = {"long_name": "error of the displacement over the motion", "units": "1"}
     return xr.Dataset(
@@ -304,7 +304,7 @@ def later_schemes(
                 {"long_name": "spectral radius of mixed Padé methods at ωΔt = 10⁶", "units": "1"},
             ),
             "fourth_order_error": (
-                ("of_fourth_order", "force_evaluations"),
+                ("fourth_order_scheme", "force_evaluations"),
                 [errors[displacement] for errors in fourth],
                 error,
             ),
@@ -323,7 +323,7 @@ def later_schemes(
             "lagging": ("lagging", list(LAGGING), {"long_name": "scheme whose carried velocity lags"}),
             "lagged_start": ("lagged_start", list(STARTS), {"long_name": "velocity from which a run starts"}),
             "many_steps": ("many_steps", list(MANY), {"long_name": "number of steps", "units": "1"}),
-            "of_fourth_order": ("of_fourth_order", list(OF_FOURTH_ORDER), {"long_name": "scheme of fourth order"}),
+            "fourth_order_scheme": ("fourth_order_scheme", list(FOURTH_ORDER), {"long_name": "scheme of fourth order"}),
             "force_evaluations": ("force_evaluations", list(forces), {"long_name": "forces evaluated", "units": "1"}),
         },
         attrs={

@@ -153,7 +153,7 @@ class Motion:
     def _in_motion(self, others: int, scale: float) -> list[int]:
         """Points of the reference's grid within ``scale`` seconds at which other starts begin."""
         t, v = self.solution.t, self.solution.v[self.solution.t <= scale]
-        fastest = np.argmax([np.vdot(each, self.problem.momentum(each)) for each in v])
+        fastest = np.argmax([np.vdot(velocity, self.problem.momentum(velocity)) for velocity in v])
         spread = scale * (GOLDEN * np.arange(1, others) % 1)
         # the last start has the largest factor, and most schemes err most where the motion is fastest
         return [*(int(np.abs(t - time).argmin()) for time in spread), int(fastest)][:others]

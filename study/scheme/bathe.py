@@ -94,9 +94,9 @@ class Bathe(Composite):
 
     @classmethod
     @keywords_only
-    def of_one_stiffness(cls, *, rho_inf: float, **labels: str) -> "Bathe":
+    def with_one_stiffness(cls, *, rho_inf: float, **labels: str) -> "Bathe":
         """The method whose γ gives both sub-steps the same effective stiffness, 0 ≤ ρ∞ < 1."""
-        check_range("Bathe.of_one_stiffness", "rho_inf", rho_inf, 0.0, math.nextafter(1.0, 0.0))
+        check_range("Bathe.with_one_stiffness", "rho_inf", rho_inf, 0.0, math.nextafter(1.0, 0.0))
         return cls(gamma=(2 - math.sqrt(2 + 2 * rho_inf)) / (1 - rho_inf), rho_inf=rho_inf, **labels)
 
     @property
@@ -184,7 +184,7 @@ class BetaBathe(Composite):
 _noh = {"source": "Noh and Bathe (2019)", "doi": "10.1016/j.compstruc.2018.11.001"}
 _bank = {"source": "Bank et al. (1985)", "doi": "10.1109/T-ED.1985.22232"}
 bathe = Bathe()
-rho_bathe = Bathe.of_one_stiffness(rho_inf=0.5, title="ρ∞-Bathe", **_noh)
-tr_bdf2 = Bathe.of_one_stiffness(rho_inf=0.0, title="TR-BDF2", **_bank)
+rho_bathe = Bathe.with_one_stiffness(rho_inf=0.5, title="ρ∞-Bathe", **_noh)
+tr_bdf2 = Bathe.with_one_stiffness(rho_inf=0.0, title="TR-BDF2", **_bank)
 #: Parameters with β₂ = 2β₁, as the authors of the method advise for waves; the value of β₁ is chosen here.
 beta_bathe = BetaBathe(beta1=0.39, beta2=0.78)

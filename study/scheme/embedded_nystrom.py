@@ -67,7 +67,7 @@ class EmbeddedNystrom(OneStep):
     ----------
     tableau
         c, a, b′, b̂ and b̂′; the last row of a is b.
-    of_order
+    order_without_damping
         Order of accuracy without damping.
     with_damping
         Order of accuracy with damping.
@@ -82,7 +82,7 @@ class EmbeddedNystrom(OneStep):
     """
 
     tableau: Tableau = eqx.field(static=True)
-    of_order: int = eqx.field(static=True)
+    order_without_damping: int = eqx.field(static=True)
     with_damping: int = eqx.field(static=True)
     embedded_order: int = eqx.field(static=True)
     stability_limit: float | None = eqx.field(default=None, static=True)
@@ -97,7 +97,7 @@ class EmbeddedNystrom(OneStep):
 
     @property
     def order(self) -> int:
-        return self.of_order
+        return self.order_without_damping
 
     @property
     def order_with_damping(self) -> int:
@@ -170,5 +170,10 @@ _PAIR = Tableau(
     ),
 )
 dormand_prince6 = EmbeddedNystrom(
-    tableau=_PAIR, of_order=6, with_damping=3, embedded_order=4, stability_limit=0.0, title="Dormand-Prince, order 6"
+    tableau=_PAIR,
+    order_without_damping=6,
+    with_damping=3,
+    embedded_order=4,
+    stability_limit=0.0,
+    title="Dormand-Prince, order 6",
 )

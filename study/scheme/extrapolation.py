@@ -77,7 +77,7 @@ class Extrapolation(OneStep):
             weight = Fraction(1)
             for other in squares:
                 weight *= square / (square - other) if other != square else 1
-            verlet, more = Composition(weights=(1 / n,) * n, of_order=2).increment(problem, state, t, dt)
+            verlet, more = Composition(weights=(1 / n,) * n, order_without_damping=2).increment(problem, state, t, dt)
             du, dv = du + float(weight) * verlet.u, dv + float(weight) * verlet.v
             effort = effort.then(more)
         return Motion(du, dv, acceleration(problem, t + dt, state.u + du, state.v + dv)), effort

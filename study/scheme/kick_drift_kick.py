@@ -33,7 +33,7 @@ class KickDriftKick(Alternating):
     ----------
     kicks, drifts
         k and d; each sums to one, and k has one more number than d.
-    of_order
+    order_without_damping
         Order of accuracy without damping.
     stability_limit
         Largest ωΔt at which the method is stable without damping, if known.
@@ -52,7 +52,7 @@ class KickDriftKick(Alternating):
 
     kicks: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     drifts: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
-    of_order: int = eqx.field(static=True)
+    order_without_damping: int = eqx.field(static=True)
     stability_limit: float | None = eqx.field(default=None, static=True)
     title: str = eqx.field(default="Kick, drift, kick", static=True)
 
@@ -87,7 +87,7 @@ _drift, _next = 0.245298957184271, 0.604872665711080
 blanes_moan4 = KickDriftKick(
     kicks=mirrored(*_kicks),
     drifts=(_drift, _next, *(0.5 - _drift - _next,) * 2, _next, _drift),
-    of_order=4,
+    order_without_damping=4,
     stability_limit=3.1634651,
     title="Blanes-Moan, order 4",
 )

@@ -24,7 +24,9 @@ def check_weights(scheme: str, name: str, weights: Sequence[float]) -> None:
 def check_order(scheme: str, order: int) -> None:
     """Refuse an order that is not a whole number of at least one."""
     if not is_whole(order, 1):
-        raise ValueError(f"{scheme}(of_order={order!r}): of_order must be a whole number of at least 1.")
+        raise ValueError(
+            f"{scheme}(order_without_damping={order!r}): order_without_damping must be a whole number of at least 1."
+        )
 
 
 class Alternating(OneStep):
@@ -32,7 +34,7 @@ class Alternating(OneStep):
 
     kicks: eqx.AbstractVar[tuple[float, ...]]
     drifts: eqx.AbstractVar[tuple[float, ...]]
-    of_order: eqx.AbstractVar[int]
+    order_without_damping: eqx.AbstractVar[int]
 
     family: ClassVar[str] = "Splitting"
     explicit = True
@@ -42,15 +44,15 @@ class Alternating(OneStep):
         name = type(self).__name__
         check_weights(name, "drifts", self.drifts)
         check_weights(name, "kicks", self.kicks)
-        check_order(name, self.of_order)
+        check_order(name, self.order_without_damping)
 
     @property
     def order(self) -> int:
-        return self.of_order
+        return self.order_without_damping
 
     @property
     def order_with_damping(self) -> int:
-        return min(self.of_order, 2)
+        return min(self.order_without_damping, 2)
 
 
 class Splitting(Alternating):
@@ -72,7 +74,7 @@ class Splitting(Alternating):
     ----------
     drifts, kicks
         d and k; each sums to one, and d has one more number than k.
-    of_order
+    order_without_damping
         Order of accuracy without damping.
     stability_limit
         Largest ωΔt at which the method is stable without damping, if known.
@@ -95,7 +97,7 @@ class Splitting(Alternating):
 
     drifts: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     kicks: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
-    of_order: int = eqx.field(static=True)
+    order_without_damping: int = eqx.field(static=True)
     stability_limit: float | None = eqx.field(default=None, static=True)
     title: str = eqx.field(default="Splitting", static=True)
     source: str = eqx.field(default="Hairer et al. (2006)", static=True)
@@ -146,7 +148,7 @@ class Composition(OneStep):
     ----------
     weights
         w, symmetric and with the sum one.
-    of_order
+    order_without_damping
         Order of accuracy.
     stability_limit
         Largest ωΔt at which the method is stable without damping, if known.
@@ -166,7 +168,7 @@ class Composition(OneStep):
     """
 
     weights: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
-    of_order: int = eqx.field(static=True)
+    order_without_damping: int = eqx.field(static=True)
     stability_limit: float | None = eqx.field(default=None, static=True)
     title: str = eqx.field(default="Composition", static=True)
     source: str = eqx.field(default="Yoshida (1990)", static=True)
@@ -179,13 +181,13 @@ class Composition(OneStep):
 
     def __check_init__(self):
         check_weights("Composition", "weights", self.weights)
-        check_order("Composition", self.of_order)
+        check_order("Composition", self.order_without_damping)
         if self.weights != self.weights[::-1]:
             raise ValueError(f"Composition(weights={self.weights}): weights must be the same from both ends.")
 
     @property
     def order(self) -> int:
-        return self.of_order
+        return self.order_without_damping
 
     def increment(self, problem, state, t, dt):
         u, v, a = state
@@ -211,7 +213,7 @@ _outer, _inner = 0.40518861839525227722, -0.28714404081652408900
 symplectic_euler = Splitting(
     drifts=(0.0, 1.0),
     kicks=(1.0,),
-    of_order=1,
+    order_without_damping=1,
     stability_limit=2.0,
     title="Symplectic Euler",
     source="de Vogelaere (1956)",
@@ -220,7 +222,7 @@ symplectic_euler = Splitting(
 mclachlan4 = Splitting(
     drifts=(_outer, _inner, *(0.5 - _outer - _inner,) * 2, _inner, _outer),
     kicks=mirrored(-3 / 73, 17 / 59),
-    of_order=4,
+    order_without_damping=4,
     stability_limit=2.9218392,
     title="McLachlan, order 4",
     **_mclachlan,
@@ -228,11 +230,14 @@ mclachlan4 = Splitting(
 
 
 yoshida4 = Composition(
-    weights=mirrored(1 / (2 - 2 ** (1 / 3))), of_order=4, stability_limit=1.5734019, title="Yoshida, order 4"
+    weights=mirrored(1 / (2 - 2 ** (1 / 3))),
+    order_without_damping=4,
+    stability_limit=1.5734019,
+    title="Yoshida, order 4",
 )
 yoshida6 = Composition(
     weights=mirrored(0.78451361047755726382, 0.23557321335935813368, -1.17767998417887100695),
-    of_order=6,
+    order_without_damping=6,
     stability_limit=2.2690580,
     title="Yoshida, order 6",
 )
@@ -249,7 +254,7 @@ kahan_li8 = Composition(
         0.25837438768632204729,
         0.29501172360931029887,
     ),
-    of_order=8,
+    order_without_damping=8,
     stability_limit=3.0964387,
     title="Kahan-Li, order 8",
     source="Kahan and Li (1997)",

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import study
+from study.control.codes import HalfIncrement, Nastran, Proportional
 from study.control.controllers import DeadBand
 from study.control.named import controllers
-from study.control.of_codes import HalfIncrement, Nastran, Proportional
 
 HARDENING = study.Problem(lambda u: u + u**3, potential=lambda u: u**2 / 2 + u**4 / 4, u0=1.5)
 

@@ -62,7 +62,7 @@ def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
     """If Δt² is rounded, the energy drifts in Newmark's form of central difference, but not in kicks and drifts."""
     short = np.ldexp(np.arange(3936, 4064), -19)
     long = short + np.ldexp(1365, -31)
-    newmark, verlet = study.schemes["central_difference"], study.Composition(weights=(1.0,), of_order=2)
+    newmark, verlet = study.schemes["central_difference"], study.Composition(weights=(1.0,), order_without_damping=2)
     steady = _single_round_off(newmark, short, 60_000)
     assert _single_round_off(newmark, long, 60_000) > 3 * steady
     assert _single_round_off(verlet, long, 60_000) < 2 * steady

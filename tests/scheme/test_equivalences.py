@@ -13,7 +13,7 @@ from study.scheme.backward_differences import bdf2, park
 from study.scheme.bathe import tr_bdf2
 from study.scheme.explicit_alpha import chung_lee
 
-VELOCITY_VERLET = study.Composition(weights=(1.0,), of_order=2)
+VELOCITY_VERLET = study.Composition(weights=(1.0,), order_without_damping=2)
 
 
 def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
@@ -33,7 +33,7 @@ def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
         (study.GeneralizedAlpha.wbz(rho_inf=1.0), study.Newmark(beta=0.25, gamma=0.5)),
         (study.AverageVectorField(points=1), study.ImplicitMidpoint()),
         (VELOCITY_VERLET, study.schemes["central_difference"]),
-        (study.KickDriftKick(kicks=(0.5, 0.5), drifts=(1.0,), of_order=2), VELOCITY_VERLET),
+        (study.KickDriftKick(kicks=(0.5, 0.5), drifts=(1.0,), order_without_damping=2), VELOCITY_VERLET),
         (study.Extrapolation(sequence=(1,)), VELOCITY_VERLET),
         (study.TchamwaWielgosz(phi=1.0), study.schemes["symplectic_euler"]),
         (study.SingleSolve(rho_s=0.0, rho_b=1.0), study.schemes["central_difference"]),

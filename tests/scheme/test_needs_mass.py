@@ -113,7 +113,7 @@ def test_bathes_method_with_two_weights(beta1, beta2, gamma):
         (study.GeneralizedAlpha.chung_hulbert, 0.0, 1.0),
         (study.GeneralizedAlpha.wbz, 0.0, 1.0),
         (study.GeneralizedAlpha.hht, 0.5, 1.0),
-        (study.Bathe.of_one_stiffness, 0.0, 0.99),
+        (study.Bathe.with_one_stiffness, 0.0, 0.99),
     ],
 )
 def test_methods_of_given_radius_need_none(make, least, most):

@@ -20,7 +20,7 @@ def _later(**parts):
         "wave_error": {"wave_scheme": WAVES, "courant": [0.5, 1.0]},
         "auxiliary_error": {"auxiliary": ["auxiliary_variable", "average_acceleration"], "steps": [16, 32, 64]},
         "auxiliary_peak": {"step_size": [0.5, 8.0]},
-        "fourth_order_error": {"of_fourth_order": FOURTH, "force_evaluations": [192, 384]},
+        "fourth_order_error": {"fourth_order_scheme": FOURTH, "force_evaluations": [192, 384]},
     }
     data = xr.Dataset({name: filled(1.0, **dims) for name, dims in along.items()})
     for name, values in parts.items():

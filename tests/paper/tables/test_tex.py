@@ -1,5 +1,6 @@
 """Tables as LaTeX."""
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -36,12 +37,35 @@ def test_every_character_of_the_tables_can_be_set():
     assert {sign for sign in used if ord(sign) > 127} <= {*map(chr, _SET), *_DOTS, *SET}
 
 
+#: Width in points by which words of a narrow column may stand out.
+OUTSTANDING = 10
+
+
+def _compiled(source: str, folder: Path) -> str:
+    """What pdfLaTeX says about a table in an article of 17 cm."""
+    packages = re.findall(r"In the preamble: (.*)", source)[0]
+    head = f"\\documentclass{{article}}\\usepackage[a4paper,margin=2cm]{{geometry}}{packages}\\begin{{document}}\n"
+    (folder / "text.tex").write_text(f"{head}{source}\\end{{document}}\n")
+    command = ["pdflatex", "-interaction=nonstopmode", "text.tex"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace")
+    assert done.returncode == 0 and "\n! " not in done.stdout, done.stdout[-3000:]
+    return done.stdout
+
+
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no TeX is installed")
 def test_the_source_compiles(tmp_path):
     signs = "".join(sorted({*map(chr, _SET), *SET}))
     frame = pd.concat([FRAME, pd.DataFrame({column: [signs] for column in FRAME})])
-    head, end = "\\documentclass{article}\\usepackage{booktabs}\\begin{document}\n", "\\end{document}\n"
-    (tmp_path / "text.tex").write_text(head + tex(PRODUCT, frame) + end)
-    command = ["pdflatex", "-interaction=nonstopmode", "text.tex"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True)
-    assert done.returncode == 0 and b"\n! " not in done.stdout, done.stdout[-3000:]
+    _compiled(tex(PRODUCT, frame), tmp_path)
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no TeX is installed")
+def test_the_tables_of_the_study_fit_the_page(tmp_path):
+    """A table of the finished study that runs over the end or the margin of a page."""
+    sources = sorted((PAPER.parent / "results" / "tables").glob("*.tex"))
+    if not sources:
+        pytest.skip("results/tables is empty; `make` fills it")
+    for path in sources:
+        said = _compiled(path.read_text(), tmp_path)
+        assert "Float too large" not in said, path.name
+        assert all(float(width) < OUTSTANDING for width in re.findall(r"Overfull \\hbox \(([\d.]+)pt", said)), path.name
