@@ -112,7 +112,7 @@ def curves(
     names = assessed.scheme.values.tolist()
     strong = names if emphasised is None else list(emphasised)
     # narrow, so that a phone does not shrink the letters
-    figure = Figure(figsize=(5.4, 3.6 + 0.1 * len(strong)), layout="constrained")
+    figure = Figure(figsize=(4.6, 3.4 + 0.1 * len(strong)), layout="constrained")
     axes = figure.subplots()
     drawn = 0
     for name in [*(other for other in names if other not in strong), *strong]:
@@ -146,7 +146,7 @@ def curves(
         axes.plot([], [], color=PALE, lw=0.8, label="other schemes")
     if stable is not None and bool(((stable > 0) & np.isfinite(stable)).sel(scheme=strong).any()):
         axes.plot([], [], color="black", ls=":", lw=1.4, label="limit of stability")
-    figure.legend(loc="outside lower center", ncols=2, fontsize="small", frameon=False)
+    figure.legend(loc="outside lower center", ncols=2, fontsize=9.5, frameon=False)
     return svg_of(figure)
 
 
@@ -165,7 +165,7 @@ def maps(assessed: xr.Dataset) -> str:
             ends = np.flatnonzero(np.diff(row, prepend=-1, append=-1))  # a letter for each stretch of equal outcomes
             for first, end in itertools.pairwise(ends):
                 code, middle = row[first], (first + end - 1) / 2
-                axes.text(middle, e, LETTERS[code], color=INK[code], ha="center", va="center", fontsize=8)
+                axes.text(middle, e, LETTERS[code], color=INK[code], ha="center", va="center", fontsize=9)
         # the steps of a map descend in geometric progression; a limit of zero or infinity is not drawn
         stable = assessed.stable_step_size.sel(scheme=name)
         log_limits = -np.log(stable.where((stable > 0) & np.isfinite(stable)).values)

@@ -151,7 +151,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     parts = [f'<div class="answer">{limited}{first}</div>']
     if others:
         words = text_of(listed(quantities[1:]))
-        parts.append(f'<details class="answers"><summary>The same for {words}</summary>{"".join(others)}</details>')
+        parts.append(f"<details><summary>The same for {words}</summary>{''.join(others)}</details>")
     model = "<br>".join(map(text_of, assessed.attrs.get("model", "").splitlines()))
     values = table_of(("reference", "value", "at t, s"), values_of_reference(assessed))
     if assessed.quantity_units.isin(["1", "s-1", "s-2"]).any():

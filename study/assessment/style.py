@@ -43,12 +43,10 @@ dd { margin: 0; overflow-wrap: anywhere; }
   :root { font-size: 12.5px; }
   body { max-width: none; font-size: 9pt; padding: 0; }
   details { display: none; }
-  details.answers { display: block; }
-  details.answers::details-content { content-visibility: visible; block-size: auto; }
   figure, tr { break-inside: avoid; }
   h2 { break-after: avoid; }
   .pair { grid-template-columns: 1fr 1fr; }
-  figure svg { max-width: 26rem; }
+  figure svg { max-width: 38rem; }
   .scroll { overflow: visible; }
   th, td, td.text, .answer td.text { white-space: normal; min-width: 0; padding: .25rem .3rem; }
   .tight { break-inside: avoid; }

@@ -191,5 +191,6 @@ def test_the_distance_to_a_separatrix(potential, u0, distance):
     ],
 )
 def test_what_has_no_bound(arguments, sentence):
+    """A motion or scheme without a modified energy that is given a step, not a sentence."""
     with pytest.raises(ValueError, match=sentence):
         step_bound(*arguments)

@@ -82,6 +82,7 @@ def test_unknowns_whose_force_is_not_linear_are_compared():
 
 
 def test_unknowns_that_are_not_compared_are_said(damped_chain, like_programs, monkeypatch):
+    """An assessment of many unknowns that compares some of them and does not say so."""
     monkeypatch.setattr(large, "SHOWN", 2)
     ds = study.assess(damped_chain(), SCHEMES, **OPTIONS | {"allowed_errors": (0.1,)})
     assert " Errors were compared at 2 of " in ds.attrs["starts"]

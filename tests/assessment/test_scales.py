@@ -37,6 +37,7 @@ def _exact(t):
 
 
 def test_the_error_of_a_final_value_is_relative_to_it(decaying):
+    """A final value whose error is relative to another value than its scale names."""
     duration, dt = 30.0, 0.5
     quantities = {scale: study.Quantity(lambda u: u, reduce="final", scale=scale) for scale in ("own", "peak", "each")}
     quantities |= {"number": study.Quantity(lambda u: u, reduce="final", scale=0.2)}

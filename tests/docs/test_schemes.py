@@ -41,6 +41,7 @@ def library():
 
 
 def test_pages_of_named_schemes_and_of_ones_own_have_one_form(library):
+    """A page of a scheme that lacks a section, or prints one without data."""
     pages = {name: scheme_page(library.subject(name), library) for name in library.schemes}
     headings = {name: re.findall("^## .*", page, re.MULTILINE) for name, page in pages.items()}
     assert headings["houbolt"] == headings["central_difference"] == headings["heun"]
@@ -187,6 +188,7 @@ def test_a_scheme_without_runs_has_the_steps_of_linear_theory(library):
 
 
 def test_the_better_scheme_is_as_good_in_all():
+    """A scheme that is called better although it is worse in one property of linear theory."""
     names = ("houbolt", "park", "average_acceleration", "wbz_alpha", "generalized_alpha")
     library = Library(Empty(), {name: study.schemes[name] for name in names}, {})
     pages = {name: verdict(library.subject(name), library) for name in names}

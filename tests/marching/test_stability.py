@@ -125,6 +125,7 @@ def _chains():
 
 @pytest.mark.parametrize("form", _chains())
 def test_the_limit_of_many_unknowns_in_every_form(form):
+    """A form of mass or stiffness whose stability limit is not found, or found too low."""
     mass = (4 + 2 * np.cos(ANGLES)) / 6 if form.startswith("consistent") else 1.0
     limit = 2 / np.sqrt(np.max((2 - 2 * np.cos(ANGLES)) / mass))
     problem = _chains()[form]()
@@ -240,6 +241,7 @@ def test_the_force_of_now_counts():
 
 
 def test_no_other_run_warns():
+    """A warning of an unstable step where linear theory at the start says nothing."""
     hardening = study.Problem(lambda u: u + 1e4 * u**3, 0.0, 0.01)
     assert not warned(hardening, "central_difference", dt=0.5)
     assert not warned("double_well", "central_difference", dt=0.1)

@@ -92,6 +92,7 @@ def test_no_semicolon_follows_a_number(text):
 
 
 def test_every_problem_that_is_not_one_of_1996_is_stated_with_the_numbers_of_its_source():
+    """A problem that the supplement leaves out, or defines with other numbers than the code."""
     rows = re.findall(r'^  \(\s*"([^"]+)",\s*\[(.*?)\],?\s*\),$', TEXTS[1].read_text(), re.MULTILINE | re.DOTALL)
     names = {study.problems[name].title: name for name in study.problems if name not in printed_periods}
     titles = {title[0].upper() + title[1:]: name for title, name in names.items()}

@@ -38,14 +38,17 @@ def test_the_commits_of_all_datasets_are_stated():
 
 def test_claims_are_counted_by_part():
     verdicts = ["reproduced", "reproduced with a qualification", "reproduced", "not reproduced", "reproduced"]
-    sections = ["3.1", "3.1", "4", "structures", "stability"]
-    claims = pd.DataFrame({"section": sections, "verdict": verdicts, "claim": [*JUDGED, "one", "two"]})
+    sections, whose = ["3.1", "3.1", "4", "structures", "stability"], [*["Xie"] * 3, "practice", "this study"]
+    claims = pd.DataFrame({"section": sections, "whose": whose, "verdict": verdicts, "claim": [*JUDGED, "one", "two"]})
     counts = claim_numbers(claims)
     assert counts["claims"] == 3 and counts["claims_reproduced"] == 2 and counts["claims_qualified"] == 1
     assert not counts["verdicts_confirmed"]  # one of the three claims has a qualification
     assert claim_numbers(claims.assign(verdict="reproduced"))["verdicts_confirmed"]
     assert counts["structure_claims"] == counts["structure_claims_not_reproduced"] == 1
     assert counts["stability_claims_reproduced"] == 1 and counts["stability_claims_qualified"] == 0
+    counts = claim_numbers(claims.assign(section="schemes"))
+    assert counts["scheme_claims"] == 5 and counts["author_claims"] == 3
+    assert counts["practice_claims"] == counts["practice_claims_not_reproduced"] == 1
 
 
 def test_without_resonance_there_is_no_window():

@@ -46,6 +46,7 @@ def _decided():
 
 
 def test_a_scheme_with_an_accurate_displacement_may_fail_by_its_balance():
+    """A scheme that keeps the displacement and fails by its energies, named at steps at which it does not."""
     # the only implicit scheme keeps one percent with 32 steps
     assert _accurate_unbalanced(_decided(), {"stiff": (40.0, 80.0)}) == {
         "accurate_unbalanced": "Stiff",
