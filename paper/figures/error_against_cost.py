@@ -52,7 +52,7 @@ def draw(data: xr.Dataset) -> Figure:
     Schemes of the figure that were not run are left out.
     """
     data = data.sel(problem=PROBLEM, periods=PERIODS)
-    looks = curve_styles(data)
+    looks = curve_styles(data.scheme)
     picture, (row,) = panels(1, 2, PAGE, 8.0, sharey=True)
     for place, (axes, (label, (scheme_cost, solver_cost))) in enumerate(zip(row, _COSTS.items(), strict=True)):
         for solver, (marker, offsets) in GENERAL.items():
