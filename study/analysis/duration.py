@@ -37,6 +37,12 @@ def step_over(step: float, exponent: float, known: float, duration: float) -> fl
     return step * min(known / duration, 1.0) ** exponent
 
 
+def round_up(number: float) -> float:
+    """The smallest whole number with three digits that is not smaller."""
+    unit = max(10.0 ** (math.floor(math.log10(number)) - 2), 1.0)
+    return float(math.ceil(number / unit * (1 - 1e-9)) * unit)
+
+
 def round_down(step: float) -> float:
     """The largest step with two digits that is not larger."""
     unit = 10.0 ** (math.floor(math.log10(step)) - 1)

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from study.analysis.duration import FREE, round_down, step_over
+from study.analysis.duration import FREE
 from study.registry import UnknownName, did_you_mean
 from study.words import measured, number, percent, printed_unit, step_size, step_with_unit, text_of, typed
 
@@ -163,7 +163,13 @@ def _ranked(table: pd.DataFrame) -> list:
 
 
 def over_duration(
-    table: Recommended, titles: pd.Series, law: pd.Series, error: float, known: float, duration: float
+    table: Recommended,
+    titles: pd.Series,
+    law: pd.Series,
+    step_size: pd.Series,
+    error: float,
+    known: float,
+    duration: float,
 ) -> Recommended:
     """The table for a longer duration than that of the runs, with steps by the law of :mod:`study.analysis.duration`.
 
@@ -174,26 +180,25 @@ def over_duration(
         ``known``.
     titles, law
         Titles of the schemes, and the exponents with which their steps fall.
+    step_size
+        Steps for the longer duration, the schemes in the order of the result; NaN without one.
     known, duration
         Durations in s.
     """
-    law = law[table.index]
-    steps = [step_over(step, a, known, duration) for step, a in zip(table.step_size, law, strict=True)]
-    rounded = table.step_size.copy()
-    rounded[:] = [round_down(step) if step > 0 else np.nan for step in steps]
-    finer = rounded / table.step_size
+    table, law = table.loc[step_size.index], law[step_size.index]
+    finer = step_size / table.step_size
     longer = Recommended(
         {
             "kind": table.kind,
-            "step_size": rounded,
+            "step_size": step_size,
             "omega_step": table.omega_step * finer,
-            "steps": np.ceil(duration / rounded * (1 - 1e-9)),
+            "steps": np.ceil(duration / step_size * (1 - 1e-9)),
             "force_evaluations": table.force_evaluations_per_time / finer * duration,
             "exponent": law,
             "step_size_of_runs": table.step_size,
-            "verdict": np.where(rounded.notna(), "extrapolated", table.verdict),
+            "verdict": np.where(step_size.notna(), "extrapolated", table.verdict),
         }
-    ).sort_values("force_evaluations", kind="stable")
+    )
     longer.attrs = {
         "answer": [
             f"{percent(error)} of {table.attrs['quantity']} over {number(duration)} s, {row.kind}: {titles[name]}, "

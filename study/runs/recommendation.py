@@ -8,7 +8,7 @@ import xarray as xr
 
 from study import io
 from study.algebra.scalars import is_number
-from study.analysis.duration import FREE, step_exponent
+from study.analysis.duration import FREE, round_down, round_up, step_exponent, step_over
 from study.analysis.recommendation import Recommended, chosen, over_duration, table_of_assessment
 from study.registry import UnknownName, did_you_mean
 from study.runs.needs import MOTION, NO_VALUE, UNCERTAIN, ranked
@@ -164,10 +164,26 @@ def recommend(
     quantity, schemes = table.attrs["quantity"], dataset.scheme_title.to_series()
     if "condition" in dataset.dims:
         law = dataset.exponent.sel(quantity=quantity).to_series()
+        finer = (duration / known) ** dataset.exponent
+        longer = dataset.assign({name: dataset[name] * finer for name in ("force_evaluations", "seconds")})
+        table = table.loc[_table_of_needs(longer, allowed_error, quantity).index]
+        scale = dataset.time_scale.item()
+        steps = [
+            scale / round_up(scale / step_over(step, law[name], known, duration)) if step > 0 else np.nan
+            for name, step in table.step_size.items()
+        ]
     else:
         orders = zip(dataset.order.values, dataset.order_of_loss.values, strict=True)
         law = pd.Series([step_exponent(p, q, quantity) for p, q in orders], schemes.index)
-    return over_duration(table, schemes, law, allowed_error, known, duration)
+        steps = [
+            round_down(step_over(step, law[name], known, duration)) if step > 0 else np.nan
+            for name, step in table.step_size.items()
+        ]
+        forces = table.force_evaluations_per_time * table.step_size / steps
+        order = forces.argsort(kind="stable")
+        table, steps = table.iloc[order], np.take(steps, order)
+    step_size = pd.Series(steps, table.index)
+    return over_duration(table, schemes, law, step_size, allowed_error, known, duration)
 
 
 def _opened(name: str, folder: Path) -> xr.Dataset:
