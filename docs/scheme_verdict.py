@@ -158,8 +158,9 @@ def _steps(subject: "Subject", library: "Library") -> str:
         + table(head, rows, numbers_from=len(head))
         + f"\n\nThe first row is linear theory over {PERIODS} periods, for the worse of two starts, at rest and "
         "through zero. Steps finer than these keep the error too. The last column names the "
-        f"{_kind(subject.scheme)} scheme with the fewest forces; of schemes that need at most a "
-        "tenth more, the one with the smallest error. A dash means that no step tried keeps the error. "
+        f"{_kind(subject.scheme)} scheme of the least cost, in forces or, with 100 and more unknowns, in computing "
+        "time; of schemes that cost at most a tenth more, the one with the smallest error. A dash means that no step "
+        "tried keeps the error. "
         f"{runs if len(rows) > 1 else _not_run(subject)} {{doc}}`/decisions` compares all schemes."
     )
 
@@ -172,7 +173,7 @@ def _good(subject: "Subject", library: "Library") -> Iterator[str]:
     if fewest:
         yield (
             f"displacements within {percent(COMPARED)} on the {listed(fewest)}, where no {_kind(scheme)} scheme "
-            f"compared needs fewer forces by more than {percent(TIED - 1)}"
+            f"compared costs less by more than {percent(TIED - 1)}"
         )
     if math.isinf(theory.limit):
         without = " without iterations" if scheme.explicit else ""

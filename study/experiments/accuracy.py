@@ -100,7 +100,7 @@ def accuracy(
         fewest_steps_per_period=(
             along,
             needed,
-            {"long_name": f"fewest steps that keep {allowed}, as all finer ones do", "units": "1"},
+            {"long_name": f"fewest steps tried from rest that keep {allowed}, as all finer ones do", "units": "1"},
         ),
         extrapolated_steps_per_period=(along, run, {"long_name": "extrapolated steps per period", "units": "1"}),
         extrapolated_error=(

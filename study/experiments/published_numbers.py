@@ -94,7 +94,11 @@ def published_numbers(
     points = [known[name] for name in names]
     return xr.Dataset(
         {
-            "error": (dims, error, {"long_name": "error of the displacement over its size", "units": "1"}),
+            "error": (
+                dims,
+                error,
+                {"long_name": "Euclidean error of the displacement at the end over its size", "units": "1"},
+            ),
             "status": (dims, status, flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8)),
             "steps": (("problem", "refinement"), steps, {"long_name": "number of steps", "units": "1"}),
             "controlled_error": (control_dims, control[0], {"long_name": "error with controlled steps", "units": "1"}),

@@ -19,7 +19,10 @@ from study.observer.energy import EnergyBalance
 from study.problem.named import problems as problems_by_name
 
 ATTRIBUTES = {
-    "displacement_error": {"long_name": "largest error of the displacement over its largest size", "units": "1"},
+    "displacement_error": {
+        "long_name": "error of the displacement at the samples over the largest displacement",
+        "units": "1",
+    },
     "max_energy_imbalance": EnergyBalance.variables["max_energy_imbalance"],
     "status": STATUS_ATTRIBUTES,
 }

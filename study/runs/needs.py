@@ -12,9 +12,9 @@ from study.sizes import CERTAIN, Kept, unbroken
 
 #: Counts of the runs, by name; in needs and decisions they are per second of simulated time.
 COSTS = {
-    "force_evaluations": {"long_name": "internal forces evaluated", "units": "s-1"},
-    "tangent_evaluations": {"long_name": "tangents of the internal force evaluated", "units": "s-1"},
-    "factorisations": {"long_name": "linear systems with a new matrix", "units": "s-1"},
+    "force_evaluations": {"long_name": "internal forces evaluated", "units": "1"},
+    "tangent_evaluations": {"long_name": "tangents of the internal force evaluated", "units": "1"},
+    "factorisations": {"long_name": "linear systems with a new matrix", "units": "1"},
 }
 #: Quantities of the motion; the one that a problem has is its default. With the energy they are the quantities whose
 #: steps are searched and tabulated.
@@ -64,7 +64,10 @@ ATTRIBUTES = {
     "largest_error": {"long_name": "largest error with this step size from all starts", "units": "1"},
     "smaller_steps": {"long_name": "number of smaller step sizes that keep the error", "units": "1"},
     "verdict": flags("how the search for the step ended", VERDICTS, np.int8),
-    **COSTS,
+    **{
+        name: {"long_name": f"{attributes['long_name']} over simulated time", "units": "s-1"}
+        for name, attributes in COSTS.items()
+    },
     "exponent": {
         "long_name": "a in: step size proportional to n^(-a) over n periods; NaN if the motion has no such law",
         "units": "1",

@@ -31,9 +31,9 @@ def recommend(
     sizes, errors and numbers of force evaluations are taken from runs. A recommended step size has two digits, or
     for a problem of the study the number of steps in a period; with a record of ground motion the step size is an
     integer fraction or multiple of the time between samples. All smaller step sizes that were tried keep the error
-    too, on problems of the study with a record those that divide the spacing. Except for a program or more than
-    1,000 unknowns, the recommended step size also keeps the error if initial values and load are one percent
-    smaller or larger.
+    too, on problems of the study with a record those that divide the spacing. The recommended step size also keeps
+    the error from other starts: on problems of the study those of ``needs``, which the notes count, otherwise, except
+    for a program or more than 1,000 unknowns, with initial values and load one percent smaller or larger.
 
     Parameters
     ----------

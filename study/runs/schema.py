@@ -17,7 +17,7 @@ from study.runs.needs import ATTRIBUTES, COSTS
 #: Attributes of the variables that needs and decisions lack, or that have another meaning there.
 _OF_RUNS = {
     "largest_error": {"long_name": "largest error from all starts", "units": "1"},
-    **{name: attributes | {"units": "1"} for name, attributes in COSTS.items()},
+    **COSTS,
     "step_size": {"long_name": "step size", "units": "s"},
     "status": flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8),
     "proposed": {"long_name": "1 if the step may be an answer, 0 if it only confirms coarser ones", "units": "1"},

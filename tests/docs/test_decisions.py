@@ -11,9 +11,10 @@ import pytest
 import xarray as xr
 
 import study
+from docs.answers import data as answers_of
 from docs.decisions import PARTLY, _decided, recommended, short_cell
 from paper.explorer.page import _decisions as in_explorer
-from paper.tables.decision import column, sentence, tabulate
+from paper.tables.decision import column, limits_of, sentence, tabulate
 from study.runs.needs import ATTRIBUTES, DECIDED, decisions, joined_needs, needs
 from tests.runs.made_up import runs, with_kinds
 
@@ -162,3 +163,43 @@ def test_the_study_gives_one_answer():
     cells = {cell.replace(f"\u00a0{PARTLY}", "").strip() for line in short.splitlines() for cell in line.split("|")}
     assert readme_rows and all({cell.strip(" *") for cell in line.split("|")[2:4]} <= cells for line in readme_rows)
     _check_one_answer(decided, short, article, json.loads(meta)["decisions"], results)
+
+
+@pytest.mark.parametrize("periods", [1000, 100_000])
+def test_a_longer_free_vibration_has_one_answer(periods):
+    """Scheme and steps of the page of answers, by the rule of docs/static/answers.js, and of ``study.recommend``."""
+    results = PROJECT / "results"
+    if not (results / "needs.nc").exists():
+        pytest.skip("results/needs.nc is not there; `make` makes it")
+    needed = study.open_dataset("needs", results)
+    page = answers_of(needed, limits_of(study.open_dataset("spectral", results)))
+    columns = [
+        "problem",
+        "quantity",
+        "error",
+        "scheme",
+        "counts",
+        "steps",
+        "omega",
+        "forces",
+        "worst",
+        "law",
+        "cost",
+        "mark",
+    ]
+    rows = pd.DataFrame(page["rows"], columns=columns).dropna(subset="law")
+    assert len(rows)
+    rows["kind"] = ["explicit" if page["schemes"][scheme]["explicit"] else "implicit" for scheme in rows.scheme]
+    for (p, q, e), group in rows.groupby(["problem", "quantity", "error"]):
+        problem, scale = needed.isel(problem=p), needed.time_scale[p].item()
+        question = {"allowed_error": needed.allowed_error[e].item(), "quantity": page["quantities"][q]}
+        table = study.recommend(problem, **question, duration=periods * scale)
+        for kind, schemes in group.groupby("kind"):
+            finer = (periods / problem.decided.item()) ** schemes.law
+            cost = schemes.cost * finer
+            best = schemes[cost <= page["tied"] * cost.min()].worst.idxmin()
+            first = table[(table.kind == kind) & (table.step_size > 0)].iloc[0]
+            assert first.name == needed.scheme.values[schemes.scheme[best]]
+            steps = schemes.steps[best] * finer[best]
+            unit = max(10 ** (np.floor(np.log10(steps)) - 2), 1)
+            assert scale / first.step_size == pytest.approx(np.ceil(steps / unit - 1e-9) * unit)
