@@ -179,8 +179,8 @@ def recommend(
             round_down(step_over(step, law[name], known, duration)) if step > 0 else np.nan
             for name, step in table.step_size.items()
         ]
-        forces = table.force_evaluations_per_time * table.step_size / steps
-        order = forces.argsort(kind="stable")
+        forces = (table.force_evaluations_per_time * table.step_size).to_numpy() / steps
+        order = np.argsort(forces, kind="stable")  # schemes without a step are last
         table, steps = table.iloc[order], np.take(steps, order)
     step_size = pd.Series(steps, table.index)
     return over_duration(table, schemes, law, step_size, allowed_error, known, duration)

@@ -169,6 +169,10 @@ def test_a_longer_duration_extrapolates_the_steps_of_a_free_vibration(assessed):
     )
     assert "No run of 90 s confirms them." in str(table)
     pd.testing.assert_frame_equal(study.recommend(assessed, allowed_error=0.01, duration=5), known)
+    without = assessed.copy(deep=True)
+    without.recommended_step_size.loc[{"scheme": "average_acceleration"}] = np.nan
+    last = study.recommend(without, allowed_error=0.01, duration=90)
+    assert last.index.tolist() == ["central_difference", "average_acceleration"] and np.isnan(last.step_size.iloc[1])
     energy = study.recommend(assessed, allowed_error=0.1, quantity="energy", duration=90)
     assert energy.step_size.to_dict() == energy.step_size_of_runs.to_dict()
 
