@@ -112,7 +112,7 @@ def curves(
     names = assessed.scheme.values.tolist()
     strong = names if emphasised is None else list(emphasised)
     # narrow, so that a phone does not shrink the letters
-    figure = Figure(figsize=(4.6, 3.4 + 0.1 * len(strong)), layout="constrained")
+    figure = Figure(figsize=(4.6, 3.0 + 0.1 * len(strong)), layout="constrained")
     axes = figure.subplots()
     drawn = 0
     for name in [*(other for other in names if other not in strong), *strong]:

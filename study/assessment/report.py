@@ -164,7 +164,8 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     for quantity in quantities:
         parts += _quantity_section(assessed, quantity, titles, order)
     if np.isfinite(assessed.energy_imbalance).any():
-        drawn = curves(assessed, assessed.step_size, "step size, s", assessed.energy_imbalance, "imbalance of energies")
+        imbalance, label = assessed.energy_imbalance, "imbalance of energies"
+        drawn = curves(assessed, assessed.step_size, "step size, s", imbalance, label, emphasised=order, order=order)
         caption = "Largest error of the balance of energy, dissipation and work, relative to the energy put in."
         parts += ["<h2>Energy</h2>", figure_of(drawn, caption)]
     if "outcome" in assessed:

@@ -172,6 +172,7 @@ def recommend(
             scale / round_up(scale / step_over(step, law[name], known, duration)) if step > 0 else np.nan
             for name, step in table.step_size.items()
         ]
+        order = np.arange(len(steps))
     else:
         orders = zip(dataset.order.values, dataset.order_of_loss.values, strict=True)
         law = pd.Series([step_exponent(p, q, quantity) for p, q in orders], schemes.index)
@@ -181,8 +182,7 @@ def recommend(
         ]
         forces = (table.force_evaluations_per_time * table.step_size).to_numpy() / steps
         order = np.argsort(forces, kind="stable")  # schemes without a step are last
-        table, steps = table.iloc[order], np.take(steps, order)
-    step_size = pd.Series(steps, table.index)
+    step_size = pd.Series(steps, table.index).iloc[order]
     return over_duration(table, schemes, law, step_size, allowed_error, known, duration)
 
 
