@@ -87,9 +87,11 @@ def panel(rows: int, columns: int, stiffening: float) -> tuple[Problem, float, f
 
 def seconds_of_step(timer: Timed, dt: float, steps: int, call: float) -> float:
     """Time of a step in a run of these steps, or of more if the call takes a large part of the time."""
-    if steps < TIMED and timer.run(dt, steps)[0] < LONG * call:
+    seconds = timer.shortest(dt, steps, ENOUGH)
+    if steps < TIMED and seconds < LONG * call:
         steps = TIMED
-    return (timer.shortest(dt, steps, ENOUGH) - call) / steps
+        seconds = timer.shortest(dt, steps, ENOUGH)
+    return (seconds - call) / steps
 
 
 @experiment("mesh", timed=True)
