@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from study.experiments.mesh import SCHEMES, mesh, panel
+from study.experiments.mesh import SCHEMES, TIMED, mesh, panel, seconds_of_step
 from study.marching.run import run
 
 
@@ -38,3 +38,19 @@ def test_the_explicit_scheme_follows_the_mesh_and_the_implicit_one_the_motion():
     kept = (ds.tried_error == ds.error) & (abs(ds.tried_seconds / ds.seconds_per_period - 1) < 1e-9)
     assert kept.any("tried").all() and (ds.tried_error.isel(tried=2).sel(scheme="central_difference") == 0).all()
     assert (ds.tried_seconds > 0).all()
+
+
+def test_one_slow_run_does_not_end_the_lengthening_of_short_runs():
+    """A run of few steps that other work slowed once: its time less that of a call may be negative."""
+
+    class Timer:
+        def shortest(self, dt, steps, enough):
+            return min(self.run(dt, steps)[0] for _ in range(3))
+
+        def run(self, dt, steps):
+            self.runs = getattr(self, "runs", 0) + 1
+            return (1.0 if self.runs == 1 else 1e-5 + 1e-7 * steps), True
+
+    timer = Timer()
+    assert seconds_of_step(timer, 0.1, 40, call=1e-5) == pytest.approx(1e-7)
+    assert timer.runs == 6 and TIMED > 40
