@@ -17,9 +17,6 @@ from study.words import number, step_with_unit
 #: Mark of a step that keeps its quantity, while the whole motion needs another step.
 PARTLY = "‡"
 
-#: What the time scale of a problem is, if it is no period of the motion.
-_COUNTED = {"elastic_pendulum": "turn", "stiff_soft": "period of the support", "impact_bar": "passage of a small wave"}
-
 _HEAD = ("scheme", "code", "name and parameters", "remark")
 
 
@@ -109,11 +106,12 @@ def measured(decision: xr.Dataset) -> str:
     if decision.problem.item() == "records":
         return f"{title}: {starts} runs, samples every {number(1e3 * decision.spacing.item())} ms"
     unknowns, periods = decision.unknowns.item(), decision.decided.item()
-    counted = _COUNTED.get(decision.problem.item(), "period")
+    first, *others = decision.time_scale_name.item().split()
+    counted = " ".join([f"{first}{'s' * (periods != 1)}", *others])
     parts = [
         title,
         *([f"{unknowns} unknowns"] if unknowns > 1 else []),
-        f"{number(periods)} {counted}{'s' * (periods != 1)} of T = {number(decision.time_scale.item(), 2)} s",
+        f"{number(periods)} {counted} of T = {number(decision.time_scale.item(), 2)} s",
         f"{starts} {'record' if decision.spacing > 0 else 'start'}{'s' * (starts != 1)}",
     ]
     return ", ".join(parts)

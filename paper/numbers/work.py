@@ -16,8 +16,6 @@ from study.words import listed
 EXACTING = 1e-10
 #: Problems of the short table whose displacement is measured.
 DISPLACED = [problem for problem, quantity in MODELS.values() if quantity == "displacement"]
-#: Problems of the decisions whose force has kinks.
-WITH_KINKS = ("yielding", "bouncing")
 #: Relative distances of a number of steps in a period from a whole number: those up to the first are round-off, and
 #: those up to the second are next to it.
 ROUND_OFF, NEXT_TO_WHOLE = 1e-9, 2e-4
@@ -76,15 +74,14 @@ def _partly(decisions: xr.Dataset, needs: xr.Dataset) -> list[str]:
 
 def _starts(decisions: xr.Dataset) -> dict[str, str | None]:
     """Numbers of the further starts of problems whose force has kinks, and of the other ones without a record."""
-    further = {
-        name: int(count) - 1 for name, count in zip(decisions.problem.values, decisions.starts.values, strict=True)
-    }
-    titles = dict(zip(decisions.problem.values, decisions.problem_title.values, strict=True))
-    kinked = [name for name in WITH_KINKS if name in further]
-    smooth = [name for name in further if name not in kinked and not decisions.spacing.sel(problem=name) > 0]
+    started = decisions.sel(problem=~(decisions.spacing > 0))
+    kinked, smooth = (started.sel(problem=started.has_kinks == flag) for flag in (1, 0))
+    titled = zip(kinked.starts.values, kinked.problem_title.values, strict=True)
+    of_kinked = [f"{starts - 1} of the {title}" for starts, title in titled]
+    of_others = [f"{starts - 1}" for starts in np.unique(smooth.starts.values)]
     return {
-        "kinked_starts": listed(f"{further[name]} of the {titles[name]}" for name in kinked) if kinked else None,
-        "other_starts": listed(sorted({f"{further[name]}" for name in smooth})) if smooth else None,
+        "kinked_starts": listed(of_kinked) if of_kinked else None,
+        "other_starts": listed(of_others) if of_others else None,
     }
 
 

@@ -130,7 +130,7 @@ def certified(
     horizon = duration
     if max(differences.values()) > ACCEPTED * tightest:
         horizon = _holds(solution, comparison, quantities, problem, AIMED * tightest)
-        may_jump = undeclared(problem.load) and not problem.kinked and problem.history is None
+        may_jump = undeclared(problem.load) and not problem.has_kinks
         if may_jump and _suddenly(solution, comparison, quantities, problem, horizon) > SUDDEN * AIMED * tightest:
             raise NoReference(
                 f"{route.name} and {witness.name} part suddenly on '{problem.title}' after t = {horizon:.4g}, as at a "
@@ -169,7 +169,7 @@ def cases_of(
         neighbour = excited(problem, factor, displaced=True)
         nearby, grid = Reference(neighbour, reference.horizon), reference.solution.t
         try:
-            if problem.kinked or problem.history is not None:  # the neighbour's kinks are at other times
+            if problem.has_kinks:  # the neighbour's kinks are at other times
                 solution, *_ = nearby.solutions(nearby.with_kinks(grid), reference.rtol, AIMED * tightest)
             else:
                 solution = nearby.solution(nearby.routes[0], grid, reference.rtol)

@@ -126,7 +126,7 @@ class Reference:
         declared = np.asarray(getattr(load, "kinks", []), float)
         load_kinks = declared[(declared > 0) & (declared < end)]
         force_kinks = np.setdiff1d(times_of_problem(self.problem, end, FINE), load_kinks)
-        if self.problem.kinked or self.problem.history is not None:
+        if self.problem.has_kinks:
             stops = np.union1d(load_kinks, force_kinks)
             sundials = _sundials()
             try:

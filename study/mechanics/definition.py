@@ -346,6 +346,11 @@ class Problem(eqx.Module):
         return self.arguments > 1 or self.takes_time
 
     @property
+    def has_kinks(self) -> bool:
+        """Whether the slope of the force may jump, also where a force with a history turns."""
+        return self.kinked or self.history is not None
+
+    @property
     def conservative(self) -> bool:
         """Whether the energy is constant: there is no damping, no load, and the force takes the displacement alone."""
         return self.damping is None and self.load is None and not self.dissipative

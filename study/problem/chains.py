@@ -98,7 +98,7 @@ def toda_chain(n: int = 200) -> Problem:
     return Problem(potential=energy, u0=u0, v0=v0, tangent="tridiagonal", title="Toda chain")
 
 
-@named(time_scale=1.0)  # time in which a wave crosses the bar
+@named(time_scale=1.0, time_scale_name="passage of a small wave")
 def impact_bar(n: int = 200) -> Problem:
     r"""A hardening elastic bar of n finite elements, fixed at one end and struck at the other by half a sine.
 

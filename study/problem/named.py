@@ -22,6 +22,9 @@ makers = {name: getattr(entry.make, "func", entry.make) for name, entry in _ENTR
 #: Time scale by which the step sizes of a problem are measured, for each problem that has one.
 time_scales = {name: entry.time_scale for name, entry in _ENTRIES.items() if entry.time_scale is not None}
 
+#: What the time is by which the step sizes of a problem are measured, in words.
+time_scale_names = {name: entry.time_scale_name for name, entry in _ENTRIES.items()}
+
 #: Approximate period of each spring.
 approximate_periods = {name: entry.period for name, entry in _ENTRIES.items() if entry.period is not None}
 

@@ -40,6 +40,8 @@ class NamedProblem:
         Function that returns the problem. All its arguments have defaults.
     time_scale
         Time that measures the step sizes of a structure: a period of its load or of its motion.
+    time_scale_name
+        What this time, or the period, is in words.
     period
         Approximate period of a free oscillator with one unknown. A problem with a period is one of the springs: its
         step sizes are fractions of the period, and the reference finds the exact period near it.
@@ -54,6 +56,7 @@ class NamedProblem:
     period: float | None = None
     printed: bool = False
     known: Known | None = None
+    time_scale_name: str = "period"
 
     def __call__(self, *arguments, **options) -> Problem:
         """Make the problem."""
@@ -61,10 +64,15 @@ class NamedProblem:
 
 
 def named(
-    *, time_scale: float | None = None, period: float | None = None, printed: bool = False, known: Known | None = None
+    *,
+    time_scale: float | None = None,
+    period: float | None = None,
+    printed: bool = False,
+    known: Known | None = None,
+    time_scale_name: str = "period",
 ) -> Callable[[Callable[..., Problem]], NamedProblem]:
     """Decorate a function that makes a problem. The problem gets the name of the variable that holds the result.
 
     The arguments are the attributes of :class:`NamedProblem`, except ``make``.
     """
-    return lambda make: NamedProblem(make, time_scale, period, printed, known)
+    return lambda make: NamedProblem(make, time_scale, period, printed, known, time_scale_name)

@@ -12,7 +12,7 @@ from study.problem.naming import named
 SUPPORT_PERIOD = 2 * np.pi / 1.2
 
 
-@named(time_scale=SUPPORT_PERIOD)
+@named(time_scale=SUPPORT_PERIOD, time_scale_name="period of the support")
 def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "stiff and soft springs") -> Problem:
     r"""The problem of Bathe and Noh with three degrees of freedom: two masses in a row on a moving support.
 
@@ -41,13 +41,13 @@ def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "
     return Problem(potential=energy, u0=np.zeros(2), v0=np.zeros(2), load=load, title=title)
 
 
-@named(time_scale=SUPPORT_PERIOD)
+@named(time_scale=SUPPORT_PERIOD, time_scale_name="period of the support")
 def stiff_soft_sine() -> Problem:
     """The system of ``stiff_soft`` with the soft spring k₂ sin δ, δ = u₃ − u₂."""
     return stiff_soft(lambda stretch: 1 - jnp.cos(stretch), title="stiff and sine springs")
 
 
-@named(time_scale=2 * np.pi * 3.0443 / 7.72)  # one turn
+@named(time_scale=2 * np.pi * 3.0443 / 7.72, time_scale_name="turn")
 def elastic_pendulum() -> Problem:
     r"""A mass that circles about a fixed point on a stiff elastic bar.
 

@@ -17,7 +17,7 @@ from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Checked, Count, FallingErrors, ProblemName, Schemes, rising, section
 from study.marching.result import STATUSES_OR_NOT_RUN
 from study.problem.inelastic import SCALES
-from study.problem.named import approximate_periods, problems, time_scales
+from study.problem.named import approximate_periods, problems, time_scale_names, time_scales
 from study.runs.measured import Motion, Starts, measured, quantities_of
 from study.runs.needs import COSTS, DECIDED, WHOLE_MOTION, keeps
 from study.runs.records import DIVIDING
@@ -233,7 +233,7 @@ class _Ladder:
             varied = set(self.varied.steps_per_period) if len(self.varied) else set()
             wanted = {need for need, _ in needed + dividing if need < math.inf}
             wanted |= {min((count for count in known if count > need), default=need) for need in wanted}
-            if self.motion.kinked and wanted <= varied:  # last, because other starts may refuse a need
+            if self.motion.problem.has_kinks and wanted <= varied:  # last, because other starts may refuse a need
                 wanted = confirming
             if not self.several or not wanted - varied:
                 return
@@ -254,7 +254,7 @@ class _Ladder:
         numbers = [COARSEST * 2 ** ((first + k + 0.5) / per_octave) for k in range(per_octave)]
         if self.motion.several:
             return numbers + [count for count in between(need, 2 * need) if count <= finest][:NEXT]
-        if self.motion.kinked:  # the starts have different periods, so that no step is a whole part of all
+        if self.motion.problem.has_kinks:  # the starts have different periods, so that no step is a whole part of all
             return numbers + between(need, min(2 * need, finest))
         whole = range(math.ceil(need), int(min(2 * need, COARSE)) + 1)
         return numbers + [k * (1 + beside) for k in whole for beside in BESIDE]
@@ -336,12 +336,14 @@ def runs(
         ),
         "largest error over all unknowns and steps, relative to the largest value",
         time_scale=scale,
+        time_scale_name=time_scale_names[problem],
         highest_frequency=frequency,
         spacing=spacing(equation, max(periods) * scale) or np.nan,
         unknowns=np.size(equation.u0),
         decided=decided,
         starts=1 + starts,
         free_vibration=int(problem in approximate_periods),
+        has_kinks=int(equation.has_kinks),
         problem=problem,
         problem_title=equation.title,
     ).assign_attrs(reference=reference)

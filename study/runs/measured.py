@@ -122,11 +122,6 @@ class Motion:
         """Whether there are several unknowns."""
         return np.ndim(self.problem.u0) > 0
 
-    @property
-    def kinked(self) -> bool:
-        """Whether the force has kinks. The error then varies irregularly with the step and the start."""
-        return self.problem.kinked or self.problem.history is not None
-
     def starts(self, others: int, scale: float) -> list[Starts]:
         """The motion's own start, the first of all, and ``others`` other starts.
 
@@ -141,8 +136,8 @@ class Motion:
         if self.problem.ground is not None and np.isfinite(self.spacing):
             problems = [under_stochastic_record(self.problem, seed) for seed in range(1, others + 1)]
         else:
-            factors = 1 + (VARIATION_WITH_KINKS if self.kinked else VARIATION) * np.linspace(-1, 1, others)
-            free = self.problem.conservative and not self.kinked
+            factors = 1 + (VARIATION_WITH_KINKS if self.problem.has_kinks else VARIATION) * np.linspace(-1, 1, others)
+            free = self.problem.conservative and not self.problem.has_kinks
             points = self._in_motion(others, scale) if free else [0] * others
             problems = [restarted(self._from(k), factor) for k, factor in zip(points, factors, strict=True)]
         solved = [(self.problem, self.solution), *((problem, self._solved(problem)) for problem in problems)]

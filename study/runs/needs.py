@@ -90,11 +90,13 @@ ATTRIBUTES = {
     },
     "highest_frequency": {"long_name": "highest circular frequency of small motions", "units": "s-1"},
     "time_scale": {"long_name": "time by which steps are counted", "units": "s"},
+    "time_scale_name": {"long_name": "what the time scale is"},
     "spacing": {"long_name": "time between the samples of a record, NaN if there is none", "units": "s"},
     "unknowns": {"long_name": "number of unknowns", "units": "1"},
     "decided": {"long_name": "duration for which steps are decided, in time scales", "units": "1"},
     "starts": {"long_name": "number of starts of a step that is needed", "units": "1"},
     "free_vibration": {"long_name": "1 if steps may be extrapolated to longer durations", "units": "1"},
+    "has_kinks": {"long_name": "1 if the force has kinks", "units": "1"},
 }
 
 #: Errors of runs over some numbers of periods, and these numbers in ascending order.

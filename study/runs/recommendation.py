@@ -40,7 +40,8 @@ def recommend(
     what
         Dataset of :func:`study.assess`, its file, ``NAME.nc``, or a name: of an assessment in the section ``assess`` of
         the configuration, of a file ``NAME.nc`` in ``folder`` or in the present folder, or of a problem of the dataset
-        ``needs``, such as ``softening`` or ``records``.
+        ``needs``, such as ``softening`` or ``records``. Fewer schemes of ``needs`` are compared by giving it with them,
+        those of OpenSees, Abaqus and LS-DYNA as ``needs.sel(problem="softening", scheme=needs.in_codes == 1)``.
     allowed_error
         Allowed error as a fraction, 0.01 for one percent, of the value that the coordinate ``relative_to`` of the
         assessment states. It must be one of the errors that were assessed.

@@ -11,6 +11,8 @@ from study import io
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import RecordDuration, RecordPeriods, Records, Reductions, Schemes, Size, Tolerance
 from study.experiments import coordinates
+from study.io import flags
+from study.marching.result import COMPLETED, STATUSES_OR_NOT_RUN
 from study.marching.run import sweep
 from study.mechanics.ground import GroundMotion
 from study.observer.diagnostics import Evaluations
@@ -25,6 +27,7 @@ from study.sizes import largest_size
 RATIO = 1.2
 #: Numbers of steps in the spacing of a record that are tried, and numbers of spacings in a step.
 DIVIDING = (1, 2, 3, 4, 5, 8, 10, 20, 40)
+NOT_RUN = STATUSES_OR_NOT_RUN.index("not_run")
 
 
 def steps_tried(coarsest: float, finest: float) -> tuple[np.ndarray, np.ndarray]:
@@ -59,7 +62,8 @@ def as_runs(spectrum: xr.Dataset, uncertainty: float) -> xr.Dataset:
     ``uncertainty`` is the largest relative one of the exact peak drifts.
 
     The error of the peak drift is the largest over all records, periods and ratios of elastic force to strength, which
-    take the place of the starts. Counts are the means over them.
+    take the place of the starts. Counts are the means over them, and the status is that of a run that failed, if one
+    did.
     """
     each, scale, dt = ["record", "period", "reduction"], spectrum.period.min().item(), spectrum.step_size.values
     duration = spectrum.duration.item() / scale
@@ -67,9 +71,9 @@ def as_runs(spectrum: xr.Dataset, uncertainty: float) -> xr.Dataset:
     steps = spectrum.duration / spectrum.step_size
     ds = xr.Dataset({name: spectrum[f"{name}_per_step"].mean(each) * steps for name in COSTS})
     ds = ds.assign(error=error, largest_error=error * np.nan).reset_coords(drop=True).expand_dims(periods=[duration])
-    # a scheme that refuses the oscillators has no error at any step; a run that failed has none at its step
-    ran = error.notnull().any(["quantity", "step_size"]).expand_dims(step_size=dt).reset_coords(drop=True)
-    ds = ds.assign(tried=ran.astype(np.int8), uncertainty=("quantity", [uncertainty]))
+    status = spectrum.status.max(each).drop_attrs().reset_coords(drop=True)
+    ds = ds.assign(status=status.expand_dims(periods=[duration]), tried=(status != NOT_RUN).astype(np.int8))
+    ds = ds.assign(uncertainty=("quantity", [uncertainty]))
     ds = ds.rename(step_size="size").drop_vars("size").drop_attrs()
     return described(
         ds.assign_coords(
@@ -77,15 +81,17 @@ def as_runs(spectrum: xr.Dataset, uncertainty: float) -> xr.Dataset:
         ),
         "largest relative error of the peak drift over all oscillators and records",
         time_scale=scale,
+        time_scale_name="shortest period",
         decided=duration,
         highest_frequency=2 * np.pi / scale,
         spacing=spectrum.spacing.item(),
         free_vibration=0,
+        has_kinks=1,
         unknowns=1,
         starts=int(np.prod([spectrum.sizes[name] for name in each])),
         problem="records",
         problem_title=f"oscillators of {scale:g} to {spectrum.period.max().item():g} s under records",
-    )
+    ).assign_attrs(reference="motions by pieces that are exact for linear accelerations")
 
 
 @experiment("spectrum", "runs/records", reads=lambda options: ["reference/spectrum"], check=_check)
@@ -121,6 +127,7 @@ def spectrum(
     lanes = xr.broadcast(step_size, number, exact.period, exact.yield_force)
     dt, record, period, strength = (lane.transpose(*dims).values.ravel() for lane in lanes)
     error = np.full((len(schemes), len(steps), *exact.peak_drift.shape), np.nan)
+    status = np.full(error.shape, NOT_RUN, np.int8)
     counts = {name: np.full(error.shape, np.nan) for name in Evaluations.variables}
     for s, scheme in enumerate(schemes):
         if schemes_by_name[scheme].refusal(yielding_under_record(GroundMotion.el_centro(), 1.0, 1.0)):
@@ -134,7 +141,8 @@ def spectrum(
             steps=_counts(duration, dt),
             observe=[Peak(), Evaluations()],
         )
-        peaks = ds.peak.where(ds.status == 0).values.reshape(error.shape[1:])
+        status[s] = ds.status.values.reshape(error.shape[1:])
+        peaks = ds.peak.where(ds.status == COMPLETED).values.reshape(error.shape[1:])
         error[s] = np.abs(peaks / exact.peak_drift.values - 1)
         for name, values in counts.items():
             values[s] = (ds[name].values / _counts(duration, dt)).reshape(peaks.shape)
@@ -142,6 +150,7 @@ def spectrum(
     runs = xr.Dataset(
         {
             "error": (("scheme", *dims), error, error_attributes),
+            "status": (("scheme", *dims), status, flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8)),
             **{
                 f"{name}_per_step": (
                     ("scheme", *dims),

@@ -83,6 +83,7 @@ def test_records_take_the_place_of_starts():
     spectrum = xr.Dataset(
         {
             "error": (along, error),
+            "status": (along, np.where(np.isnan(error), [[[[[1]]]], [[[[4]]]]], 0)),
             "force_evaluations_per_step": (along, np.where(np.isnan(error), np.nan, 2.0), {"long_name": "per step"}),
             "tangent_evaluations_per_step": (along, 0 * error),
             "factorisations_per_step": (along, 0 * error),
@@ -98,6 +99,7 @@ def test_records_take_the_place_of_starts():
     )
     runs = as_runs(spectrum, 1e-4)
     assert runs.tried.transpose("scheme", "size").values.tolist() == [[1, 1, 1], [0, 0, 0]]
+    assert runs.status.transpose("scheme", "size", "periods").values.tolist() == [[[1], [0], [0]], [[4], [4], [4]]]
     assert (runs.starts, runs.decided, runs.time_scale) == (4, 100, 0.2)
     assert runs.force_evaluations.attrs == {"long_name": "internal forces evaluated", "units": "1"}
     needed = needs(runs, [0.1, 0.01]).sel(quantity="peak drift", scheme="rk4").isel(periods=0)

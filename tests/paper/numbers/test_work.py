@@ -21,6 +21,7 @@ def test_further_starts_are_counted_without_the_own_one():
     known = {
         "starts": ("problem", [21, 61, 3, 4]),
         "spacing": ("problem", [np.nan, np.nan, np.nan, 0.02]),
+        "has_kinks": ("problem", [1, 1, 0, 0]),
         "problem_title": ("problem", ["yielding oscillator", "bouncing mass", "chain", "shaken oscillator"]),
     }
     decisions = xr.Dataset(coords=known | {"problem": ["yielding", "bouncing", "chain", "shaken"]})
