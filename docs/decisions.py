@@ -8,7 +8,7 @@ import xarray as xr
 import study
 from docs.text import table
 from paper.products import reader
-from paper.tables.decision import NO_BREAK, answer, beware, column, limits_of, rows_of, sentence, steps_of
+from paper.tables.decision import NO_BREAK, answer, beware, column, duration_of, limits_of, rows_of, sentence, steps_of
 from paper.tables.models import FILTER, USUAL, answers
 from study.runs.needs import CODES, FILTERS, KINDS, MOTION, cheapest, keeps_part
 from study.scheme.codes import NameInCode, names_in_codes
@@ -105,13 +105,11 @@ def measured(decision: xr.Dataset) -> str:
     title, starts = sentence(decision.problem_title.item()), decision.starts.item()
     if decision.problem.item() == "records":
         return f"{title}: {starts} runs, samples every {number(1e3 * decision.spacing.item())} ms"
-    unknowns, periods = decision.unknowns.item(), decision.decided.item()
-    first, *others = decision.time_scale_name.item().split()
-    counted = " ".join([f"{first}{'s' * (periods != 1)}", *others])
+    unknowns = decision.unknowns.item()
     parts = [
         title,
         *([f"{unknowns} unknowns"] if unknowns > 1 else []),
-        f"{number(periods)} {counted} of T = {number(decision.time_scale.item(), 2)} s",
+        f"{duration_of(decision)} of T = {number(decision.time_scale.item(), 2)} s",
         f"{starts} {'record' if decision.spacing > 0 else 'start'}{'s' * (starts != 1)}",
     ]
     return ", ".join(parts)

@@ -1,11 +1,15 @@
 """Numbers and names as the ledger prints them: titles in place of code names, 10⁻⁵ in place of 1e-05, and no nan."""
 
+import re
 from collections.abc import Iterable, Mapping
 
 import numpy as np
 import xarray as xr
 
 from study import words
+
+#: First words of titles of schemes that are no names.
+_COMMON = re.compile(r"\b(Average|Central|Energy|Extrapolation|Generalized|Implicit|Linear|Symplectic)(?=[ -])")
 
 
 def number(value: float, form: str = ".1f", missing: str = "failed") -> str:
@@ -26,6 +30,11 @@ def title(name: str, data: Mapping[str, xr.Dataset]) -> str:
         if dataset.attrs.get("problem") == name:
             return dataset.attrs["problem_title"]
     return name.replace("_", " ")
+
+
+def in_sentence(text: str) -> str:
+    """A text in which titles of schemes begin with a small letter, unless they begin with a name."""
+    return _COMMON.sub(lambda word: word[0].lower(), text)
 
 
 def joined(names: Iterable[str], data: Mapping[str, xr.Dataset]) -> str:

@@ -26,7 +26,7 @@ def confirmed(bound: xr.Dataset) -> xr.DataArray:
 def exceptions(bound: xr.Dataset, missed: xr.DataArray) -> list[str]:
     """Potential and initial displacement of some motions."""
     motions = bound.isel(motion=missed.values).groupby("motion")
-    return [f"{motion.potential_title.item()} from {number(motion.u0.item())}" for _, motion in motions]
+    return [f"“{motion.potential_title.item()}” from {number(motion.u0.item())}" for _, motion in motions]
 
 
 @claim(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from paper.products import Product, content_of, discover, reader
+from paper.wording import in_sentence
 from study.io import one_sentence, write
 from study.words import printed
 
@@ -29,7 +30,7 @@ def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[st
                 raise ValueError(f"The number '{name}' is given by {owner[name]} and by {product.name}.")
             owner[name] = product.name
             fact = isinstance(value, bool | np.bool_)
-            texts[name] = bool(value) if fact else None if value is None else printed(str(value))
+            texts[name] = bool(value) if fact else None if value is None else printed(in_sentence(str(value)))
     return texts
 
 

@@ -49,6 +49,7 @@ def chaos_numbers(chaos: xr.Dataset) -> dict:
     fine = chaos.sel(scheme="rk4").isel(steps_per_period=-1, place=0)
     most = chaos.steps_per_period.values[chaos.regular.sel(scheme="newmark_dissipative", problem="ueda").values == 1]
     others = [name for name in chaos.problem.values if name != "ueda"]
+    titles = dict(zip(chaos.problem.values, chaos.problem_title.values, strict=True))
     beam = chaos.sel(problem="buckled_beam").isel(steps_per_period=-1)
     spectrum = beam.sel(scheme="rk4")
     lost = lost_again(chaos).stack(case=["problem", "scheme"])
@@ -66,7 +67,9 @@ def chaos_numbers(chaos: xr.Dataset) -> dict:
 
     return {
         "ueda_printed": f"{ueda.printed_exponent.item():.4f}",
-        "ueda_steps": "; ".join(f"{steps:.0f} with {joined(titles, {})}" for steps, titles in sufficient) or None,
+        "ueda_steps": listed(f"{steps:.0f} with {joined(titles, {})}" for steps, titles in sufficient)
+        if sufficient
+        else None,
         "ueda_never": listed(ueda.scheme_title.values[~np.isfinite(fewest)]) if not np.isfinite(fewest).all() else None,
         "ueda_periods": f"{ueda.periods.item():,}",
         "ueda_mean_square": f"{exact.mean_square.item():.4g}",
@@ -77,7 +80,7 @@ def chaos_numbers(chaos: xr.Dataset) -> dict:
         **{f"ueda_mean_steps_{name}": number(mean_steps[name], ".0f") for name in FAITHFUL},
         "ueda_converges": second("ueda"),
         "ueda_regular": "; ".join(
-            f"{title} with {regular('ueda', name)} steps"
+            f"by {title} with {regular('ueda', name)} steps"
             for name, title in zip(chaos.scheme.values, chaos.scheme_title.values, strict=True)
             if regular("ueda", name)
         )
@@ -107,8 +110,7 @@ def chaos_numbers(chaos: xr.Dataset) -> dict:
         "chaos_no_order_elsewhere": not any(map(second, others)),
         "chaos_order_duffing": ordered("duffing_chaotic", "average_acceleration"),
         "chaos_order_is_lower": _is_below_two(*orders_of_means(chaos, "duffing_chaotic")["average_acceleration"]),
-        "chaos_orders": "; ".join(
-            f"{chaos.problem_title.sel(problem=name).item()}: " + listed(ordered(name, scheme) for scheme in FAITHFUL)
-            for name in others
+        "chaos_orders": listed(
+            (f"{listed(ordered(name, scheme) for scheme in FAITHFUL)} ({titles[name]})" for name in others), "; "
         ),
     }

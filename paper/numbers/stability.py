@@ -116,5 +116,5 @@ def stability_numbers(
             f"needed_{name}": f"{value:.0f}" if np.isfinite(value) else most_steps(atlas)
             for name, value in by_name(average_steps).items()
         },
-        "needed_twenty": ", ".join(atlas.scheme_title.values[twenty.values]) or "none",
+        "needed_twenty": joined(atlas.scheme_title.values[twenty.values], {}),
     }

@@ -53,7 +53,7 @@ def what_moves_numbers(moves: xr.Dataset) -> dict:
         "moves_without_drift": listed(collapsed) if collapsed else None,
         "moves_single_share": f"{100 * SINGLE:g}",
         "moves_single_rest": f"{100 * (1 - SINGLE):g}",
-        "moves_chosen": listed(map(str, CHOSEN)),
+        "moves_chosen": CHOSEN[-1],
         "moves_hardening": f"{100 * moves.hardening.item():g}",
         "moves_p_delta": f"{100 * moves.p_delta.item():g}",
         "moves_collapse": f"{moves.collapse.item():.3g}",
@@ -65,10 +65,6 @@ def what_moves_numbers(moves: xr.Dataset) -> dict:
         change, damping = 100 * medians.change, medians.sel(variant="damping")
         if len(periods := damping.period.values[(damping.low * damping.high < 0).values]):
             unclear.append(f"the {name.replace('_', ' ')} at {listed(f'{period:g}' for period in periods)} s")
-        for variant in ("spacing", "two", "four", "damping", "strength"):
-            entries[f"moves_{short}_{variant}"] = span(change.sel(variant=variant), "+.1f").replace("-", "−")
-        for count in CHOSEN:
-            entries[f"moves_{short}_choice_{count}"] = span(100 * choice_spread(quantity, count), ".0f")
         single = record_changes(quantity).sel(variant="spacing")
         entries[f"moves_{short}_single"] = _most(single, NOTICED)
         entries[f"moves_{short}_worst"] = number(100 * float(single.where(np.isfinite(single)).max()), 3)
@@ -81,6 +77,10 @@ def what_moves_numbers(moves: xr.Dataset) -> dict:
         most.append(
             known.size and (100 * chosen > known.sel(variant=["spacing", "damping", "strength"]).max("variant")).all()
         )
+    collapse = 100 * median_changes(moves.collapse_intensity).change
+    for variant in ("spacing", "damping"):
+        entries[f"moves_collapse_{variant}"] = span(collapse.sel(variant=variant), "+.1f").replace("-", "−")
+    entries["moves_collapse_choice"] = span(100 * choice_spread(moves.collapse_intensity, CHOSEN[-1]), ".0f")
     entries["moves_damping_unclear"] = listed(unclear) if unclear else None
     entries["moves_step_is_least"] = bool(np.all(smaller))
     entries["moves_choice_is_most"] = bool(np.all(most))

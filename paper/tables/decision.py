@@ -30,6 +30,12 @@ def sentence(title: str) -> str:
     return title[0].upper() + title[1:]
 
 
+def duration_of(decision: xr.Dataset) -> str:
+    """The duration for which the steps of a decision hold, in words, such as ``10 periods`` or ``1 turn``."""
+    periods, (first, *others) = decision.decided.item(), decision.time_scale_name.item().split()
+    return " ".join([number(periods), f"{first}{'s' * (periods != 1)}", *others])
+
+
 def steps_of(need: xr.Dataset) -> str:
     """The step of a need or decision: steps in a time scale, or its size in ms under records."""
     if need.problem.item() == "records":

@@ -4,7 +4,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.products import table
-from paper.tables.decision import REQUIRES, answer, limits_of, sentence
+from paper.tables.decision import REQUIRES, answer, duration_of, limits_of, sentence
 
 #: Problem and quantity that stand for each kind of model.
 MODELS = {
@@ -37,10 +37,10 @@ def answers(decisions: xr.Dataset) -> dict[str, xr.Dataset]:
 
 def _measured(decision: xr.Dataset) -> str:
     """The problem, and the duration of its runs unless the records give it."""
-    title, periods = decision.problem_title.item(), f"{decision.decided.item():g}"
+    title = decision.problem_title.item()
     if decision.problem.item() == "records":
         return title
-    return f"{title}, {periods} period{'' if periods == '1' else 's'}"
+    return f"{title}, {duration_of(decision)}"
 
 
 @table("Schemes and steps by kind of model", requires={**REQUIRES, "runs.allowed_errors": [ERROR]})

@@ -51,7 +51,7 @@ def likely_cause(
     modes = frequencies(problem)
     highest = None if modes is None else modes[-1]
     beyond = ", and may be larger beyond the kinks of the force" if problem.kinked else ""
-    at_start = "" if highest is None else f" (it is {highest * dt:.3g} at the start{beyond})"
+    at_start = "" if highest is None else f" (ωΔt of the stiffest mode is {highest * dt:.3g} at the start{beyond})"
     if highest == 0:
         at_start = " (at the start no mode oscillates, and the motion may also grow by itself)"
     if status == NO_SOLUTION and problem.massless:
@@ -69,9 +69,11 @@ def likely_cause(
     if not np.isfinite(problem.at_time(0.0).internal_force(problem.u0, problem.v0)).all():
         return "the force is not finite at the start."
     if scheme.explicit and not (highest and highest * dt < 1):
+        limit = scheme.stability_limit
+        known = f", ωΔt = {limit:.4g} without damping" if limit and np.isfinite(limit) else ""
         return (
-            "the step may be beyond the limit of stability of an explicit scheme, where ωΔt of the stiffest mode is "
-            f"about 2{at_start}; take smaller steps or an implicit scheme."
+            f"the step may be beyond the limit of stability of an explicit scheme{known}{at_start}; take smaller steps "
+            "or an implicit scheme."
         )
     massless = ", or an unknown without mass has no stiffness" if problem.massless else ""
     return (

@@ -27,7 +27,7 @@ BEST = "return [...document.querySelectorAll('#answer b')].map((one) => one.inne
 def needed():
     """Needs on a spring, under records and on a structure whose computing time decides, with names that codes know."""
     records = runs(ACCURATE, problem="records").assign_coords(quantity=["peak drift", "velocity"]).isel(quantity=[0])
-    large = runs([ACCURATE[0]] * 3, problem="large").assign_coords(unknowns=200)
+    large = runs([ACCURATE[0]] * 3, problem="large").assign_coords(unknowns=200, free_vibration=0)
     ds = with_kinds(
         joined_needs([needs(data, ERRORS) for data in (runs(ACCURATE, problem="softening"), records, large)])
     )
@@ -124,3 +124,9 @@ def test_a_program_and_a_duration_narrow_the_answer(page):
     page.execute_script(last, 40)
     assert float(page.execute_script(forces)) == pytest.approx(2 * short, rel=0.01)
     assert page.execute_script(BEST) == ["Cheap: about 32 steps in a period", "Stiff: about 41 steps in a period"]
+    _choose(page, "model", "Largeing thing")
+    page.execute_script(last, 40)
+    assert page.execute_script(BEST) == []
+    assert "known over 40 periods: the runs last 10" in page.execute_script(
+        "return document.querySelector('#answer').innerText"
+    )

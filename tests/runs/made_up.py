@@ -46,7 +46,7 @@ def runs(error, problem: str = "swing", **others) -> xr.Dataset:
             "proposed": ("size", others.get("proposed", np.ones(len(COUNTS), int))),
             "divides": ("size", others.get("divides", np.ones(len(COUNTS), int))),
             "time_scale": 2.0,
-            "time_scale_name": "turn",
+            "time_scale_name": "period",
             "decided": 10.0,
             "starts": 1,
             "free_vibration": 1,

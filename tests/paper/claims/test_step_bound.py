@@ -20,7 +20,7 @@ def _bound(errors):
 
 def test_the_modified_energy_predicts_or_not():
     held = claims.modified_energy_predicts(_bound([0.0101] * 19 + [0.02]))
-    assert held.holds and held.ours == "38 of 40; 2.00" and held.qualification == "except for spring 19 from 1"
+    assert held.holds and held.ours == "38 of 40; 2.00" and held.qualification == "except for “spring 19” from 1"
     assert not claims.modified_energy_predicts(_bound([0.0101] * 9 + [0.02])).holds
     assert not claims.modified_energy_predicts(_bound([np.nan])).holds
 

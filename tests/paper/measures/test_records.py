@@ -10,6 +10,7 @@ from paper.measures.record_error import order, predicted, scatter
 from paper.measures.shares import share_of_runs
 from paper.measures.what_moves import choice_spread, coarsest_step, median_changes, record_changes, single_changes
 from paper.numbers.what_moves import what_moves_numbers
+from paper.tables.what_moves import tabulate
 
 
 def _errors(load=0.0, averaged=0.0):
@@ -153,6 +154,15 @@ def test_the_choice_of_records_is_compared_with_the_other_changes(strength, most
     # the medians of forty of the four records differ by more than the damping of a tenth
     assert numbers["moves_step_is_least"] and numbers["moves_choice_is_most"] == most
     assert numbers["moves_peak_coarsest"] == "4 times the spacing"
+
+
+def test_the_table_of_medians_has_the_range_over_the_periods():
+    """The step adds one percent to all drifts at one period, and two at the other."""
+    moves = xr.concat([_moves(0.01), _moves(0.02).assign_coords(period=[0.2])], "period")
+    table = tabulate(moves.assign_coords(variant_title=("variant", [f"with {name}" for name in moves.variant.values])))
+    row = table.set_index("Change").loc["With spacing"]
+    assert row["Peak drift"] == "+1.0 to +2.0"
+    assert "With reference" not in [*table["Change"]] and table["Change"].iloc[-1] == "Choice of 40 records"
 
 
 def test_a_median_over_collapses_is_no_drift_and_is_named():
