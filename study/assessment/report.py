@@ -20,6 +20,7 @@ from study.assessment.assurance import (
 )
 from study.assessment.drawing import LETTERS, curves, figure_of, maps, motion, times_of_runs
 from study.assessment.failures import failed_runs
+from study.assessment.search import ENERGY
 from study.assessment.style import STYLE
 from study.assessment.tables import answers, controlled, input_lines, needs, summary, table_of, time_in_words
 from study.io import read, write
@@ -108,7 +109,7 @@ def _quantity_section(assessed: xr.Dataset, quantity: str, titles: dict[str, str
         f"<h2>Error of {text_of(quantity)}</h2>",
         f'<div class="pair">{figure_of(against_step, caption)}',
         figure_of(against_time, f"The same errors against the time of a run{time_note}"),
-        f"</div>{summary(tables, limits, titles)}{controlled(tables, limits, titles)}",
+        f"</div>{controlled(tables, limits, titles)}{summary(tables, limits, titles, asked_for(assessed))}",
     ]
     for limit, table in zip(limits, tables, strict=True):
         parts.append(f"<details><summary>All numbers for {percent(limit)}</summary>{needs(table, titles)}</details>")
@@ -163,7 +164,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     order = list(dict.fromkeys(itertools.chain.from_iterable(strong)))
     for quantity in quantities:
         parts += _quantity_section(assessed, quantity, titles, order)
-    if np.isfinite(assessed.energy_imbalance).any():
+    if ENERGY not in quantities and np.isfinite(assessed.energy_imbalance).any():
         imbalance, label = assessed.energy_imbalance, "imbalance of energies"
         drawn = curves(assessed, assessed.step_size, "step size, s", imbalance, label, emphasised=order, order=order)
         caption = "Largest error of the balance of energy, dissipation and work, relative to the energy put in."

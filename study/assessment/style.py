@@ -14,6 +14,8 @@ details { margin-top: .5rem; }
 @media screen and (min-width: 1100px) { .answer td.text { white-space: nowrap; } }
 .tight, .pair table { font-size: .85rem; }
 .tight th, .tight td { padding: .2rem .4rem; }
+th.group { text-align: center; }
+.group { border-left: 1px solid #ccc; }
 .tight td:nth-child(2) { text-align: left; color: #555; }
 .answer th, .answer td { border-bottom: 0; }
 summary { cursor: pointer; color: #333; }
@@ -43,7 +45,7 @@ dd { margin: 0; overflow-wrap: anywhere; }
   :root { font-size: 12.5px; }
   body { max-width: none; font-size: 9pt; padding: 0; }
   details { display: none; }
-  figure, tr { break-inside: avoid; }
+  figure, tr, dl, pre { break-inside: avoid; }
   h2 { break-after: avoid; }
   .pair { grid-template-columns: 1fr 1fr; }
   figure svg { max-width: 38rem; }

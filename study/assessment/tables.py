@@ -1,7 +1,7 @@
 """Tables of the page of an assessment."""
 
 import itertools
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Sequence
 
 import numpy as np
 import pandas as pd
@@ -11,7 +11,7 @@ from study.analysis.recommendation import asked_for, best_of, controller_answer,
 from study.assessment.assurance import percent
 from study.scheme.codes import names_in_codes
 from study.scheme.named import schemes
-from study.words import listed, number, printed, step_size, text_of
+from study.words import listed, number, printed, step_with_unit, text_of
 
 
 def time_in_words(seconds: float) -> str:
@@ -27,23 +27,32 @@ def table_of(
     rows: Iterable[Iterable[object]],
     text: tuple[int, ...] = (),
     strong: Container[tuple[int, int]] = (),
+    groups: Sequence[str] = (),
 ) -> str:
     """A table of HTML.
 
     ``text`` has the indices, from zero, of the columns of text, and ``strong`` those of rows and columns of cells in
-    bold type.
+    bold type. ``groups`` has headings above equal numbers of the last columns, whose first ones are set apart.
     """
+    head = list(head)
+    width = (len(head) - 2) // len(groups) if groups else 0
 
     def row_of(tag: str, row: list[object], place: int = -1) -> str:
-        kinds = (' class="text"' if i in text else "" for i in itertools.count())
+        kinds = (
+            ' class="text"' if i in text else ' class="group"' if width and i > 1 and (i - 2) % width == 0 else ""
+            for i in itertools.count()
+        )
         # an empty cell in the head of the table is not marked as a heading
         tags = (tag if cell else "td" for cell in row)
         words = (f"<b>{text_of(cell)}</b>" if (place, i) in strong else text_of(cell) for i, cell in enumerate(row))
         return "".join(f"<{t}{kind}>{word}</{t}>" for t, kind, word in zip(tags, kinds, words, strict=False))
 
-    cells = row_of("th", list(head))
+    above = "".join(f'<th class="group" colspan="{width}" scope="colgroup">{text_of(group)}</th>' for group in groups)
+    above = f'<tr><td colspan="2"></td>{above}</tr>' if groups else ""
+    cells = f"{above}<tr>{row_of('th', head)}</tr>"
     body = "".join(f"<tr>{row_of('td', list(row), place)}</tr>" for place, row in enumerate(rows))
-    return f'<div class="scroll" tabindex="0"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
+    style = ' class="tight"' if groups else ""
+    return f'<div class="scroll" tabindex="0"><table{style}><thead>{cells}</thead><tbody>{body}</tbody></table></div>'
 
 
 def input_lines(titles: Iterable[str]) -> list[str]:
@@ -57,13 +66,13 @@ def input_lines(titles: Iterable[str]) -> list[str]:
 def needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
     """Tables of the steps that schemes need, one table for each kind of scheme, the fastest scheme first."""
     spacing = table.attrs.get("spacing")
-    head = ("", "Δt (unrounded), s", "Δt·ω", "steps", "error", "time", "forces/s", "tried", "search")
+    head = ("", "Δt (unrounded)", "Δt·ω", "steps", "error", "time", "forces/s", "tried", "search")
     parts = []
     for kind, group in table.groupby("kind", sort=False):
         rows = [
             (
                 titles[row.Index],
-                f"{step_size(row.step_size, spacing)} ({step_size(row.largest_step_size)})",
+                f"{step_with_unit(row.step_size, spacing)} ({step_with_unit(row.largest_step_size)})",
                 number(row.omega_step, 2),
                 f"{row.steps:.0f}",
                 percent(row.error),
@@ -91,9 +100,9 @@ def controlled(tables: list[pd.DataFrame], limits: Iterable[float], titles: dict
         [titles[scheme], kind, *(number(value, 3) for table in tables for value in table.loc[scheme, names])]
         for scheme, kind in tables[len(tables) // 2]["kind"].items()
     ]
-    labels = [label for limit in limits for label in (f"{percent(limit)}: tolerance", "forces", "over equal")]
-    table = table_of(["controlled steps", "", *labels], rows).replace("<table>", '<table class="tight">')
-    return f"{table}<p>“Over equal” is the ratio of the forces to those of equal steps.</p>"
+    groups = [percent(limit) for limit in limits]
+    head = ["controlled steps", "", *["tolerance", "forces", "× equal steps"] * len(groups)]
+    return table_of(head, rows, groups=groups)
 
 
 def answers(assessed: xr.Dataset, tables: list[pd.DataFrame], quantity: str, titles: dict[str, str]) -> str:
@@ -130,23 +139,28 @@ def _cells(table: pd.DataFrame, name: str, counts: str) -> tuple[str, str, str]:
     """Step, number of forces or steps, and time of a scheme."""
     row = table.loc[name]
     time = "–" if np.isnan(row.seconds) else time_in_words(row.seconds)
-    return step_size(row.step_size, table.attrs.get("spacing")), number(row[counts], 4), time
+    step = step_with_unit(row.step_size, table.attrs.get("spacing")) if row.step_size > 0 else "–"
+    return step, number(row[counts], 4), time
 
 
-def summary(tables: list[pd.DataFrame], limits: Iterable[float], titles: dict[str, str]) -> str:
-    """A table of steps, forces and times of all schemes for all allowed errors, the fastest scheme of each kind first.
+def summary(
+    tables: list[pd.DataFrame], limits: Iterable[float], titles: dict[str, str], requested: Sequence[str]
+) -> str:
+    """A table of steps, forces and times of all schemes for all allowed errors.
 
-    Where forces are not counted, the number of steps stands in their place. A sentence states why steps are missing.
+    The requested schemes are first, then the fastest of each kind. Where forces are not counted, the number of steps
+    stands in their place. A sentence states why steps are missing.
     """
     counted = any(table["force_evaluations"].notna().any() for table in tables)
     counts, label = ("force_evaluations", "forces") if counted else ("steps", "steps")
-    head = [heading for limit in limits for heading in (f"{percent(limit)}: Δt, s", label, "time")]
+    groups = [percent(limit) for limit in limits]
+    kinds = tables[len(tables) // 2]["kind"]
+    by_kind = [name for _, group in kinds.groupby(kinds, sort=False) for name in group.index]
     rows = [
-        [titles[name], kind, *(cell for table in tables for cell in _cells(table, name, counts))]
-        for kind, group in tables[len(tables) // 2].groupby("kind", sort=False)
-        for name in group.index
+        [titles[name], kinds[name], *(cell for table in tables for cell in _cells(table, name, counts))]
+        for name in dict.fromkeys([*requested, *by_kind])
     ]
-    table = table_of(["", "", *head], rows).replace("<table>", '<table class="tight">')
+    table = table_of(["", "", *["Δt", label, "time"] * len(groups)], rows, groups=groups)
     missing = [
         f"{titles[row.Index]} for {percent(limit)} ({row.verdict})"
         for limit, table in zip(limits, tables, strict=True)
