@@ -49,7 +49,7 @@ def table_of(
 
     above = "".join(f'<th class="group" colspan="{width}" scope="colgroup">{text_of(group)}</th>' for group in groups)
     above = f'<tr><td colspan="2"></td>{above}</tr>' if groups else ""
-    cells = f"{above}<tr>{row_of('th', head)}</tr>"
+    cells = f"{above}<tr>{row_of('th', [*head])}</tr>"
     body = "".join(f"<tr>{row_of('td', list(row), place)}</tr>" for place, row in enumerate(rows))
     style = ' class="tight"' if groups else ""
     return f'<div class="scroll" tabindex="0"><table{style}><thead>{cells}</thead><tbody>{body}</tbody></table></div>'
