@@ -16,7 +16,7 @@ import yaml
 from matplotlib.image import imread
 
 import study
-from docs.decisions import by_model
+from docs.decisions import by_model, frame
 from paper import products
 from paper.claims import ledger
 from reference.experiments.spectrum import spectrum as exact_peaks
@@ -260,6 +260,9 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     assert right.mean() < PIXELS, f"copy {PICTURE}.png to .github/cost.png"
     table = by_model(results)
     assert table in README
+    (of_frame,) = (line for line in frame(results).splitlines() if line.startswith("| Central difference"))
+    needed = [cell.strip().replace("\u00a0", " ") for cell in of_frame.split("|")[2:-1]]
+    assert "Central difference needs {} at 0.2 s, {} at 0.5 s, {} at 1 s and {} at 2 s.".format(*needed) in words
     cheapest, kinds = table.count("**Central difference"), len(table.strip().splitlines()) - 2
     assert (cheapest, kinds) == (5, 7) and "central difference is the cheapest scheme of OpenSees, Abaqus" in words
     assert "for five of [seven kinds of model]" in words
