@@ -102,6 +102,8 @@ ATTRIBUTES = {
 #: Errors of runs over some numbers of periods, and these numbers in ascending order.
 Errors = Float[np.ndarray, "... periods"]
 Periods = Float[np.ndarray, " periods"]
+#: Costs and errors of schemes.
+Values = Float[np.ndarray, "*places schemes"]
 
 
 def keeps(error: Errors, largest_error: Errors, periods: Periods, allowed: float) -> Kept:
@@ -246,10 +248,19 @@ def cost(needed: xr.Dataset) -> xr.DataArray:
     return needed.seconds.where(needed.cost == "seconds", needed.force_evaluations)
 
 
+def _place_of_cheapest(costs: Values, errors: Values) -> np.ndarray:
+    """Place of the cheapest along the last axis: costs up to ``TIED`` times the least tie, the smallest error decides.
+
+    A cost that is NaN does not count.
+    """
+    tied = costs <= TIED * np.fmin.reduce(costs, axis=-1, keepdims=True)
+    return np.where(tied, np.fmin(errors, np.finfo(float).max), np.inf).argmin(-1)
+
+
 def cheapest(needed: xr.Dataset, along: str) -> xr.DataArray:
-    """Place of the cheapest along a dimension: costs up to ``TIED`` times the least tie, the smallest error decides."""
-    costs, error = cost(needed), needed.largest_error.fillna(needed.error)
-    return error.where(costs <= TIED * costs.min(along)).fillna(np.inf).argmin(along)
+    """Place along a dimension of the cheapest, over the other dimensions; see :func:`decisions`."""
+    errors = needed.largest_error.fillna(needed.error)
+    return xr.apply_ufunc(_place_of_cheapest, cost(needed), errors, input_core_dims=[[along], [along]])
 
 
 def decisions(needed: xr.Dataset) -> xr.Dataset:
@@ -288,15 +299,17 @@ def ranked(needed: xr.Dataset) -> list[str]:
     ``needed`` has the needs for one problem, quantity, allowed error and condition, over scheme. The kind of the
     decision among both is first.
     """
-    kinds = list[list[str]]()
+    costs, errors = cost(needed).values, needed.largest_error.fillna(needed.error).values
+    kinds = list[list[int]]()
     for flag in (1, 0):
-        remaining, names = (needed.explicit == flag) & cost(needed).notnull(), list[str]()
-        while remaining.any():
-            names.append(_decided(needed, remaining).scheme.item())
-            remaining &= remaining.scheme != names[-1]
-        kinds += [names] if names else []
-    best = _decided(needed, needed.scheme.isin([names[0] for names in kinds])).scheme.item()
-    return sum(sorted(kinds, key=lambda names: names[0] != best), list[str]())
+        remaining, places = np.where(needed.explicit == flag, costs, np.nan), list[int]()
+        while not np.isnan(remaining).all():
+            places.append(int(_place_of_cheapest(remaining, errors)))
+            remaining[places[-1]] = np.nan
+        kinds += [places] if places else []
+    firsts = np.isin(np.arange(len(costs)), [places[0] for places in kinds])
+    best = _place_of_cheapest(np.where(firsts, costs, np.nan), errors)
+    return needed.scheme.values[sum(sorted(kinds, key=lambda places: places[0] != best), list[int]())].tolist()
 
 
 def dominated(measures: xr.DataArray, scheme: str, equal: float = 1e-6) -> list[str]:
