@@ -79,9 +79,9 @@ def _check_lanes(monkeypatch, name, scheme, dt=0.02, tolerance=1e-9, **more):
 
 
 @pytest.mark.slow
-def test_every_scheme_by_components_is_a_single_run(monkeypatch, sampled_scheme):
+def test_every_scheme_by_components_is_a_single_run(monkeypatch, sampled_kind):
     """An operation of one scheme that is wrong for lanes of several unknowns only."""
-    _check_lanes(monkeypatch, "dense with full damping and a load", sampled_scheme)
+    _check_lanes(monkeypatch, "dense with full damping and a load", sampled_kind)
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)

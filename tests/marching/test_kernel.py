@@ -233,9 +233,14 @@ def test_kernels_of_every_scheme_are_runs(monkeypatch, refusals, scheme_name):
     observe = ["max_energy_error", "peak"]
     _check(monkeypatch, "softening", scheme_name, u0=np.array([0.5, 1.0, 2.0]), dt=0.01, steps=30, observe=observe)
     assert refusals() == []
-    _check(monkeypatch, _frame, scheme_name, over={"scale": np.array([0.5, 2.0])}, dt=0.01, steps=30, observe="peak")
+
+
+@pytest.mark.exhaustive
+def test_kernels_of_several_unknowns_are_runs(monkeypatch, refusals, kind):
+    """As above, with a system of equations; parameters of a scheme change numbers only."""
+    _check(monkeypatch, _frame, kind, over={"scale": np.array([0.5, 2.0])}, dt=0.01, steps=30, observe="peak")
     assert all("takes long to compile" in message for message in refusals())
-    assert bool(refusals()) == (scheme_name in REFUSED)
+    assert bool(refusals()) == (kind in REFUSED)
 
 
 def _device():
