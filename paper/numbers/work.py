@@ -138,7 +138,7 @@ def longer_run_numbers(decisions: xr.Dataset, runs: list[xr.Dataset]) -> dict:
         if ds := shorter.get(decided.problem.item()):
             place = {"quantity": decided.quantity.item(), "condition": FILTERS[FILTER][0], "allowed_error": ERROR}
             alone, longer = (
-                needs(part, [ERROR]).sel(place).sel(periods=ds.decided.item()).step_size.to_series()
+                needs(part, [ERROR]).sel(place).step_size.to_series()
                 for part in (ds.sel(periods=[ds.decided.item()]), ds)
             )
             schemes = {*alone.index[~(longer >= alone * (1 - ROUND_OFF)) & alone.notna()]}

@@ -39,9 +39,9 @@ def duration_of(decision: xr.Dataset) -> str:
 def steps_of(need: xr.Dataset) -> str:
     """The step of a need or decision: steps in a time scale, or its size in ms under records."""
     if need.problem.item() == "records":
-        return f"{step_size(1e3 * need.step_size.item(), 1e3 * need.spacing.item())} ms"
-    # a multiple of the spacing of a record need not be a whole part of the time scale
-    steps = f"{need.steps_per_period.item():,.1f}".removesuffix(".0")
+        steps = f"{step_size(1e3 * need.step_size.item(), 1e3 * need.spacing.item())} ms"
+    else:  # a multiple of the spacing of a record need not be a whole part of the time scale
+        steps = f"{need.steps_per_period.item():,.1f}".removesuffix(".0")
     at_most = AT_MOST if need.verdict.item() == COARSEST else ""
     return f"{at_most}{steps}{FINEST if need.smaller_steps.item() == 0 else ''}"
 

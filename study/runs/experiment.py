@@ -142,8 +142,8 @@ class _Ladder:
         """Make runs from the problem's own start, and from few starts that march side by side also from the others."""
         if counts := sorted(counts):
             few = len(self.starts) == 1 < len(self.starts[0].problems) <= FEW_STARTS
-            others = self._others(self.starts[0]) if few else {}
-            rows = self._rows(self.starts[0], counts, {0: [*self.periods]} | others)
+            together = range(len(self.starts[0].problems) if few else 1)
+            rows = self._rows(self.starts[0], counts, {k: [*self.periods] for k in together})
             self.rows = pd.concat([self.rows, rows[rows.start == 0]], ignore_index=True)
             if few:
                 self.varied = pd.concat([self.varied, rows[rows.start > 0]], ignore_index=True)
@@ -180,19 +180,18 @@ class _Ladder:
         steps that divide the spacing of a record.
         """
         names, shape = [*self._own], (-1, len(self.periods), self._own.shape[1])
-        own_error, largest = (errors.values.reshape(shape)[::-1] for errors in (self._own, self._largest))
+        worst = np.fmax(self._own.values, self._largest.values).reshape(shape)[::-1]
         tried = self._own.index.unique("steps_per_period").values[::-1]
         part = (divides(self.scale / tried, self.motion.spacing) == 1) | (not dividing)
-        fine_first, own_error, largest = tried[part], own_error[part], largest[part]
+        fine_first, worst = tried[part], worst[part]
         proposed, results = ~np.isin(fine_first, [*self.confirming]), list[tuple[float, float]]()
-        whole = np.full(own_error.shape[:2], True)
+        whole = np.full(len(worst), True)
         for name in WHOLE_MOTION.keys() & {*names}:
-            whole &= np.fmax(own_error, largest)[..., names.index(name)] <= WHOLE_MOTION[name]
+            whole &= worst[:, self.decided, names.index(name)] <= WHOLE_MOTION[name]
         for meets in (True, whole):
             for quantity, allowed in limits:
-                error, worst = (errors[..., names.index(quantity)] for errors in (own_error, largest))
-                kept = keeps(error, worst, self.periods, allowed) & meets
-                place = int(unbroken(kept[:, self.decided]).sum())
+                kept = keeps(worst[..., names.index(quantity)], self.periods, self.periods[self.decided], allowed)
+                place = int(unbroken(kept & meets).sum())
                 coarser = fine_first[place] if place < len(fine_first) else 0.0
                 answers = fine_first[:place][proposed[:place]]
                 results.append((answers[-1] if len(answers) else math.inf, coarser))

@@ -99,18 +99,18 @@ ATTRIBUTES = {
     "has_kinks": {"long_name": "1 if the force has kinks", "units": "1"},
 }
 
-#: Errors of runs over some numbers of periods, and these numbers in ascending order.
-Errors = Float[np.ndarray, "... periods"]
+#: Errors of runs over some numbers of periods, and these numbers.
+Errors = Float[np.ndarray, "*runs periods"]
 Periods = Float[np.ndarray, " periods"]
 #: Costs and errors of schemes.
 Values = Float[np.ndarray, "*places schemes"]
 
 
-def keeps(error: Errors, largest_error: Errors, periods: Periods, allowed: float) -> Kept:
-    r"""Whether each run keeps an allowed error.
+def keeps(error: Errors, periods: Periods, decided: float, allowed: float) -> Kept:
+    r"""Whether each run over the decided number n of periods keeps an allowed error, over the first dimensions.
 
-    A run over n periods keeps it if its error is at most ``allowed`` from all starts that were run. To exclude an error
-    that is small by cancellation at one duration, the errors over each other number n' of periods must satisfy
+    To exclude an error that is small by cancellation at one duration, the errors over all numbers n' of periods must
+    satisfy
 
     .. math::
 
@@ -119,22 +119,20 @@ def keeps(error: Errors, largest_error: Errors, periods: Periods, allowed: float
     Parameters
     ----------
     error
-        Errors from the problem's own start, NaN for a failed run, which keeps nothing.
-    largest_error
-        Largest errors from other starts, infinite if a run failed, NaN if no other start was run.
+        Largest errors from the starts that were run over a number of periods; NaN or infinite if a run failed.
     periods
         Numbers of periods.
+    decided
+        The number n of periods.
     allowed
         Allowed error.
     """
-    within = (error <= allowed) & (np.nan_to_num(largest_error, posinf=np.inf) <= allowed)
-    for k, length in enumerate(periods):
-        within &= error[..., k, None] <= np.maximum(1.0, (length / periods) ** GROWTH) * allowed
-    return within
+    within: np.ndarray = error <= np.maximum(1.0, (periods / decided) ** GROWTH) * allowed
+    return np.all(within, axis=-1)
 
 
 def _meets(runs: xr.Dataset, condition: str) -> xr.DataArray:
-    """Whether runs from all starts meet a condition, over (scheme, size, periods)."""
+    """Whether runs from all starts meet a condition, over (scheme, size)."""
     error = np.fmax(runs.error, runs.largest_error)
     meets = xr.ones_like(error.isel(quantity=0, drop=True), dtype=bool)
     if condition == "whole_motion":
@@ -160,24 +158,30 @@ def needs(runs: xr.Dataset, allowed_errors: Sequence[float]) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over (scheme, quantity, allowed_error, periods, condition): ``step_size`` in s, ``steps_per_period``,
-        ``omega_step``, ``divides``, the costs per second of simulated time, ``error`` at this step size from the
-        problem's own start, ``largest_error`` from all starts, ``smaller_steps``, the number of smaller step sizes that
-        keep it too, and ``verdict``. A value is NaN where no step keeps the error.
+        Over (scheme, quantity, allowed_error, condition), for the decided duration: ``step_size`` in s,
+        ``steps_per_period``, ``omega_step``, ``divides``, the costs per second of simulated time, ``error`` at this
+        step size from the problem's own start, ``largest_error`` from all starts, ``smaller_steps``, the number of
+        smaller step sizes that keep it too, and ``verdict``. A value is NaN where no step keeps the error.
     """
     runs = runs.sortby("step_size").transpose("scheme", "size", "quantity", "periods", ...)
-    meets = {condition: _meets(runs, condition) for condition in CONDITIONS}
-    runs = runs.sel(quantity=[name for name in DECIDED if name in runs.quantity])
+    decided = runs.sel(periods=runs.decided)
+    meets = {condition: _meets(decided, condition) for condition in CONDITIONS}
+    searched = [name for name in DECIDED if name in runs.quantity]
+    worst, decided = np.fmax(runs.error, runs.largest_error).sel(quantity=searched), decided.sel(quantity=searched)
+    within = [keeps(worst.values, runs.periods.values, runs.decided.item(), allowed) for allowed in allowed_errors]
     parts = [
         xr.concat(
-            [_needed(runs, condition, meets[condition], allowed) for allowed in allowed_errors],
+            [
+                _needed(decided, condition, meets[condition] & decided.error.copy(data=kept), allowed)
+                for allowed, kept in zip(allowed_errors, within, strict=True)
+            ],
             _index(allowed_error=allowed_errors),
         )
         for condition in CONDITIONS
     ]
     ds = xr.concat(parts, _index(condition=list(CONDITIONS)))
-    return ds.transpose("scheme", "quantity", "allowed_error", "periods", "condition").assign_coords(
-        runs.drop_dims("size").coords
+    return ds.transpose("scheme", "quantity", "allowed_error", "condition").assign_coords(
+        decided.drop_dims("size").drop_vars(["periods", "duration"]).coords
     )
 
 
@@ -187,15 +191,14 @@ def _index(**values: Sequence) -> xr.IndexVariable:
 
 
 def _needed(runs: xr.Dataset, condition: str, meets: xr.DataArray, allowed: float) -> xr.Dataset:
-    """The needs over (scheme, quantity, periods) for one condition and one allowed error; step sizes ascend."""
+    """The needs over (scheme, quantity) for one condition and one allowed error; step sizes ascend."""
     sizes, counted = ["step_size", "steps_per_period", "omega_step", "divides"], runs.tried == 1
     if condition != "any_step":
         counted = counted & (runs.divides == 1)
     if condition == "whole_motion" and WHOLE_MOTION.keys().isdisjoint(runs.quantity.values):
         counted = xr.zeros_like(counted)
-    within = keeps(runs.error.values, runs.largest_error.values, runs.periods.values, allowed)
     certain = runs.uncertainty * CERTAIN <= allowed
-    kept = ((runs.error.copy(data=within) & certain & meets) | ~counted).transpose(..., "size")
+    kept = ((certain & meets) | ~counted).transpose(..., "size")
     kept = kept.copy(data=unbroken(kept.values)) & counted
     number, proposed = xr.DataArray(np.arange(runs.sizes["size"]), dims="size"), counted & (runs.proposed == 1)
     place = xr.where(kept & proposed, number, -1).max("size")
@@ -206,14 +209,14 @@ def _needed(runs: xr.Dataset, condition: str, meets: xr.DataArray, allowed: floa
 
 
 def _verdict(runs: xr.Dataset, counted: xr.DataArray, place: xr.DataArray, allowed: float) -> xr.DataArray:
-    """Index in ``VERDICTS``, over (scheme, quantity, periods)."""
+    """Index in ``VERDICTS``, over (scheme, quantity)."""
     last = xr.where(counted, np.arange(runs.sizes["size"]), -1).max("size")
     verdict = xr.where(place < 0, NONE, xr.where(place == last, COARSEST, FOUND))
     verdict = xr.where(runs.uncertainty * CERTAIN > allowed, UNCERTAIN, verdict)
     completed = counted & runs.error.notnull().any("quantity")
     unknown = completed.any("size") & runs.error.where(completed).isnull().all("size")
     none = (~counted.any("size") | unknown) & np.isfinite(runs.uncertainty)
-    return xr.where(none, NO_VALUE, verdict).transpose("scheme", "quantity", "periods").astype(np.int8)
+    return xr.where(none, NO_VALUE, verdict).transpose("scheme", "quantity").astype(np.int8)
 
 
 def joined_needs(parts: Sequence[xr.Dataset]) -> xr.Dataset:
@@ -224,8 +227,7 @@ def joined_needs(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     """
     datasets = []
     for part in parts:
-        problem_needs = part.sel(periods=part.decided, drop=True)
-        problem_needs = problem_needs.assign(seconds=problem_needs.step_size * np.nan)
+        problem_needs = part.assign(seconds=part.step_size * np.nan)
         problem_needs = problem_needs.assign_coords(cost="seconds" if part.unknowns >= LARGE else "force_evaluations")
         labels = [name for name in problem_needs.coords if name != "scheme" and "scheme" in problem_needs[name].dims]
         datasets.append(problem_needs.drop_vars(labels).expand_dims("problem"))

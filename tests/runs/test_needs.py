@@ -22,7 +22,7 @@ FINE = [[0.2, 0.05, 0.005, 0.0005]] * 3
 
 
 def _steps(needed: xr.Dataset, condition="practice", quantity="displacement") -> np.ndarray:
-    case = needed.sel(condition=condition, quantity=quantity).isel(periods=0)
+    case = needed.sel(condition=condition, quantity=quantity)
     return case.steps_per_period.transpose("scheme", "allowed_error").values
 
 
@@ -30,24 +30,27 @@ def test_an_error_that_is_small_by_cancellation_at_one_duration_is_not_kept():
     """Bathe's scheme and average acceleration with as many solves in a period of the softening spring."""
     periods = np.array([50.0, 100.0, 200.0])
     bathe, average = np.array([0.0043, 0.0075, 0.075]), np.array([0.005, 0.0095, 0.022])
-    unknown = np.full(3, NAN)
-    assert keeps(bathe, unknown, periods, 0.01).tolist() == [True, False, False]
-    assert keeps(average, unknown, periods, 0.01).tolist() == [True, True, False]
+    assert [bool(keeps(bathe, periods, n, 0.01)) for n in periods] == [True, False, False]
+    assert [bool(keeps(average, periods, n, 0.01)) for n in periods] == [True, True, False]
+    failed = np.array([[0.001, NAN, NAN], [0.001, 0.002, np.inf]])
+    assert not keeps(failed, periods, 50.0, 0.01).any()
 
 
-def test_another_start_or_a_failed_run_breaks_an_error():
-    error, periods = np.array([0.001]), np.array([10.0])
-    assert keeps(error, np.array([0.009]), periods, 0.01).all()
-    assert not keeps(error, np.array([0.011]), periods, 0.01).any()
-    assert not keeps(error, np.array([np.inf]), periods, 0.01).any()
-    assert not keeps(np.array([NAN]), np.array([NAN]), periods, 0.01).any()
+@pytest.mark.parametrize(("periods", "error"), [(10.0, 0.011), (10.0, np.inf), (20.0, 0.05)])
+def test_another_start_breaks_an_error_also_over_another_duration(periods, error):
+    lengths = [runs(FINE).assign_coords(periods=[length]) for length in (10.0, 20.0)]
+    both = xr.concat(lengths, "periods", data_vars="minimal", coords="minimal", compat="override")
+    other = both.largest_error.copy(deep=True)
+    other.loc[{"periods": periods, "size": 2, "quantity": "displacement"}] = error
+    needed = needs(both.assign(largest_error=other), [0.01])
+    assert _steps(needed)[:, 0].tolist() == [64] * 3 and _steps(needs(both, [0.01]))[:, 0].tolist() == [32] * 3
 
 
 def test_all_finer_steps_must_keep_the_error():
     accident = [[0.05, 0.2, 0.05, 0.005], [NAN, 0.05, 0.05, 0.05], [0.05, 0.05, 0.05, 0.2]]
     needed = needs(runs(accident), [0.1, 0.01])
     np.testing.assert_array_equal(_steps(needed), [[32, 64], [16, NAN], [NAN, NAN]])
-    first = needed.sel(scheme="cheap", condition="practice", quantity="displacement", allowed_error=0.1).isel(periods=0)
+    first = needed.sel(scheme="cheap", condition="practice", quantity="displacement", allowed_error=0.1)
     assert first.error == 0.05 and first.smaller_steps == 1 and first.step_size == 2 / 32
     # ten periods of two seconds with 32 steps of one force
     assert first.force_evaluations == 16 and first.omega_step == 6 / 32
@@ -57,7 +60,7 @@ def test_a_step_that_was_not_tried_does_not_count():
     tried = np.array([[1, 1, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1]])
     needed = needs(runs([[0.05, 0.05, NAN, 0.05], [NAN] * 4, [NAN] * 4], tried=tried), [0.1, 0.01])
     np.testing.assert_array_equal(_steps(needed), [[8, NAN], [NAN, NAN], [NAN, NAN]])
-    verdict = needed.verdict.sel(condition="practice", quantity="displacement").isel(periods=0)
+    verdict = needed.verdict.sel(condition="practice", quantity="displacement")
     words = [[VERDICTS[k] for k in row] for row in verdict.transpose("scheme", "allowed_error").values]
     # all runs of the last scheme failed
     finest = "not_even_the_finest_step"
