@@ -19,6 +19,7 @@ _SIGNS |= {
     "≫": r"\gg",
     "∂": r"\partial",
     "√": r"\surd",
+    "⅓": r"\frac13",
 }
 _SIGNS |= {"α": r"\alpha", "β": r"\beta", "γ": r"\gamma", "δ": r"\delta", "ε": r"\varepsilon", "θ": r"\theta"}
 _SIGNS |= {"κ": r"\kappa", "λ": r"\lambda", "μ": r"\mu", "ν": r"\nu", "ξ": r"\xi", "π": r"\pi", "ρ": r"\rho"}
