@@ -77,11 +77,11 @@ def _starts(decisions: xr.Dataset) -> dict[str, str | None]:
     started = decisions.sel(problem=~(decisions.spacing > 0))
     kinked, smooth = (started.sel(problem=started.has_kinks == flag) for flag in (1, 0))
     titled = zip(kinked.starts.values, kinked.problem_title.values, strict=True)
-    of_kinked = [f"{starts - 1} of the {title}" for starts, title in titled]
-    of_others = [f"{starts - 1}" for starts in np.unique(smooth.starts.values)]
+    with_kinks = [f"{starts - 1} of the {title}" for starts, title in titled]
+    without_kinks = [f"{starts - 1}" for starts in np.unique(smooth.starts.values)]
     return {
-        "kinked_starts": listed(of_kinked) if of_kinked else None,
-        "other_starts": listed(of_others) if of_others else None,
+        "kinked_starts": listed(with_kinks) if with_kinks else None,
+        "other_starts": listed(without_kinks) if without_kinks else None,
     }
 
 

@@ -153,8 +153,8 @@ def test_a_problem_of_the_study_has_the_decisions_as_its_first_rows(tmp_path):
         study.recommend("softening", allowed_error=0.01, folder=tmp_path).verdict["dear"] == "not even the finest step"
     )
     pd.testing.assert_frame_equal(table, study.recommend(needed.sel(problem="softening"), allowed_error=0.1))
-    of_codes = needed.sel(problem="softening", scheme=needed.in_codes == 1)
-    assert study.recommend(of_codes, allowed_error=0.1).index.tolist() == ["dear", "stiff"]
+    known_to_codes = needed.sel(problem="softening", scheme=needed.in_codes == 1)
+    assert study.recommend(known_to_codes, allowed_error=0.1).index.tolist() == ["dear", "stiff"]
 
 
 def test_a_longer_duration_extrapolates_the_steps_of_a_free_vibration(assessed):
