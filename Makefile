@@ -3,7 +3,8 @@
 # make site           makes the pages of the site
 # make test           installs everything and runs the quick tests of the code
 # make test-pipeline  runs the tests that need Snakemake, a small study or a browser
-# make test-all       runs all tests, also slow ones and those of every scheme
+# make test-rest      runs slow tests, those of every scheme, and those of the conformance kit
+# make test-all       runs all these tests
 # make coverage       measures the coverage of the tests
 # make check          checks style, format and types
 # make benchmark      measures speed
@@ -33,11 +34,11 @@ KILLS ?= 100
 # folder of the wheel of the conformance kit
 CONFORMANCE ?= results
 
-.PHONY: study site test test-pipeline test-all coverage benchmark check lock torture cluster archive conformance wheel \
+.PHONY: study site test test-pipeline test-rest test-all coverage benchmark check lock torture cluster archive conformance wheel \
   citation clean
 
 # XLA compiles single operations with the options that marches have anyway, in half the time
-study site test test-pipeline test-all coverage: export XLA_FLAGS ?= --xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1
+study site test test-pipeline test-rest coverage: export XLA_FLAGS ?= --xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1
 
 # the pages of the site, results/site/index.html, are made on request, with missing parts of the study
 study site: .venv/ready
@@ -49,8 +50,11 @@ test: .venv/ready
 test-pipeline: .venv/ready
 	$(BIN)/pytest -n auto -m "pipeline and not exhaustive"
 
-test-all: .venv/ready
-	$(BIN)/pytest -n auto
+test-rest: .venv/ready
+	$(BIN)/pytest -n auto -m "exhaustive or slow and not pipeline" tests study
+	$(BIN)/pytest -n auto conformance/tests
+
+test-all: test test-pipeline test-rest
 
 # all tests with their coverage; pyproject.toml states the smallest coverage allowed
 coverage: .venv/ready
