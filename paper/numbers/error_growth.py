@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from paper.claims.error_growth import exponents
+from paper.claims.error_growth import FROM, exponents
 from paper.products import numbers
 from paper.wording import number
 from study.words import listed, span
@@ -43,6 +43,7 @@ def error_growth_numbers(growth: xr.Dataset) -> dict:
     return entries | {
         "growth_steps": listed(f"{steps:g}" for steps in growth.steps_per_period.values),
         "growth_schemes": growth.sizes["scheme"],
+        "growth_from": FROM,
         "growth_longest": f"{growth.periods.values[-1].item():,}",
         "growth_known": f"{growth.known.item():,}",
         "growth_extrapolated": f"{growth.extrapolated.item():,}",

@@ -18,6 +18,7 @@ def mesh_numbers(mesh: xr.Dataset) -> dict:
         explicit.steps_per_period.groupby(["rows", "columns"]).max()
         / explicit.steps_per_period.groupby(["rows", "columns"]).min()
     )
+    step = explicit.seconds_per_step.groupby(["rows", "columns"])
     implicit = mesh.sel(scheme="average_acceleration")
     # time with the stiffest row over that with the least stiff one, panel by panel
     stiffest, softest = (
@@ -32,6 +33,7 @@ def mesh_numbers(mesh: xr.Dataset) -> dict:
         "mesh_iterations": span(implicit.newton_iterations_per_step, ".1f"),
         "mesh_crossover_frame": span(frames, ",.0f"),
         "mesh_crossover_panel": span(meshes, ",.0f"),
+        "mesh_step_spread": number((step.max() / step.min()).max().item(), 2),
         "mesh_price": span(by_panel.stack(panel=["rows", "columns"]).dropna("panel"), ".2g"),
         "mesh_price_implicit": span(stiffest / softest, ".2g"),
         # the next finer step tried is half as long

@@ -17,7 +17,7 @@ def step_bound_numbers(bound: xr.Dataset, rule: xr.Dataset) -> dict:
     over, described = over_convex(bound, rule)
     bound = bound.sel(scheme=SCHEMES)
     close = confirmed(bound)
-    periods = bound.coefficient.sel(quantity="period")
+    periods = abs(bound.error.sel(quantity="period")) / bound.omega_step**2
     ratio = periods.sel(scheme="average_acceleration") / periods.sel(scheme="central_difference")
     values = {
         "bound_potentials": len(np.unique(bound.potential)),
@@ -36,7 +36,7 @@ def step_bound_numbers(bound: xr.Dataset, rule: xr.Dataset) -> dict:
         "bound_step": f"{LARGEST_STEP:g}",
         "bound_convex_runs": f"{int(described.sum()):,}",
         "bound_convex_most": f"{over.where(described).max().item():.2f}",
-        "bound_period_ratio": span(ratio, ".3g"),
+        "bound_period_ratio": span(ratio, ".1f"),
         "bound_most_energy": at_most(100 * bound.error.sel(quantity="energy").max().item(), 2),
     }
     for name in SCHEMES:

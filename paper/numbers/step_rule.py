@@ -32,7 +32,7 @@ def step_rule_numbers(rule: xr.Dataset) -> dict:
         "rule_error": f"{100 * ERROR:g}",
         "rule_periods": f"{rule.periods.item():,}",
         "rule_amplitudes": rule.sizes["amplitude"],
-        "rule_tried": int((rule.omega_step <= min(printed[name] for name in SCHEMES[:2])).sum()),
+        "rule_tried": int((rule.omega_step <= everywhere_safe.sel(scheme=SCHEMES[:2]).min()).sum()),
         "rule_smallest": number(rule.amplitude.min().item(), 2),
         "rule_largest": number(rule.amplitude.max().item(), 2),
         "rule_serves": bool(((ratio < NO_RULE) & (ratio < finest / fewest)).sel(scheme=SCHEMES).all()),
