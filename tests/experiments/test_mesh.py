@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from study.experiments.mesh import SCHEMES, TIMED, mesh, panel, seconds_of_step
+from study.experiments.mesh import SCHEMES, mesh, panel, seconds_of_step
 from study.marching.run import run
 
 
@@ -53,4 +53,4 @@ def test_one_slow_run_does_not_end_the_lengthening_of_short_runs():
 
     timer = Timer()
     assert seconds_of_step(timer, 0.1, 40, call=1e-5) == pytest.approx(1e-7)
-    assert timer.runs == 6 and TIMED > 40
+    assert timer.runs == 9
