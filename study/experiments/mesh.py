@@ -31,7 +31,7 @@ YIELD, HARDENING, SPEED = 0.02, 0.05, 0.1
 REFINED = (1, 2, 4)
 #: Number of runs of one step, of which the shortest gives the time of a call, and this step over the period: so short
 #: that Newton's method converges at once. A run that takes less than ``LONG`` calls goes on with the motion until it
-#: takes about as much, and short runs are repeated for ``ENOUGH`` seconds.
+#: takes as much, and short runs are repeated for ``ENOUGH`` seconds.
 CALLS, SHORT, LONG, ENOUGH = 50, 1e-9, 100, 0.02
 
 #: Numbers of rows and columns of a panel.
@@ -88,11 +88,12 @@ def panel(rows: int, columns: int, stiffening: float) -> tuple[Problem, float, f
 
 def seconds_of_step(timer: Timed, dt: float, steps: int, call: float) -> float:
     """Time of a step in a run of these steps, or of more if the call takes a large part of the time."""
-    seconds = timer.shortest(dt, steps, ENOUGH)
-    if seconds < LONG * call:
-        steps *= math.ceil(LONG * call / seconds)
-        # the first long run may compile another program
-        seconds = min(timer.shortest(dt, steps, ENOUGH) for _ in range(2))
+
+    def shortest() -> float:  # the first long run may compile another program
+        return min(timer.shortest(dt, steps, ENOUGH) for _ in range(2))
+
+    while (seconds := shortest()) < LONG * call:
+        steps *= max(math.ceil(LONG * call / seconds), 2)
     return (seconds - call) / steps
 
 
