@@ -20,9 +20,8 @@ from study.words import number
 FIRST = {"model": "frame under an earthquake", "error": "1 %"}
 
 #: Variables of the needs that a row shows or is ranked by.
-_USED = (
-    "step_size steps_per_period omega_step force_evaluations error largest_error smaller_steps verdict exponent spacing"
-).split()
+_USED = """step_size steps_per_period omega_step force_evaluations error largest_error smaller_steps verdict exponent
+spacing duration""".split()
 
 _FORM = """<form id="answers" class="narrow" hidden>
 <label>model <select name="model"></select></label>
@@ -45,13 +44,14 @@ def _number(value: float, digits: int = 6) -> float | None:
 def _rows(needed: xr.Dataset, partly: xr.DataArray, limits: Mapping[str, float]) -> list[list[Any]]:
     """A row for each scheme that keeps an error: places of problem, quantity, error and scheme, then its numbers.
 
-    The numbers are the step in words, the steps in a period, Δt·ω, the forces in a second, the error by which ties are
-    decided, the exponent of the law of :mod:`study.analysis.duration`, None if the law does not apply, the cost by
-    which schemes are ranked, and whether the whole motion needs another step.
+    The numbers are the step in words, the steps in a period, Δt·ω, the forces in a second of simulated time, the error
+    by which ties are decided, the exponent of the law of :mod:`study.analysis.duration`, None if the law does not
+    apply, the cost in a second, by which schemes are ranked, and whether the whole motion needs another step.
     """
     dims = ("problem", "quantity", "allowed_error", "scheme")
-    costs, wrong = cost(needed).transpose(*dims).values, partly.transpose(*dims).values
-    used = needed.reset_coords("spacing")[[*_USED]].transpose(*dims).reset_coords(drop=True)
+    rates = (cost(needed) / needed.duration).transpose(*dims).values
+    wrong = partly.transpose(*dims).values
+    used = needed.reset_coords(["spacing", "duration"])[_USED].transpose(*dims).reset_coords(drop=True)
     rows = []
     for places in np.argwhere(used.step_size.notnull().values).tolist():
         need = used.isel(dict(zip(dims, places, strict=True)))
@@ -62,10 +62,10 @@ def _rows(needed: xr.Dataset, partly: xr.DataArray, limits: Mapping[str, float])
                 steps_of(need),
                 _number(need.steps_per_period.item()),
                 omega_step_of(need, limits),
-                _number(need.force_evaluations.item(), 12),
+                _number((need.force_evaluations / need.duration).item(), 12),
                 _number(decides.item(), 12),
                 _number(need.exponent.item(), 12),
-                _number(costs[tuple(places)], 12),
+                _number(rates[tuple(places)], 12),
                 int(wrong[tuple(places)]),
             ]
         )

@@ -88,7 +88,7 @@ def _table_of_runs(needed: xr.Dataset) -> pd.DataFrame:
         [
             "explicit" if row.explicit == 1 else "implicit",
             steps_of(row) + (PARTLY if row.partly else ""),
-            row.force_evaluations * row.time_scale,
+            row.force_evaluations / row.decided,
             cost(row),
             row.error,
         ]

@@ -16,7 +16,7 @@ def costs(needs: xr.Dataset) -> xr.DataArray:
     """
     cells = needs.sel(condition="practice", quantity="displacement", allowed_error=ALLOWED)
     measured = (cells.verdict != NO_VALUE).any("scheme").values
-    return (cells.force_evaluations * cells.time_scale).isel(problem=measured).transpose("problem", "scheme")
+    return (cells.force_evaluations / cells.decided).isel(problem=measured).transpose("problem", "scheme")
 
 
 def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:

@@ -48,8 +48,8 @@ def steps_of(need: xr.Dataset) -> str:
 
 def forces_of(need: xr.Dataset) -> str:
     """The number of forces in a time scale, or in a second under records."""
-    scale = 1.0 if need.problem.item() == "records" else need.time_scale.item()
-    return f"{need.force_evaluations.item() * scale:,.0f}"
+    times = need.duration if need.problem.item() == "records" else need.decided
+    return f"{(need.force_evaluations / times).item():,.0f}"
 
 
 def omega_step_of(need: xr.Dataset, limits: Mapping[str, float]) -> str:
@@ -67,7 +67,7 @@ def answer(need: xr.Dataset, limits: Mapping[str, float]) -> dict[str, str]:
     """
     if not need.step_size > 0:
         return {name: "–" if name == "Scheme" else "" for name in COLUMNS}
-    times = number(1e3 * need.seconds.item() * need.time_scale.item(), 2) if need.cost.item() == "seconds" else ""
+    times = number(1e3 * (need.seconds / need.decided).item(), 2) if need.cost.item() == "seconds" else ""
     limit = limits.get(need.scheme.item(), np.inf)
     cells = (
         need.scheme_title.item(),

@@ -32,11 +32,11 @@ def _options(configuration: Mapping) -> Options:
 
 
 def computing_times(needed: xr.Dataset) -> xr.DataArray:
-    """Computing time over simulated time with each step size, NaN for problems with another ``cost``."""
+    """Computing time of a run with each step size, NaN for problems with another ``cost``."""
     times = needed.seconds.copy(deep=True)
     for problem in needed.problem.values[needed.cost.values == "seconds"].tolist():
         step_sizes = needed.step_size.sel(problem=problem)
-        duration = (step_sizes.decided * step_sizes.time_scale).item()
+        duration = step_sizes.duration.item()
         names = step_sizes.dropna("scheme", how="all").scheme.values.tolist()
         # nothing is timed while the programs are compiled
         with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -48,7 +48,7 @@ def computing_times(needed: xr.Dataset) -> xr.DataArray:
             sizes, place = step_sizes.sel(scheme=scheme), {"problem": problem, "scheme": scheme}
             for dt in np.unique(sizes.values[np.isfinite(sizes.values)]).tolist():
                 steps = max(int(duration / dt * (1 + 1e-9)), 1)
-                shortest = np.fmin(times.loc[place], run.shortest(dt, steps, ENOUGH) / (steps * dt))
+                shortest = np.fmin(times.loc[place], run.shortest(dt, steps, ENOUGH))
                 times.loc[place] = times.loc[place].where(sizes != dt, shortest)
     return times
 

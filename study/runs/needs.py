@@ -10,7 +10,7 @@ from study.analysis.duration import step_exponent
 from study.io import flags
 from study.sizes import CERTAIN, Kept, unbroken
 
-#: Counts of the runs, by name; in needs and decisions they are per second of simulated time.
+#: Counts of a run, by name.
 COSTS = {
     "force_evaluations": {"long_name": "internal forces evaluated", "units": "1"},
     "tangent_evaluations": {"long_name": "tangents of the internal force evaluated", "units": "1"},
@@ -64,15 +64,13 @@ ATTRIBUTES = {
     "largest_error": {"long_name": "largest error with this step size from all starts", "units": "1"},
     "smaller_steps": {"long_name": "number of smaller step sizes that keep the error", "units": "1"},
     "verdict": flags("how the search for the step ended", VERDICTS, np.int8),
-    **{
-        name: {"long_name": f"{attributes['long_name']} over simulated time", "units": "s-1"}
-        for name, attributes in COSTS.items()
-    },
+    **COSTS,
+    "duration": {"long_name": "duration of the run", "units": "s"},
     "exponent": {
         "long_name": "a in: step size proportional to n^(-a) over n periods; NaN if the motion has no such law",
         "units": "1",
     },
-    "seconds": {"long_name": "computing time over simulated time, NaN if it is not the cost", "units": "1"},
+    "seconds": {"long_name": "computing time of the run, NaN if it is not the cost", "units": "s"},
     "cost": {"long_name": "variable that decides which scheme is the cheapest"},
     "scheme": {"long_name": "time integration scheme"},
     "scheme_title": {"long_name": "title of the scheme"},
@@ -159,8 +157,8 @@ def needs(runs: xr.Dataset, allowed_errors: Sequence[float]) -> xr.Dataset:
     -------
     xarray.Dataset
         Over (scheme, quantity, allowed_error, condition), for the decided duration: ``step_size`` in s,
-        ``steps_per_period``, ``omega_step``, ``divides``, the costs per second of simulated time, ``error`` at this
-        step size from the problem's own start, ``largest_error`` from all starts, ``smaller_steps``, the number of
+        ``steps_per_period``, ``omega_step``, ``divides``, the costs of a run, ``error`` at this step size from the
+        problem's own start, ``largest_error`` from all starts, ``smaller_steps``, the number of
         smaller step sizes that keep it too, and ``verdict``. A value is NaN where no step keeps the error.
     """
     runs = runs.sortby("step_size").transpose("scheme", "size", "quantity", "periods", ...)
@@ -181,7 +179,7 @@ def needs(runs: xr.Dataset, allowed_errors: Sequence[float]) -> xr.Dataset:
     ]
     ds = xr.concat(parts, _index(condition=list(CONDITIONS)))
     return ds.transpose("scheme", "quantity", "allowed_error", "condition").assign_coords(
-        decided.drop_dims("size").drop_vars(["periods", "duration"]).coords
+        decided.drop_dims("size").drop_vars("periods").coords
     )
 
 
@@ -203,8 +201,8 @@ def _needed(runs: xr.Dataset, condition: str, meets: xr.DataArray, allowed: floa
     number, proposed = xr.DataArray(np.arange(runs.sizes["size"]), dims="size"), counted & (runs.proposed == 1)
     place = xr.where(kept & proposed, number, -1).max("size")
     at = runs.reset_coords(sizes).isel(size=place.clip(min=0))
-    costs = {name: at[name] / at.duration for name in COSTS} | {"smaller_steps": (kept & (number < place)).sum("size")}
-    values = at[[*sizes, "error", "largest_error"]].assign(costs).where(place >= 0)
+    values = at[[*sizes, *COSTS, "error", "largest_error"]]
+    values = values.assign(smaller_steps=(kept & (number < place)).sum("size")).where(place >= 0)
     return values.assign(verdict=_verdict(runs, proposed, place, allowed)).reset_coords(drop=True)
 
 

@@ -150,7 +150,7 @@ def recommend(
             f"{listed(map(str, dataset.problem.values))}."
         )
     if "condition" in dataset.dims:
-        table, known = _table_of_needs(dataset, allowed_error, quantity), (dataset.decided * dataset.time_scale).item()
+        table, known = _table_of_needs(dataset, allowed_error, quantity), dataset.duration.item()
         free = bool(dataset.free_vibration)
     else:
         table, known = table_of_assessment(dataset, allowed_error, quantity), dataset.attrs["duration"]
@@ -236,10 +236,10 @@ def _table_of_needs(needed: xr.Dataset, error: float, quantity: str | None) -> p
             "omega_step": ordered.omega_step,
             "steps_per_period": ordered.steps_per_period,
             "error": ordered.error,
-            "force_evaluations_per_time": ordered.force_evaluations,
+            "force_evaluations_per_time": ordered.force_evaluations / ordered.duration,
             "steps_tried": ordered.smaller_steps + 1,
             "largest_error": ordered.largest_error,
-            **({"seconds_per_time": ordered.seconds} if ordered.cost == "seconds" else {}),
+            **({"seconds_per_time": ordered.seconds / ordered.duration} if ordered.cost == "seconds" else {}),
             "verdict": words[ordered.verdict.values],
         },
         index=pd.Index(ordered.scheme.values, name="scheme"),

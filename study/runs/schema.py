@@ -12,18 +12,16 @@ from jaxtyping import Float, Int
 from study.experiments import coordinates
 from study.io import flags
 from study.marching.result import STATUSES_OR_NOT_RUN
-from study.runs.needs import ATTRIBUTES, COSTS
+from study.runs.needs import ATTRIBUTES
 
 #: Attributes of the variables that needs and decisions lack, or that have another meaning there.
 _OF_RUNS = {
     "largest_error": {"long_name": "largest error from all starts", "units": "1"},
-    **COSTS,
     "step_size": {"long_name": "step size", "units": "s"},
     "status": flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8),
     "proposed": {"long_name": "1 if the step may be an answer, 0 if it only confirms coarser ones", "units": "1"},
     "tried": {"long_name": "1 if the scheme was run with this step size", "units": "1"},
     "uncertainty": {"long_name": "difference of the two solvers of the reference, relative", "units": "1"},
-    "duration": {"long_name": "duration of the run", "units": "s"},
     "periods": {"long_name": "duration of the run in time scales", "units": "1"},
 }
 

@@ -25,8 +25,9 @@ def _decision(**values) -> xr.Dataset:
     usual = {
         "scheme": "bathe",
         "cost": "force_evaluations",
-        "force_evaluations": 400.0,
-        "time_scale": 0.1,
+        "force_evaluations": 80.0,
+        "decided": 2.0,
+        "duration": 0.2,
         "ties": 2,
         "scheme_title": "Bathe",
         "verdict": 0,
@@ -65,7 +66,7 @@ def test_a_step_in_seconds_is_not_a_number_of_steps():
 def test_a_cell_with_costs_has_the_forces_and_a_time_that_decides():
     costs = short_cell(_decision(), {}, costs=True).replace("\u00a0", " ")
     assert costs == "Bathe: 10 steps, ωΔt = 0.1, 40 forces, …"
-    timed = _decision(cost="seconds", seconds=0.25, ties=1)
+    timed = _decision(cost="seconds", seconds=0.05, ties=1)
     assert short_cell(timed, {}, costs=True).replace("\u00a0", " ") == "Bathe: 10 steps, ωΔt = 0.1, 40 forces, 25 ms"
     records = short_cell(_decision(problem="records", ties=1), {}, costs=True).replace("\u00a0", " ")
     assert records == "Bathe: 2.5 ms, ωΔt = 0.1, 400 forces/s"

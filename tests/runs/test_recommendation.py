@@ -141,7 +141,7 @@ def test_a_problem_of_the_study_has_the_decisions_as_its_first_rows(tmp_path):
             assert (first.name, first.step_size, first.force_evaluations_per_time) == (
                 decision.scheme.item(),
                 decision.step_size.item(),
-                decision.force_evaluations.item(),
+                (decision.force_evaluations / decision.duration).item(),
             )
     # 16 steps of one force and 8 of two tie, and the names stand in the order of their needs
     table = study.recommend("softening", allowed_error=0.1, folder=tmp_path)

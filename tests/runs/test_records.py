@@ -106,4 +106,4 @@ def test_records_take_the_place_of_starts():
     free, practice = (needed.sel(condition=name) for name in ("any_step", "practice"))
     assert free.step_size.values.tolist() == [0.03, 0.02] and practice.step_size.values.tolist() == [0.02, 0.02]
     assert free.divides.values.tolist() == [0, 1] and practice.divides.values.tolist() == [1, 1]
-    assert free.error[0] == 0.05 and free.force_evaluations[0] == 2 / 0.03
+    assert free.error[0] == 0.05 and free.force_evaluations[0] == 2 * free.duration / 0.03
