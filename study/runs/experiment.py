@@ -150,7 +150,11 @@ class _Ladder:
             self._own, self._largest = self._errors()
 
     def vary(self, counts: Iterable[float]) -> None:
-        """Make runs from other starts over the number of periods that decides."""
+        """Make runs from other starts over the number of periods that decides.
+
+        All numbers of periods would double the time with kinks of the force. They changed none of the 378 needs of the
+        yielding oscillator, and none of the stiff and soft springs.
+        """
         for starts in self.starts:
             if others := self._others(starts):
                 self.varied = pd.concat([self.varied, self._rows(starts, counts, others)], ignore_index=True)
