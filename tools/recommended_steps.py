@@ -17,7 +17,7 @@ import study
 from study.assessment import errors
 from study.assessment.assess import assess
 from study.assessment.certified import cases_of, certified
-from study.assessment.search import COARSEST, Search
+from study.assessment.steps import COARSEST, StepSearch
 from study.mechanics.loads import excited
 from study.sizes import TWENTIETH
 from study.user_files import load
@@ -63,7 +63,9 @@ def check(name: str) -> None:
                 print(f"{name:15s} {scheme:22s} {quantity:13s} {allowed:5g}: no step", flush=True)
                 continue
             if step not in runs:
-                search = Search(study.schemes[scheme], {1.0: case}, ds.duration, step, step, "energy" in ds.quantity)
+                search = StepSearch(
+                    study.schemes[scheme], {1.0: case}, ds.duration, step, step, "energy" in ds.quantity
+                )
                 search.run(step * random.uniform(TWENTIETH, 1.0, STEPS))
                 runs[step] = search.runs
             error = runs[step][quantity].fillna(np.inf) / allowed

@@ -13,7 +13,7 @@ import xarray as xr
 from study.algebra.deadline import until
 from study.algebra.reads import reading
 from study.algebra.scalars import is_number
-from study.assessment import failures, large, oscillation, search
+from study.assessment import failures, large, oscillation, steps
 from study.assessment.arguments import checked_errors, chosen_schemes, refusal, remarks_on_stability, wanted_quantities
 from study.assessment.certified import KINKS, cases_of, certified, undeclared
 from study.assessment.dataset import Assessed, dataset_of
@@ -23,7 +23,8 @@ from study.assessment.periods import highest_frequency_along, length_of, model_o
 from study.assessment.program import assess_program, narrowed
 from study.assessment.progress import Progress
 from study.assessment.scales import lack_of_energy, measured, remarks_on_scales, with_reference
-from study.assessment.search import ENERGY, Search
+from study.assessment.search import ENERGY, sentence_on_starts
+from study.assessment.steps import StepSearch
 from study.assessment.tolerances import ToleranceSearch, variables_of
 from study.control.controllers import Controller
 from study.control.named import controllers
@@ -181,7 +182,7 @@ def assess(
         raise ValueError(next(iter(chosen.values())).refusal(equation))
     own_schemes = {name: scheme for name, scheme in fit.items() if scheme not in schemes_by_name.values()}
     asked = "; ".join(own_schemes)
-    spacing, progress, budget = search.spacing(equation, length), Progress(len(fit)), Budget(time.monotonic() + seconds)
+    spacing, progress, budget = steps.spacing(equation, length), Progress(len(fit)), Budget(time.monotonic() + seconds)
     model = model_of(equation, length, spacing)
     progress.say(f"{equation.title}: {'; '.join(model)}")
     remarks = remark_on_record(equation, spacing) + remarks_on_stability(own_schemes.values())
@@ -199,12 +200,12 @@ def assess(
             compared = f"{large.SHOWN} of {np.size(equation.u0):,} unknowns"
             ds.attrs["starts"] += f" Errors were compared at {compared}; others may have larger ones."
         return ds
-    slowest = slowest_period(equation) or length / search.COARSEST
-    coarsest = slowest / search.COARSEST
-    if length / coarsest > search.MOST_STEPS:
+    slowest = slowest_period(equation) or length / steps.COARSEST
+    coarsest = slowest / steps.COARSEST
+    if length / coarsest > steps.MOST_STEPS:
         raise ValueError(
-            f"duration must be at most {search.MOST_STEPS * coarsest:g} s, which is {search.MOST_STEPS:,} steps at "
-            f"{search.COARSEST} per period of the slowest small motion of '{equation.title}', not {length:g} s."
+            f"duration must be at most {steps.MOST_STEPS * coarsest:g} s, which is {steps.MOST_STEPS:,} steps at "
+            f"{steps.COARSEST} per period of the slowest small motion of '{equation.title}', not {length:g} s."
         )
     progress.report(f"solving for a reference of '{equation.title}'")
     unfinished = (
@@ -231,14 +232,14 @@ def assess(
     uncertainty = reference.uncertainty | ({ENERGY: 0.0} if with_energy else {})
     names = [*selected, *([ENERGY] if with_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
     highest = highest_frequency_along(equation, reference.solution)
-    finest = search.finest_step(length, slowest, highest, np.size(equation.u0))
+    finest = steps.finest_step(length, slowest, highest, np.size(equation.u0))
     limits = [(name, error) for name in names for error in allowed if error >= CERTAIN * uncertainty[name]]
 
     def assessment_of(scheme: Scheme) -> Assessed | None:
         if not budget.allows("compiling"):
             return None
         with until(budget.end):
-            runs = Search(scheme, cases, length, min(coarsest, length), finest, with_energy, budget.end)
+            runs = StepSearch(scheme, cases, length, min(coarsest, length), finest, with_energy, budget.end)
             runs.search(limits, lambda top: progress.report(f"{scheme.title}: steps of {top / 2:.3g} to {top:.3g} s"))
         if not len(runs.runs):
             return None
@@ -290,7 +291,7 @@ def assess(
         "reference": reference.route.name,
         "witness": reference.witness.name,
         "reference_tolerance": reference.rtol,
-        "starts": search.sentence_on_starts(cases),
+        "starts": sentence_on_starts(cases),
         "duration": length,
         "duration_requested": requested,
         "free_vibration": int(equation.conservative and not equation.kinked),

@@ -11,8 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from study import io
-from study.assessment.search import UNCERTAIN, VERDICTS, Recommendation
-from study.assessment.tolerances import Tolerance
+from study.assessment.search import UNCERTAIN, VERDICTS, Verdict
 from study.io import flags
 from study.marching.result import STATUSES
 from study.marching.timing import Timed
@@ -73,9 +72,9 @@ class Assessed(NamedTuple):
     """Results of one scheme."""
 
     runs: pd.DataFrame
-    verdicts: dict[Limit, Recommendation]
+    verdicts: dict[Limit, Verdict]
     map_or_limit: xr.Dataset
-    tolerances: dict[Limit, Tolerance] | None = None
+    tolerances: dict[Limit, Verdict] | None = None
 
 
 def times_of_steps(timed: Timed, steps_by_dt: dict[float, int]) -> dict[float, tuple[float, float]]:
@@ -130,8 +129,7 @@ def _times(
     for _, (name, result) in itertools.product(range(TURNS), results.items()):
         if (begin := time.monotonic()) + longest > end:
             break
-        steps = result.runs.groupby("dt").steps.first()
-        steps_by_dt = {v.recommended: int(steps[v.recommended]) for v in result.verdicts.values() if v.recommended > 0}
+        steps_by_dt = {v.recommended: int(v.steps) for v in result.verdicts.values() if v.recommended > 0}
         try:
             if steps_by_dt and name not in timed:
                 timed[name] = Timed(problem, schemes[name], ())
@@ -164,13 +162,8 @@ def dataset_of(
     for name, result in results.items():
         times = times_by_scheme.get(name, {})
         for limit in ((quantity, error) for quantity in names for error in allowed):
-            verdict = result.verdicts.get(limit, Recommendation(UNCERTAIN))
-            seconds, spread, forces, error = (np.nan,) * 4
-            if verdict.recommended > 0:
-                run = runs[name].loc[verdict.recommended]
-                seconds, spread = times.get(verdict.recommended, (np.nan,) * 2)
-                forces, error = run.forces, run[limit[0]]
-            rows.append((name, *limit, *verdict, error, seconds, spread, forces))
+            verdict = result.verdicts.get(limit, Verdict(UNCERTAIN))
+            rows.append((name, *limit, *verdict, *times.get(verdict.recommended, (np.nan,) * 2)))
     index = ["scheme", "quantity", "allowed_error"]
     variables = [
         "verdict",
@@ -179,8 +172,12 @@ def dataset_of(
         "steps_tried",
         "largest_error",
         "recommended_error",
+        "recommended_steps",
+        "force_evaluations",
+        "seconds",
+        "seconds_spread",
     ]
-    verdicts = pd.DataFrame(rows, columns=[*index, *variables, "seconds", "seconds_spread", "force_evaluations"])
+    verdicts = pd.DataFrame(rows, columns=[*index, *variables]).drop(columns="recommended_steps")
     ds = verdicts.set_index(index).to_xarray().sel(scheme=list(results), quantity=names, allowed_error=allowed)
     ds = ds.assign(verdict=ds.verdict.astype(np.int8), steps_tried=ds.steps_tried.astype(np.int32))
     ds["error"] = tried[names].to_dataarray("quantity").transpose("scheme", "step_size", "quantity")

@@ -132,5 +132,5 @@ def uncertainties(first: Oscillation, second: Oscillation, displacement: float) 
 
 
 def errors(runs: xr.Dataset) -> dict[str, np.ndarray]:
-    """Absolute errors of period, phase and amplitude in runs that :class:`OscillationErrors` observed."""
-    return {name: np.abs(runs[variable].values) for name, variable in QUANTITIES.items()}
+    """Absolute errors of period, phase and amplitude, in runs that :class:`OscillationErrors` observed."""
+    return {name: np.abs(runs[variable].values) for name, variable in QUANTITIES.items() if variable in runs}

@@ -11,7 +11,8 @@ import xarray as xr
 from study import io
 from study.assessment.dataset import ATTRIBUTES
 from study.assessment.scales import Measured, remark_on_components, with_reference
-from study.assessment.search import COARSEST_KEEPS, FINEST_FAILS, FOUND, OUT_OF_TIME, UNCERTAIN, round_step
+from study.assessment.search import COARSEST_KEEPS, FINEST_FAILS, FOUND, OUT_OF_TIME, UNCERTAIN
+from study.assessment.steps import round_step
 from study.io import flags, processor
 from study.program.attempt import STATUSES
 from study.program.curves import INTERPOLATION, Curve

@@ -1,34 +1,21 @@
-"""Runs of one scheme at many random tolerances, and the largest tolerance below which all runs keep an error."""
+"""The largest tolerance of a controlled step that keeps an error: runs of one scheme at many random tolerances."""
 
 import math
-import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from study.assessment import errors
 from study.assessment.oscillation import QUANTITIES
-from study.assessment.search import (
-    COARSEST_KEEPS,
-    ENERGY,
-    FINEST_FAILS,
-    FOUND,
-    OUT_OF_TIME,
-    UNCERTAIN,
-    VERDICTS,
-    Case,
-)
+from study.assessment.search import UNCERTAIN, VERDICTS, Case, Search, Verdict
 from study.control.controllers import Controller
 from study.control.named import estimators
 from study.io import flags
 from study.marching.control import usual_estimator
 from study.marching.run import sweep
 from study.scheme.base import Scheme
-from study.sizes import Limit, largest_with_margin
+from study.sizes import Limit
 
 #: Largest and smallest tolerance of a search.
 LOOSEST, TIGHTEST = 0.1, 1e-12
@@ -43,29 +30,12 @@ RUNS, MOST_STEPS = 32, 200_000
 DIGITS = (5.0, 2.0, 1.0)
 
 
-class Tolerance(NamedTuple):
-    """Outcome of a search, the tolerance that keeps the error, and error, steps and forces of the run with it.
-
-    ``how`` is the outcome. ``forces`` is the number of internal forces evaluated in all trial steps. ``tried`` is the
-    number of tolerances tried from a hundredth of ``tolerance`` up to it. ``largest_error`` is their
-    largest error.
-    """
-
-    how: int
-    tolerance: float = np.nan
-    error: float = np.nan
-    steps: float = np.nan
-    forces: float = np.nan
-    tried: int = 0
-    largest_error: float = np.nan
-
-
 #: Outcomes of a search. The last one stands for no search: the scheme needs equal steps, or the quantity is period,
 #: phase or amplitude, whose errors need equal steps.
 ENDS = (*VERDICTS, "needs_equal_steps")
 EQUAL_ONLY = ENDS.index("needs_equal_steps")
 
-#: Name and attributes of each variable of the dataset, in the order of :class:`Tolerance`.
+#: Name and attributes of each variable of the dataset.
 VARIABLES = {
     "tolerance_verdict": flags("how the search for the tolerance ended", ENDS, np.int8),
     "tolerance": {"long_name": "largest round tolerance that keeps the error, as all smaller ones do", "units": "1"},
@@ -83,87 +53,55 @@ def round_tolerance(largest: float) -> float:
     return next(float(f"{digit * unit:.0e}") for digit in DIGITS if digit * unit <= largest * (1 + 1e-9))
 
 
-@dataclass
-class ToleranceSearch:
-    """Runs of one scheme with a controlled step.
+class ToleranceSearch(Search):
+    """Runs with a controlled step.
 
-    Attributes
+    Parameters
     ----------
-    scheme, controller
-        Scheme and controller of the runs.
-    cases
-        The problem with several multiples of start and load, by the multiple; 1 is the problem itself.
-    duration
-        Duration of the runs in s.
-    with_energy
-        Whether the balance of energies is one of the quantities.
-    end
-        Value of ``time.monotonic()`` after which no runs begin.
-    late
-        Whether ``end`` has passed, so that runs may be missing.
-    compiling
-        Wall time of the first runs in s, most of which is compilation; zero before them.
-    runs
-        A row for each run: ``start``, ``tolerance``, ``steps``, ``forces``, and the error of each quantity.
+    scheme, cases, duration, with_energy, end
+        As for :class:`study.assessment.search.Search`.
+    controller
+        The controller of the step.
     """
 
-    scheme: Scheme
-    controller: Controller
-    cases: dict[float, Case]
-    duration: float
-    with_energy: bool
-    end: float = math.inf
-    late: bool = False
-    compiling: float = 0.0
-    runs: pd.DataFrame = field(default_factory=pd.DataFrame)
+    size, confirming = "tolerance", HUNDREDTH
 
-    def __post_init__(self):
-        problem = self.cases[1.0].problem
-        self._estimator = estimators[usual_estimator(self.scheme, problem)]
+    def __init__(
+        self,
+        scheme: Scheme,
+        controller: Controller,
+        cases: dict[float, Case],
+        duration: float,
+        with_energy: bool,
+        end: float = math.inf,
+    ):
+        super().__init__(scheme, cases, duration, with_energy, end)
+        self.controller, self._estimator = controller, estimators[usual_estimator(scheme, cases[1.0].problem)]
         # the step size is proportional to a root of the tolerance
-        self._octave = 2.0 ** self._estimator.exponent(self.scheme)
-        self._random = np.random.default_rng(0)
+        self.octave = 2.0 ** self._estimator.exponent(scheme)
 
-    def _run(self, start: float, tolerance: np.ndarray) -> None:
-        """Make runs with the given tolerances, with start and load multiplied by ``start``."""
-        case = self.cases[start]
-        if self.late:
-            return
-        begin = time.monotonic()
-        try:
-            ds = sweep(
-                case.problem,
-                self.scheme,
-                tolerance=tolerance,
-                duration=self.duration,
-                estimator=self._estimator,
-                controller=self.controller,
-                steps=MOST_STEPS,
-                observe=[
-                    observer for observer in case.observe if isinstance(observer, str) or not observer.needs_equal_steps
-                ],
-            )
-        except TimeoutError:
-            self.late = True
-            return
-        steps = ds.steps.values
-        ends = np.full(len(tolerance), self.duration)
-        columns: dict[str, Any] = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
-        columns |= {ENERGY: ds.max_energy_imbalance.values} if self.with_energy else {}
-        rows = {"start": start, "tolerance": tolerance, "steps": steps, "forces": ds.force_evaluations.values} | columns
-        self.runs = pd.concat([self.runs, pd.DataFrame(rows)], ignore_index=True)
-        self.compiling = self.compiling or time.monotonic() - begin
-        self.late = time.monotonic() > self.end
+    def _sweep(self, case: Case, sizes: np.ndarray) -> tuple[xr.Dataset, np.ndarray, np.ndarray]:
+        ds = sweep(
+            case.problem,
+            self.scheme,
+            tolerance=sizes,
+            duration=self.duration,
+            estimator=self._estimator,
+            controller=self.controller,
+            steps=MOST_STEPS,
+            observe=[
+                observer for observer in case.observe if isinstance(observer, str) or not observer.needs_equal_steps
+            ],
+        )
+        return ds, ds.steps.values, np.full(len(sizes), self.duration)
 
-    def _drawn(self, bottom: float, top: float, first: Sequence[float] = ()) -> np.ndarray:
-        """``RUNS`` tolerances: ``first``, and random ones on the logarithmic scale from ``bottom`` to ``top``."""
-        count = RUNS - len(first)
-        return np.append(first, top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count))
+    def _round(self, largest: float) -> float:
+        return round_tolerance(largest)
 
-    def largest(self, name: str, allowed: float) -> float:
-        """Largest tolerance that keeps an error with a margin for scatter, as all smaller ones do; zero if none."""
-        tolerance, error, start = (self.runs[column].to_numpy() for column in ("tolerance", name, "start"))
-        return largest_with_margin(tolerance, error, allowed, start == 1.0, self._octave)
+    def _run_to(self, bottom: float, top: float, start: float = 1.0, first: Sequence[float] = ()) -> None:
+        """Make ``RUNS`` runs with the tolerances ``first`` and random ones from ``bottom`` to ``top``."""
+        if not self.late:
+            self._add(start, np.append(first, self._drawn(bottom, top, RUNS - len(first))))
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None]) -> None:
         """Make runs down to a hundredth of each tolerance that keeps an error, then with the round tolerances.
@@ -175,40 +113,26 @@ class ToleranceSearch:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
             if top > max(HUNDREDTH * min(largest, default=1.0), TIGHTEST) and steps < MOST_STEPS / 2:
                 report(top)
-                bottom = top / self._octave
-                self._run(1.0, self._drawn(bottom, top))
+                bottom = top / self.octave
+                self._run_to(bottom, top)
                 top, steps = bottom, self.runs.steps.max()
                 continue
-            new = sorted({round_tolerance(tolerance) for tolerance in largest if tolerance} - {*self.runs.tolerance})
+            new = sorted({self._round(tolerance) for tolerance in largest if tolerance} - {*self.runs.tolerance})
             if not new:
                 return
-            for start in self.cases:
-                self._run(start, self._drawn(new[0] / self._octave, new[-1], new))
-
-    def verdict(self, name: str, allowed: float) -> Tolerance:
-        """The verdict of the runs on a quantity and its allowed error."""
-        largest = self.largest(name, allowed) if len(self.runs) else 0.0
-        unscaled = self.runs[self.runs.start == 1.0] if len(self.runs) else self.runs
-        tolerance = round_tolerance(largest) if largest else 0.0
-        if self.late and not (tolerance and {*self.runs.start[self.runs.tolerance == tolerance]} == {*self.cases}):
-            return Tolerance(OUT_OF_TIME)
-        if not tolerance:
-            return Tolerance(FINEST_FAILS)
-        nearby = unscaled[(unscaled.tolerance >= HUNDREDTH * tolerance) & (unscaled.tolerance <= tolerance)]
-        run = unscaled[unscaled.tolerance == tolerance].iloc[0]
-        outcome = COARSEST_KEEPS if largest == unscaled.tolerance.max() else FOUND
-        return Tolerance(outcome, tolerance, run[name], run.steps, run.forces, len(nearby), nearby[name].max())
+            for start in self._cases:
+                self._run_to(new[0] / self.octave, new[-1], start, new)
 
 
-def variables_of(
-    results: dict[str, dict[Limit, Tolerance] | None], names: list[str], allowed: list[float]
-) -> xr.Dataset:
+def variables_of(results: dict[str, dict[Limit, Verdict] | None], names: list[str], allowed: list[float]) -> xr.Dataset:
     """The results of all schemes as variables over scheme, quantity and allowed error."""
     rows = []
     for scheme, verdicts in results.items():
         for limit in ((name, error) for name in names for error in allowed):
-            default = Tolerance(EQUAL_ONLY if verdicts is None or limit[0] in QUANTITIES else UNCERTAIN)
-            rows.append((scheme, *limit, *(verdicts or {}).get(limit, default)))
+            default = Verdict(EQUAL_ONLY if verdicts is None or limit[0] in QUANTITIES else UNCERTAIN)
+            found = (verdicts or {}).get(limit, default)
+            run = (found.recommended, found.error, found.steps, found.forces)
+            rows.append((scheme, *limit, found.how, *run, found.tried, found.largest_error))
     index = ["scheme", "quantity", "allowed_error"]
     ds = pd.DataFrame(rows, columns=[*index, *VARIABLES]).set_index(index).to_xarray()
     ds = ds.sel(scheme=list(results), quantity=names, allowed_error=allowed)

@@ -12,7 +12,7 @@ from typing_extensions import TypedDict
 
 from study import io
 from study.assessment.reference import NoReference
-from study.assessment.search import spacing
+from study.assessment.steps import spacing
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Checked, Count, FallingErrors, ProblemName, Schemes, rising, section
 from study.marching.result import STATUSES_OR_NOT_RUN

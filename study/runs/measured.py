@@ -14,8 +14,9 @@ from study.assessment.arguments import wanted_quantities
 from study.assessment.errors import Target
 from study.assessment.periods import highest_frequency_along
 from study.assessment.reference import NoReference, Reference
-from study.assessment.search import ENERGY, spacing
+from study.assessment.search import ENERGY
 from study.assessment.solution import DenseSolution
+from study.assessment.steps import spacing
 from study.marching.ensemble import FEW, TILE
 from study.marching.program import PAUSE_OF_LANES
 from study.marching.run import sweep

@@ -21,7 +21,8 @@ from study.assessment.deadline import OutOfTime
 from study.assessment.progress import Progress
 from study.assessment.reference import Reference
 from study.assessment.report import answer, page
-from study.assessment.search import Case, Search
+from study.assessment.search import Case
+from study.assessment.steps import StepSearch
 from study.observer.energy import MaxEnergyError
 
 DURATION = 20.0
@@ -83,7 +84,9 @@ def test_a_reduced_quantity_is_compared_up_to_the_end_of_the_run(driven, reduce)
     """A run ends with the last whole step within the duration; the reference is reduced over the same time."""
     quantities = errors.named({"x": study.Quantity(lambda u, v: jnp.stack([u, v]), reduce=reduce)})
     reference = certified(driven, DURATION, quantities, tightest=1e-4, coarsest=1.0, periodic=False)
-    newmark = Search(study.schemes["newmark"], {1.0: Case(driven, reference.targets, None)}, DURATION, 0.1, 0.01, False)
+    newmark = StepSearch(
+        study.schemes["newmark"], {1.0: Case(driven, reference.targets, None)}, DURATION, 0.1, 0.01, False
+    )
     newmark.run(np.array([0.0123, 0.0237]))
     for dt, steps, error in newmark.runs[["dt", "steps", "x"]].itertuples(index=False):
         assert steps == int(DURATION / dt)
@@ -228,7 +231,7 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     reference = Reference(problem, duration)
     exactly = reference.solution(reference.routes[0], reference.grid(exact / 4), 1e-12)
     targets = {name: errors.target(q, problem, exactly) for name, q in quantities.items()}
-    rk4 = Search(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, 1.0, duration / steps, True)
+    rk4 = StepSearch(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, 1.0, duration / steps, True)
     rk4.run(np.array([duration / steps]))
     row = rk4.runs.iloc[0]
     ds = study.run(problem, "rk4", dt=duration / steps, steps=steps, observe=["trajectory", MaxEnergyError()])

@@ -8,7 +8,7 @@ import xarray as xr
 
 import study
 from study.assessment import dataset
-from study.assessment.search import FOUND, Recommendation
+from study.assessment.search import FOUND, Verdict
 
 
 def test_a_slow_first_run_does_not_lengthen_the_time_of_a_scheme(monkeypatch):
@@ -44,7 +44,7 @@ def test_a_slow_second_of_the_machine_lengthens_the_times_of_no_scheme_alone(mon
 
     monkeypatch.setattr(dataset, "Timed", Slow)
     runs = pd.DataFrame({"dt": [0.1], "steps": [4000]})
-    verdicts = {("displacement", 0.01): Recommendation(FOUND, 0.1, 0.1)}
+    verdicts = {("displacement", 0.01): Verdict(FOUND, 0.1, 0.1, steps=4000)}
     results = {name: dataset.Assessed(runs, verdicts, xr.Dataset()) for name in ("first", "second")}
     times = dataset._times(study.Problem(force=lambda u: u, u0=1.0), {name: name for name in results}, results)
     assert times["first"] == times["second"]

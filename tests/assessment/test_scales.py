@@ -7,7 +7,8 @@ import study
 from study.assessment import errors
 from study.assessment.reference import Reference
 from study.assessment.scales import remark_on_components, remarks_on_scales
-from study.assessment.search import Case, Search
+from study.assessment.search import Case
+from study.assessment.steps import StepSearch
 
 #: Translation in mm and rotation in rad: K has entries of different units.
 MASS, STIFFNESS = np.array([1.0, 4e3]), np.array([[100.0, -2e3], [-2e3, 4e7]])
@@ -20,7 +21,7 @@ def _targets(problem, duration, quantities):
 
 
 def _errors(problem, duration, targets, dt):
-    search = Search(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, dt, dt, False)
+    search = StepSearch(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, dt, dt, False)
     search.run(np.array([dt]))
     return search.runs.iloc[0]
 

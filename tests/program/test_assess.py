@@ -14,7 +14,8 @@ from scipy.integrate import solve_ivp
 import study
 from study.assessment.failures import failed_runs
 from study.assessment.program import _row
-from study.assessment.search import VERDICTS, round_step
+from study.assessment.search import VERDICTS
+from study.assessment.steps import round_step
 from study.program import runs, search, truth
 from study.program.attempt import STATUSES, WHOLE, Run
 from study.program.curves import Curve

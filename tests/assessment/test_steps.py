@@ -9,25 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import study
-from study.assessment.search import (
-    COARSEST_KEEPS,
-    FINEST_FAILS,
-    FOUND,
-    LEAST_CONFIRMED,
-    STARTS,
-    Search,
-    finest_step,
-    round_step,
-    spacing,
-)
+from study.assessment.search import COARSEST_KEEPS, FINEST_FAILS, FOUND, STARTS
+from study.assessment.steps import LEAST_CONFIRMED, StepSearch, finest_step, round_step, spacing
 from study.sizes import TWENTIETH
 
 
-class MadeUp(Search):
+class MadeUp(StepSearch):
     """A search whose errors come from a function of step size and start instead of runs."""
 
     def __init__(self, error, finest=1e-5, spacing=None, unknowns=1):
-        self.duration, self.coarsest, self.finest, self._size, self._spacing = 20.0, 1.0, finest, unknowns, spacing
+        self.duration, self.coarsest, self.finest, self._unknowns, self._spacing = 20.0, 1.0, finest, unknowns, spacing
         self._error, self.runs = error, pd.DataFrame()
         self._cases = dict.fromkeys((1.0, *STARTS))  # type: ignore[assignment]
         self._random, self._long = np.random.default_rng(1), 30_000
@@ -35,7 +26,8 @@ class MadeUp(Search):
 
     def _run(self, start, dt):
         dt = np.atleast_1d(dt)
-        return pd.DataFrame({"start": start, "dt": dt, "u": [self._error(step, start) for step in dt]})
+        errors = [self._error(step, start) for step in dt]
+        return pd.DataFrame({"start": start, "dt": dt, "u": errors, "steps": self.duration // dt, "forces": np.nan})
 
 
 def searched(error, allowed=0.01, **options):
