@@ -153,11 +153,12 @@ def _ties(table: pd.DataFrame) -> pd.Series:
 def _ranked(table: pd.DataFrame) -> list:
     """Names of the schemes, the fastest first.
 
-    Among the schemes that tie with the fastest one of those left, the number of forces or steps decides.
+    Among the schemes that tie with the fastest one of those left, the number of forces or steps decides, and at equal
+    numbers the error.
     """
-    remaining, ranked, counts = table.sort_values("seconds", kind="stable"), list[object](), costs_of(table)
+    remaining, ranked = table.assign(count=costs_of(table)).sort_values("seconds", kind="stable"), list[object]()
     while len(remaining):
-        ranked.append(counts[remaining.index[_ties(remaining)]].sort_values(kind="stable").index[0])
+        ranked.append(remaining[_ties(remaining)].sort_values(["count", "error"], kind="stable").index[0])
         remaining = remaining.drop(ranked[-1])
     return ranked
 

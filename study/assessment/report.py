@@ -44,10 +44,14 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
         f"{f', but {listed(limits)}' if (limits := caveats(assessed, row)) else ''}"
         for row in firsts(table).itertuples()
     ]
-    ties = [titles[name] for name in suitable.index[1:] if suitable.ties_with_fastest[name]]
-    counted = "evaluations" if costs_of(table).name == "force_evaluations" else "steps"
-    return f"For {percent(error)} of {quantity}: {'; '.join(best)}." + (
-        f" Measured times do not distinguish it from {listed(ties)}; the number of {counted} decides." if ties else ""
+    ties, counts = suitable.index[1:][suitable.ties_with_fastest.iloc[1:]], costs_of(suitable)
+    if ties.empty:
+        return f"For {percent(error)} of {quantity}: {'; '.join(best)}."
+    counted = "evaluations" if counts.name == "force_evaluations" else "steps"
+    decides = f"the number of {counted} decides{', then the error' * (counts.iloc[0] in counts[ties].values)}"
+    return (
+        f"For {percent(error)} of {quantity}: {'; '.join(best)}. "
+        f"Measured times do not distinguish it from {listed([titles[name] for name in ties])}; {decides}."
     )
 
 
