@@ -22,6 +22,7 @@ from study.runs.needs import COSTS
 from study.runs.schema import described
 from study.scheme.named import schemes as schemes_by_name
 from study.sizes import largest_size
+from study.words import percent
 
 #: Largest ratio of neighbouring step sizes of the grid.
 RATIO = 1.2
@@ -90,7 +91,8 @@ def as_runs(spectrum: xr.Dataset, uncertainty: float) -> xr.Dataset:
         unknowns=1,
         starts=int(np.prod([spectrum.sizes[name] for name in each])),
         problem="records",
-        problem_title=f"oscillators of {scale:g} to {spectrum.period.max().item():g} s under records",
+        problem_title=f"oscillators of {scale:g} to {spectrum.period.max().item():g} s with "
+        f"{percent(spectrum.damping_ratio.item())} damping under records",
     ).assign_attrs(reference="motions by pieces that are exact for linear accelerations")
 
 

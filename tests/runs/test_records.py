@@ -94,6 +94,7 @@ def test_records_take_the_place_of_starts():
             "divides": ("step_size", [0, 0, 1]),
             "period": [0.2, 1.0],
             "duration": 20.0,
+            "damping_ratio": 0.05,
             "spacing": 0.02,
         },
     )
