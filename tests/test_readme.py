@@ -96,7 +96,8 @@ def test_the_answers_state_the_amplitudes():
     small = 2 * np.pi / np.sqrt(spring.stiffness_at(0.0).item())
     assert f"{study.step_bound(spring, 'central_difference').period.item() / small:.1f}" == slower
     assert np.isclose(yielding.damping, 2 * 0.02 * np.sqrt(yielding.stiffness_at(0.0)))
-    assert "(yielding oscillator: 2 % of critical damping)" in (PROJECT / "paper" / "text" / "manuscript.typ").read_text()
+    article = (PROJECT / "paper" / "text" / "manuscript.typ").read_text()
+    assert "(yielding oscillator: 2 % of critical damping)" in article
     motion = study.run(yielding, "rk4", dt=1e-3, steps=10_000)
     assert f"{np.abs(motion.u).max().item() / 0.1:.1f}" == ductility
 

@@ -62,8 +62,4 @@ def record_error_numbers(errors: xr.Dataset) -> dict:
         ((average.error.sel(load="samples") > 0) & (average.power_above > 0)).sum()
     )
     entries["record_error_rk4_dividing"] = f"{order(rk4, 'samples', True):.1f}"
-    passing = rk4.error.sel(load="samples")[..., (rk4.divides.values == 0) & (rk4.ratio.values <= 1)]
-    entries["record_error_rk4_ratios"] = span(passing.ratio, ".2g")
-    entries["record_error_rk4_passing"] = span(100 * passing.median(["record", "period"]), ".1g")
-    entries["record_error_rk4_averaged"] = f"{order(rk4, 'averages', False):.1f}"
     return entries

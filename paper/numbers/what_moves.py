@@ -19,6 +19,8 @@ from study.words import listed, number, span
 
 #: Changes of the answer for a single record that count, and that are large.
 NOTICED, LARGE = 0.01, 0.05
+#: Distance from zero within which the end of an interval depends on the resampling.
+TOUCHES = 0.001
 
 
 def _spacings(ratio: float) -> str:
@@ -52,7 +54,7 @@ def what_moves_numbers(moves: xr.Dataset) -> dict:
         "moves_periods": listed(f"{period:g}" for period in moves.period.values),
         "moves_without_drift": listed(collapsed) if collapsed else None,
         "moves_single_share": f"{100 * SINGLE:g}",
-        "moves_single_rest": f"{100 * (1 - SINGLE):g}",
+        "moves_touches": f"{100 * TOUCHES:g}",
         "moves_chosen": CHOSEN[-1],
         "moves_hardening": f"{100 * moves.hardening.item():g}",
         "moves_p_delta": f"{100 * moves.p_delta.item():g}",
@@ -63,7 +65,8 @@ def what_moves_numbers(moves: xr.Dataset) -> dict:
         quantity, short = moves[name], name.partition("_")[0]
         medians = median_changes(quantity)
         change, damping = 100 * medians.change, medians.sel(variant="damping")
-        if len(periods := damping.period.values[(damping.low * damping.high < 0).values]):
+        around_zero = (damping.low * damping.high < 0) | (np.minimum(abs(damping.low), abs(damping.high)) < TOUCHES)
+        if len(periods := damping.period.values[around_zero.values]):
             unclear.append(f"the {name.replace('_', ' ')} at {listed(f'{period:g}' for period in periods)} s")
         single = record_changes(quantity).sel(variant="spacing")
         entries[f"moves_{short}_single"] = _most(single, NOTICED)
