@@ -115,4 +115,11 @@ def later_scheme_numbers(
         for name, (fact, place) in VALUES.items()
     }
     excess = max(excess_of_tangent(later_schemes, scheme) for scheme in WITH_MODEL)
-    return facts | values | _later(decisions, needs) | {"model_excess": at_most(excess, 2)}
+    dissipative = later_schemes.largest_stiffening.sel(with_model="kr_alpha_dissipative").min().item()
+    return {
+        **facts,
+        **values,
+        **_later(decisions, needs),
+        "model_excess": at_most(excess, 2),
+        "model_excess_dissipative": f"{100 * (dissipative - 1):.0f}",
+    }

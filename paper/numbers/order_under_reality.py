@@ -1,6 +1,5 @@
 """Numbers of the text: the order of schemes under the circumstances of real problems."""
 
-import numpy as np
 import xarray as xr
 
 from paper.measures.orders import LOST
@@ -16,7 +15,7 @@ ONE, TWO = 1.6, 2.5
 
 @numbers(orders="order_under_reality", requires={"order_under_reality.schemes": ["generalized_alpha"]})
 def observed_order_numbers(orders: xr.Dataset) -> dict:
-    """Observed orders under the circumstances, and the schemes that do not converge with the stiffest support."""
+    """Observed orders under the circumstances."""
     observed, data = orders.observed_order, {"orders": orders}
     displacement = observed.sel(quantity="displacement")
     kinked = displacement.sel(circumstance=KINKED)
@@ -25,10 +24,8 @@ def observed_order_numbers(orders: xr.Dataset) -> dict:
     alpha = observed.sel(scheme="generalized_alpha", circumstance=SMOOTH)
     late, moved = (alpha.sel(quantity=name) for name in ("acceleration", "displacement"))
     meanings = orders.status.flag_meanings.split()
-    failed = orders.status.sel(quantity="displacement") == meanings.index("failed")
     loose = [name for name in orders.circumstance.values if name.startswith("tolerance_")]
     early = (plain - displacement.sel(circumstance=loose)).max()
-    lost = failed.sel(circumstance=f"support_{np.argmax(orders.stiffness_ratio.values)}")
     return {
         "reality_schemes": orders.sizes["scheme"],
         "reality_reaches_round_off": bool((orders.status == meanings.index("exact")).any()),
@@ -47,6 +44,4 @@ def observed_order_numbers(orders: xr.Dataset) -> dict:
         "reality_alpha": span(late, ".1f"),
         "reality_newton_loosest": printed(f"{orders.tolerance.max().item():.0e}"),
         "reality_newton_loss": f"{max(0.0, early.item()):.2f}",
-        "reality_ratio": printed(f"{orders.stiffness_ratio.max().item():.0e}"),
-        "reality_support_failed": joined(orders.scheme.values[np.asarray(lost)], data),
     }

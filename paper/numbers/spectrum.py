@@ -1,5 +1,6 @@
 """Numbers of the text: steps that suffice for the peak drift of oscillators under records of ground motion."""
 
+import numpy as np
 import xarray as xr
 
 from paper.measures.shares import with_interval
@@ -17,6 +18,9 @@ SHORT = 0.2
 def spectrum_numbers(spectrum: xr.Dataset) -> dict:
     """Steps that suffice under all records, among commensurate and among all steps; shares of runs beyond the error."""
     needed = spectrum.largest_step_size.min(["record", "reduction"], skipna=False)
+    # without the spacing itself, which is its first fraction and its first multiple
+    ratios = np.sort(spectrum.step_size.values[spectrum.divides.values == 1]) / spectrum.spacing.item()
+    ratios = ratios[~np.isclose(ratios, 1)]
     at_spacing, between = (of(spectrum, "average_acceleration") for of in (beyond_at_the_spacing, beyond_between))
     entries = {
         "spectrum_records": str(spectrum.sizes["record"]),
@@ -24,6 +28,8 @@ def spectrum_numbers(spectrum: xr.Dataset) -> dict:
         "spectrum_spacing": f"{1e3 * spectrum.spacing.item():g}",
         "spectrum_finest": f"{1e3 * spectrum.step_size.values[-1]:.2g}",
         "spectrum_coarsest": f"{1e3 * spectrum.step_size.values[0]:g}",
+        "spectrum_fractions": listed(f"{1 / ratio:.0f}" for ratio in ratios[::-1] if ratio < 1),
+        "spectrum_multiples": listed(f"{ratio:.0f}" for ratio in ratios if ratio > 1),
         "spectrum_ratio": percent((spectrum.step_size.values[:-1] / spectrum.step_size.values[1:]).max() - 1),
         "spectrum_reductions": listed(f"{reduction:g}" for reduction in spectrum.reduction.values if reduction > 1),
         "spectrum_damping": f"{100 * spectrum.damping_ratio.item():g}",

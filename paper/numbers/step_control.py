@@ -54,7 +54,7 @@ def step_control_numbers(
     equal = 100 * energy_error.max_energy_error.sel(period_used="exact", **cell)
     controlled = 100 * controlled_1996.max_energy_error.isel(controller=0).sel(cell)
     ratio = ratio_at_equal_steps(controlled_1996, energy_error).sel(scheme=SCHEME)
-    gained = 100 * step_control.energy_drift.sel(scheme="generalized_alpha", controller="pi").max()
+    gained = 100 * step_control.energy_drift.sel(scheme="generalized_alpha", controller="pi").max("tolerance")
     on_stiff = None
     if STIFF[0] in estimates.problem:
         stiff = estimates.sel(problem=STIFF[0], scheme=SCHEME, estimator="zienkiewicz_xie").isel(steps_per_period=-1)
@@ -79,8 +79,10 @@ def step_control_numbers(
             (grown.sel(with_equal=controllers) > DRIFTS).all() and grown.sel(with_equal="equal").item() < KEPT
         ),
         "reversible_keeps": bool(grown.sel(with_equal="reversible").item() < KEPT),
-        "control_gained": f"{gained.item():.0f}",
-        "control_gains_energy": bool(gained > 0),
+        "control_gained": f"{gained.sel(problem=PROBLEM).item():.0f}",
+        "control_gained_most": f"{gained.max().item():.0f}",
+        "control_gained_on": step_control.problem_title.sel(problem=gained.idxmax("problem").item()).item(),
+        "control_gains_energy": bool((gained > 0).all() and gained.idxmax("problem") != PROBLEM),
         "control_cell": CELL,
         "control_cell_equal": span(equal.sel(problem=PROBLEMS), ".2g"),
         "control_cell_controlled": span(controlled.sel(problem=PROBLEMS), ".2g"),

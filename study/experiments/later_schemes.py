@@ -34,12 +34,13 @@ from study.scheme.runge_kutta import nystrom4
 from study.scheme.splitting import mclachlan4, yoshida4
 from study.scheme.trigonometric import Trigonometric, filters
 
-#: Schemes with a model of the structure in their coefficients; the α-methods have ρ∞ = 1 here.
+#: Schemes with a model of the structure in their coefficients; the α-methods have ρ∞ = 1 here, except the last one.
 WITH_MODEL: dict[str, Scheme] = {
     "chen_ricles": chen_ricles,
     "chang": chang,
     "kr_alpha": KolayRicles(rho_inf=1.0),
     "mkr_alpha": KolayRicles(rho_inf=1.0, modified=True),
+    "kr_alpha_dissipative": kr_alpha,
 }
 #: Ratios of tangent to model stiffness that are tried. Largest excess of a spectral radius above 1 that counts as
 #: round-off.

@@ -28,7 +28,8 @@ def _numbers(**changed):
             "scheme_source": ("scheme", ["Newmark (1959)", "Bathe and Baig (2005)", "Houbolt (1950)"]),
         }
     )
-    ratios = xr.DataArray([[401, 5.0]] * 3, {"with_model": list(WITH_MODEL), "omega_step": [0.1, 1.0]})
+    with_model = [*WITH_MODEL, "kr_alpha_dissipative"]
+    ratios = xr.DataArray([[401, 5.0]] * 4, {"with_model": with_model, "omega_step": [0.1, 1.0]})
     return later_scheme_numbers(claims, decisions, needs, xr.Dataset({"largest_stiffening": ratios}))
 
 
