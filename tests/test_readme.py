@@ -297,6 +297,9 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     )
     partly += f" at some of the steps in the rows {n['models_partly']}."
     assert partly in words
+    needed = study.open_dataset("needs", results).steps_per_period.sel(condition="practice", allowed_error=0.01)
+    on_hardening = needed.sel(problem="hardening", scheme="generalized_alpha", quantity="displacement").item()
+    assert f"if its spring hardens: {on_hardening:g} on the hardening spring of the study." in words
     steps = [n[f"ueda_mean_steps_{scheme}"] for scheme in ("central_difference", "average_acceleration")]
     assert "from {} steps in a period of the load on with central difference, and from {} on".format(*steps) in words
     assert n["moves_step_is_least"]

@@ -26,7 +26,7 @@ class RecordError(NamedTuple):
     Attributes
     ----------
     period_error
-        Error by the error of the period.
+        Error by the response of the scheme, in a band of white noise by the error of its period.
     load_error
         Error by the part of the record that the steps pass over.
     """
@@ -51,17 +51,20 @@ def record_error(
 
     .. math::
 
-        \varepsilon^2 = \Big(\frac{\delta}{\sqrt 2\,\zeta}\Big)^2
-        + \frac{\int |H|^2\,|A - A_{\Delta t}|^2\,df}{\int |H|^2\,|A|^2\,df}, \quad
-        H = \frac{1}{\omega^2 - (2\pi f)^2 + 4\pi i\,\zeta\omega f}
+        \varepsilon^2 = \frac{\int |H_{\Delta t} - H|^2\,|A|^2\,df + \int |H|^2\,|A - A_{\Delta t}|^2\,df}
+        {\int |H|^2\,|A|^2\,df}, \quad H = \frac{1}{\omega^2 - \Omega^2 + 2 i\,\zeta\omega\Omega}, \quad
+        \Omega = 2\pi f
 
-    The first term is the error by the relative error δ of the period, in a band of white noise:
-    :math:`(\omega\Delta t)^2/12` with average acceleration, and half of it with central difference. In the second, A is
-    the Fourier transform of the record, linear between its samples, and :math:`A_{\Delta t}` that of straight lines
-    between its values at the steps. At steps that divide the spacing of the record, both are equal. At other steps,
-    their difference at the frequency f of the oscillator is the power of the record near :math:`1/\Delta t \pm f`,
-    which the steps cannot distinguish from f. Both terms are those of a long motion. The dataset ``record_error``
-    compares them with runs of oscillators with 5 % of critical damping.
+    A is the Fourier transform of the record, linear between its samples, and H the response to a harmonic load. The
+    first term is the error of the response :math:`H_{\Delta t}` of the scheme. With average acceleration it is H at the
+    frequency :math:`(2/\Delta t)\tan(\Omega\Delta t/2)`. In a band of white noise the term is about
+    :math:`\delta/(\sqrt 2\,\zeta)`, with the relative error δ of the period, if δ is well below ζ:
+    :math:`(\omega\Delta t)^2/12` with average acceleration, and half of it with central difference. In the second term
+    :math:`A_{\Delta t}` is the transform of straight lines between the values of the record at the steps. At steps that
+    divide the spacing of the record, it is A. At other steps, their difference at the frequency f of the oscillator is
+    the power of the record near :math:`1/\Delta t \pm f`, which the steps cannot distinguish from f. Both terms are
+    those of a long motion. The dataset ``record_error`` compares them with runs of oscillators with 5 % of critical
+    damping. At 20 % and more, errors of central difference are up to 2.5 times as large.
 
     Parameters
     ----------
@@ -107,7 +110,14 @@ def record_error(
     missed = record - np.interp(t, steps, np.interp(steps, ground.kinks, ground.acceleration))
     count = 2 ** math.ceil(math.log2(2 * len(t)))  # zeros follow, in which the response decays
     frequency = 2 * np.pi * np.fft.rfftfreq(count, spacing)
-    response = 1 / np.abs(omega[..., None] ** 2 - frequency**2 + 2j * damping * omega[..., None] * frequency)
-    missed_part, whole = (np.linalg.norm(response * np.fft.rfft(signal, count), axis=-1) for signal in (missed, record))
-    delta = abs(modified.period_coefficient) * (omega * dt) ** 2
-    return RecordError(delta / (math.sqrt(2) * damping), missed_part / whole)
+    omega, angle = omega[..., None], frequency * dt
+    response = 1 / (omega**2 - frequency**2 + 2j * damping * omega * frequency)
+    # the difference equation of Newmark's method for harmonics below half of the frequency of the steps
+    second = np.where(angle < np.pi, 4 * np.sin(angle / 2) ** 2, 0.0)
+    mean = 1 - (1 / 12 - 2 * modified.period_coefficient) * second
+    by_scheme = mean / (mean * omega**2 - second / dt**2 + 2j * damping * omega * np.sin(angle) / dt)
+    off = np.where(angle < np.pi, by_scheme - response, 0.0)
+    transformed = np.fft.rfft(record, count)
+    parts = (off * transformed, response * np.fft.rfft(missed, count), response * transformed)
+    period_part, missed_part, whole = (np.linalg.norm(part, axis=-1) for part in parts)
+    return RecordError(period_part / whole, missed_part / whole)
