@@ -26,7 +26,7 @@ LARGE = 100
 #: Power of the duration with which an error may grow: a phase grows linearly, and quadratically if the period drifts.
 GROWTH = 2
 #: Bounds of the error of each quantity in a run whose whole motion is right. The bounds of velocity and acceleration
-#: admit a scheme that removes an unresolved oscillation, but no oscillation from step to step.
+#: admit a scheme that removes an unresolved oscillation but not, at all finer steps, a lasting one from step to step.
 WHOLE_MOTION = {"displacement": 0.1, "velocity": 0.75, "acceleration": 1.25, "energy": 0.1}
 #: Conditions on the runs, by name.
 CONDITIONS = {
