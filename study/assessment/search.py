@@ -119,13 +119,8 @@ class Search:
     def __init__(
         self, scheme: Scheme, cases: dict[float, Case], duration: float, with_energy: bool, end: float = math.inf
     ):
-        self.scheme, self.duration, self._cases, self._with_energy, self._end = (
-            scheme,
-            duration,
-            cases,
-            with_energy,
-            end,
-        )
+        self.scheme, self.duration = scheme, duration
+        self._cases, self._with_energy, self._end = cases, with_energy, end
         self.runs, self.late, self.compiling = pd.DataFrame(), False, 0.0
         self._random = np.random.default_rng(0)
 
