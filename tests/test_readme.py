@@ -104,7 +104,9 @@ def test_the_answers_state_the_amplitudes():
 
 def test_the_readme_states_the_steps_of_a_pendulum():
     """From its fastest point u = 2 arcsin(k sn(t, k)); the error over 100 periods, over the amplitude."""
-    pattern = r"the (\d+) steps keep 1 % .* to (\d) rad\. Up to ([\d.]+) rad it needs ([\d,]+), .* is ([\d.]+) times"
+    pattern = (
+        r"the (\d+) steps keep 1 % .* to (\d) rad\. Up to ([\d.]+) rad it needs ([\d,]+); .* motions, ([\d.]+) as in"
+    )
     (stated,) = re.findall(pattern, " ".join(README.split()))
     of_row, moderate, large, needed, slower = (float(number.replace(",", "")) for number in stated)
     assert f"Central difference: {of_row:g} steps" in README.replace("\u00a0", " ")
@@ -117,6 +119,18 @@ def test_the_readme_states_the_steps_of_a_pendulum():
         exact = 2 * np.arcsin(k * ellipj(ds.t.values, k**2)[0])
         assert (np.abs(ds.u - exact).max() <= 0.01 * amplitude) == kept == (period / step <= steps)
     assert f"{period / (2 * np.pi):.1f}" == f"{slower:g}" and round_up(period / step) == needed
+
+
+def test_the_examples_of_steps_follow_from_the_table():
+    words = " ".join(README.replace("\u00a0", " ").split())
+    (of_frame,) = re.findall(r"\*\*Central difference: (\d+) ms, ωΔt = 0\.13", words)
+    assert "every 10 ms: 10/3 ms." in words and 10 / 3 <= int(of_frame) < 10 / 2
+    ((steps, omega_step),) = re.findall(
+        r"impact and contact \| \*\*Central difference: (\d+) steps, ωΔt = ([\d.]+)", words
+    )
+    assert f"T/{steps}, with T from bounce to bounce, and {omega_step} √(m/k)." in words
+    (longer,) = re.findall(r"thus become ([\d,]+)\.", words)
+    assert f"up to 2 rad, over 1,000 periods: T/{longer}." in words
 
 
 def test_the_texts_state_how_limits_depend_on_damping():
@@ -299,7 +313,9 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     assert partly in words
     needed = study.open_dataset("needs", results).steps_per_period.sel(condition="practice", allowed_error=0.01)
     on_hardening = needed.sel(problem="hardening", scheme="generalized_alpha", quantity="displacement").item()
-    assert f"if its spring hardens: {on_hardening:g} on the hardening spring of the study." in words
+    assert f"a spring that hardens needs more, too: {on_hardening:g} on the hardening spring of the study." in words
+    longer = study.open_dataset("runs/yielding", results), study.open_dataset("runs/softening", results)
+    assert {float(ds.periods[-1] / ds.decided) for ds in longer} == {1.5, 2.0} and "m = 1.5 or 2 times" in words
     steps = [n[f"ueda_mean_steps_{scheme}"] for scheme in ("central_difference", "average_acceleration")]
     assert "from {} steps in a period of the load on with central difference, and from {} on".format(*steps) in words
     assert n["moves_step_is_least"]
