@@ -124,13 +124,17 @@ def test_the_readme_states_the_steps_of_a_pendulum():
 def test_the_examples_of_steps_follow_from_the_table():
     words = " ".join(README.replace("\u00a0", " ").split())
     (of_frame,) = re.findall(r"\*\*Central difference: (\d+) ms, ωΔt = 0\.13", words)
-    assert "every 10 ms: 10/3 ms." in words and 10 / 3 <= int(of_frame) < 10 / 2
+    assert (
+        "every 10 ms: 10/3 ms, or, if an unknown has no mass, Fox-Goodwin with 5 ms." in words
+        and 10 / 3 <= int(of_frame) < 10 / 2
+        and "| Fox-Goodwin: 5 ms" in words
+    )
     ((steps, omega_step),) = re.findall(
         r"impact and contact \| \*\*Central difference: (\d+) steps, ωΔt = ([\d.]+)", words
     )
     assert f"T/{steps}, with T from bounce to bounce, and {omega_step} √(m/k)." in words
     (longer,) = re.findall(r"thus become ([\d,]+)\.", words)
-    assert f"up to 2 rad, over 1,000 periods: T/{longer}." in words
+    assert f"up to 2 rad to each side, over 1,000 of its periods T: T/{longer}." in words
 
 
 def test_the_texts_state_how_limits_depend_on_damping():
