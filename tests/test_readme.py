@@ -125,9 +125,9 @@ def test_the_examples_of_steps_follow_from_the_table():
     words = " ".join(README.replace("\u00a0", " ").split())
     (of_frame,) = re.findall(r"\*\*Central difference: (\d+) ms, ωΔt = 0\.13", words)
     assert (
-        "every 10 ms: 10/3 ms, or, if an unknown has no mass, Fox-Goodwin with 5 ms." in words
+        "every 10 ms: 10/3 ms, or, if an unknown has no mass, average acceleration with 2.5 ms." in words
         and 10 / 3 <= int(of_frame) < 10 / 2
-        and "| Fox-Goodwin: 5 ms" in words
+        and "`Newmark 0.5 0.08333333333333333` | 2.5 ms |" in words
     )
     ((steps, omega_step),) = re.findall(
         r"impact and contact \| \*\*Central difference: (\d+) steps, ωΔt = ([\d.]+)", words
