@@ -64,7 +64,8 @@ def record_error(
     divide the spacing of the record, it is A. At other steps, their difference at the frequency f of the oscillator is
     the power of the record near :math:`1/\Delta t \pm f`, which the steps cannot distinguish from f. Both terms are
     those of a long motion. The dataset ``record_error`` compares them with runs of oscillators with 5 % of critical
-    damping. In runs with 20 and 40 % under two records, errors of central difference were up to 2.5 times as large.
+    damping. In runs with 20 and 40 % under two records, errors of central difference were up to 2.5 times as large, and
+    those of average acceleration up to 1.8 times.
 
     Parameters
     ----------
