@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import unicodedata
+from fractions import Fraction
 from pathlib import Path
 
 import jax.numpy as jnp
@@ -21,8 +22,10 @@ from docs.decisions import by_model, frame
 from paper import products
 from paper.claims import ledger
 from paper.tables.models import MODELS
+from reference.experiments.record_error import record_error as motions_under_records
 from reference.experiments.spectrum import spectrum as exact_peaks
 from study.analysis.duration import round_up, step_exponent
+from study.problem.inelastic import yielding_under_record
 from study.runs.needs import WHOLE_MOTION
 from study.runs.records import spectrum
 from study.sizes import least_number
@@ -282,6 +285,35 @@ def test_the_step_for_a_period_of_a_frame_serves_up_to_the_next(monkeypatch):
     error = ds.error.sel(scheme="central_difference", period=critical).sel(step_size=step, method="nearest")
     assert ((error > 0.01).sum(["record", "reduction"]) == 1).all()
     assert error.size == 3 * int(count) and f"{100 * error.max().item():.2f}" == most
+
+
+@pytest.mark.exhaustive
+def test_the_steps_of_a_frame_under_measured_records():
+    """The exceptions that the README names, elastic and with a quarter of the elastic strength."""
+    words = " ".join(README.split())
+    pattern = r"needs (\S+) ms at ([\d.]+) s, (\S+) ms at ([\d.]+) s, (\S+) ms at (\d) s and (\S+) ms at (\d) s"
+    (found,) = re.findall(pattern, words)
+    sizes, periods = np.array([1e-3 * float(Fraction(size)) for size in found[::2]]), np.array(found[1::2], float)
+    grounds, over = study.GroundMotion.measured(), {"period": np.repeat(periods, 2)}
+    exact = motions_under_records([0.02], [0.5], [0.02], 1, duration=32.0, periods=periods, reduction=4)
+    errors = np.zeros((len(grounds), len(periods)))
+    for number, ground in enumerate(grounds):
+        peaks = exact.peak_drift.values[number]
+        steps = np.repeat(ground.dt / np.ceil(ground.dt / sizes - 1e-9), 2)
+        runs = study.run(
+            lambda period, strength, ground=ground: yielding_under_record(ground, period, strength),
+            "central_difference",
+            over=over | {"strength": np.stack([np.full(4, 1e9), exact.yield_force.values[number]], axis=1).ravel()},
+            dt=steps,
+            steps=np.ceil(ground.duration / steps - 1e-9).astype(int),
+            observe="peak",
+        )
+        errors[number] = np.abs(runs.peak.values.reshape(peaks.shape) / peaks - 1).max(axis=1)
+    near = np.array(["Waipawa" in ground.title for ground in grounds])
+    assert len(grounds) == int(*re.findall(r"under (\d+) more measured records", words)) + 1 and near.sum() == 2
+    assert errors[:, :2].max() < 0.01 and errors[~near].max() < 0.01
+    most = [f"{100 * error:.1f} %" for error in errors.max(axis=0)[2:]]
+    assert "they err by up to {} at 1 s and {} at 2 s".format(*most) in words
 
 
 def test_the_results_of_the_readme_are_those_of_the_study():

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from paper.figures.style import PAGE, legend_below, letter, panels
-from paper.measures.record_error import SCHEME, predicted
+from paper.measures.record_error import SCHEME
 from paper.products import figure
 
 #: Colour, marker and label of steps that divide the spacing of the record, and of others.
@@ -29,7 +29,7 @@ def draw(errors: xr.Dataset) -> Figure:
     """Three panels with one point for each record, oscillator and step."""
     runs = errors.sel(scheme=SCHEME)
     figure, (axes,) = panels(1, 3, PAGE, 6.2)
-    by = [runs.power_above, predicted(runs), runs.period_error]
+    by = [runs.power_above, runs.predicted_error, runs.period_error]
     titles = ["power above $1/(4\\Delta t)$", "prediction", "mean load over a step"]
     labels = ["root of the share of the power", "predicted error", "predicted error of the period"]
     for index, (ax, predictor, title, label) in enumerate(zip(axes, by, titles, labels, strict=True)):

@@ -11,11 +11,6 @@ RANGE = (2.5, 97.5)
 ONE_CURVE = 0.15
 
 
-def predicted(errors: xr.Dataset) -> xr.DataArray:
-    """Predicted error of the displacement."""
-    return np.hypot(errors.period_error, errors.load_error)
-
-
 def scatter(errors: xr.Dataset, predictor: xr.DataArray) -> float:
     """Standard deviation of log₁₀ of the measured error about a straight line in log₁₀ of a predictor."""
     error, by = xr.broadcast(errors.error.sel(load="samples"), predictor)

@@ -80,7 +80,7 @@ class _ErrorAtSamples(Reduction):
 
 
 def averaged(ground: GroundMotion, dt: float) -> np.ndarray:
-    """Exact mean of the acceleration over the time ``dt`` about each multiple of ``dt``."""
+    """Exact mean of the acceleration over the time ``dt`` about each multiple of ``dt``, at t = 0 over ``dt/2``."""
     a, spacing = np.asarray(ground.acceleration), float(ground.dt)
     at_samples = np.append(0.0, np.cumsum(spacing * (a[:-1] + a[1:]) / 2))
 
@@ -91,7 +91,7 @@ def averaged(ground: GroundMotion, dt: float) -> np.ndarray:
         return at_samples[i] + a[i] * within + (a[i + 1] - a[i]) / spacing * within**2 / 2
 
     t = dt * np.arange(int(ground.duration / dt) + 2)
-    return (velocity(t + dt / 2) - velocity(t - dt / 2)) / dt
+    return (velocity(t + dt / 2) - velocity(t - dt / 2)) / np.where(t > 0, dt, dt / 2)
 
 
 def _above(ground: GroundMotion, frequency: float) -> float:
@@ -130,9 +130,9 @@ def record_error(schemes: Schemes) -> xr.Dataset:
     -------
     xarray.Dataset
         ``error`` of the displacement along time over the peak, at the samples of the record at which a step ends, with
-        the dimension ``load``; ``peak_error`` of linear and yielding oscillators; ``period_error`` and ``load_error``,
-        the terms of :func:`study.record_error`. All have the shape (scheme, record, period, ratio); steps that are too
-        small or too large are NaN, as are predictions for schemes without one.
+        the dimension ``load``; ``peak_error`` of linear and yielding oscillators; ``period_error``, ``load_error`` and
+        ``predicted_error``, the results of :func:`study.record_error`. All have the shape (scheme, record, period,
+        ratio); steps that are too small or too large are NaN, as are predictions for schemes without one.
     """
     exact = io.open_dataset("reference/record_error")
     spacings, periods = exact.spacing.values, exact.period.values
@@ -171,7 +171,7 @@ def record_error(schemes: Schemes) -> xr.Dataset:
         "yielding": (record, spacings[record], strength),
     }
     error, peak_error = np.full((len(schemes), *shape, 2), np.nan), np.full((len(schemes), *shape, 2), np.nan)
-    terms = np.full((2, len(schemes), *shape), np.nan)
+    terms = np.full((3, len(schemes), *shape), np.nan)
     for s, scheme in enumerate(schemes):
         progress(f"errors of {scheme}")
         over = {
@@ -214,6 +214,7 @@ def record_error(schemes: Schemes) -> xr.Dataset:
             "peak_error": ((*dims, "spring"), peak_error, {"long_name": "relative error of the peak", "units": "1"}),
             "period_error": (dims, terms[0], {"long_name": "predicted error by the error of the period", "units": "1"}),
             "load_error": (dims, terms[1], {"long_name": "predicted error by the load passed over", "units": "1"}),
+            "predicted_error": (dims, terms[2], {"long_name": "predicted error", "units": "1"}),
             "power_above": (
                 ("record", "ratio"),
                 high,

@@ -9,6 +9,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+import xarray as xr
 from jaxtyping import Float
 
 from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
@@ -201,6 +202,20 @@ class GroundMotion(eqx.Module):
         Peknold's correction, from the PEER ground motion database, with samples 0.02 s apart.
         """
         return cls.read(_RECORDS / "el_centro_1940_ns.at2", unit="g")
+
+    @classmethod
+    def measured(cls) -> list["GroundMotion"]:
+        """21 horizontal components of measured ground motion: El Centro, 1940, and stretches of up to 30 s of others.
+
+        Five further earthquakes of 1989 to 2019 with magnitudes of 4.1 to 7.8 gave 20 components at eight stations in
+        California and New Zealand. Samples are 0.005 or 0.02 s apart, and peaks are 0.001 to 1.1 g. A stretch is that
+        with the largest integral of the squared acceleration, so that it can begin within the shaking. The file
+        ``records/README.md`` of this package states origins and terms.
+        """
+        with xr.open_dataset(_RECORDS / "measured.nc") as ds:
+            rows = zip(ds.ground.values, ds.spacing.values, ds.record.values, ds.origin.values, strict=True)
+            others = [cls(a[np.isfinite(a)], dt, title=str(title), source=str(origin)) for a, dt, title, origin in rows]
+        return [cls.el_centro(), *others]
 
     @classmethod
     def kanai_tajimi(

@@ -1,4 +1,4 @@
-"""Stochastic records of ground motion that differ in spacing, source and attenuation, for laws over many records."""
+"""Measured and stochastic records of ground motion that differ in spacing and spectrum, for laws over many records."""
 
 import itertools
 from collections.abc import Sequence
@@ -53,6 +53,15 @@ def point_source(seed: int, spacing: float, corner: float, kappa: float, duratio
     return GroundMotion(LARGEST / np.abs(samples).max() * samples, spacing, title=title, source="Boore (2003)")
 
 
+def _strongest(ground: GroundMotion, duration: float) -> GroundMotion:
+    """The stretch of a record with the largest integral of the squared acceleration."""
+    count = min(round(duration / float(ground.dt)) + 1, len(ground.acceleration))
+    squares = np.lib.stride_tricks.sliding_window_view(np.square(ground.acceleration), count)
+    first = int(squares.sum(axis=1).argmax())
+    stretch = ground.acceleration[first : first + count]
+    return GroundMotion(stretch, ground.dt, title=ground.title, source=ground.source)
+
+
 def files_in(folder: str | Path) -> list[Path]:
     """Files of a folder with records in alphabetical order.
 
@@ -80,20 +89,19 @@ def family(
     duration: float,
     folder: str | None = None,
 ) -> list[GroundMotion]:
-    """El Centro, 1940, up to the duration, and a stochastic record for every combination, each from its own noise.
+    """Measured records, and a stochastic record for every combination, each from its own noise.
 
-    The whole records of a folder follow, whose files must state their units and spacings.
+    Of a measured record the stretch of the duration with the largest integral of the squared acceleration is taken. The
+    whole records of a folder follow, whose files must state their units and spacings.
 
     Raises
     ------
     ValueError
         If the folder holds no file, or one that is not such a record.
     """
-    measured = GroundMotion.el_centro()
-    first = measured.acceleration[: round(duration / measured.dt) + 1]
     combinations = itertools.product(spacings, corners, kappas, range(seeds))
     return [
-        GroundMotion(first, measured.dt, title=measured.title, source=measured.source),
+        *(_strongest(record, duration) for record in GroundMotion.measured()),
         *(point_source(1 + n, *combination[:3], duration) for n, combination in enumerate(combinations)),
         *(GroundMotion.read(path) for path in (files_in(folder) if folder else ())),
     ]

@@ -32,9 +32,9 @@ def reference(records):
 
 
 def test_motions_under_records_of_a_folder_are_exact(reference, records):
-    grounds = family(**records)[2:]
-    assert reference.record.values[2:].tolist() == [ground.title for ground in grounds] == ["own_0", "own_1"]
-    for record, ground in enumerate(grounds, start=2):
+    grounds = family(**records)[22:]
+    assert reference.record.values[22:].tolist() == [ground.title for ground in grounds] == ["own_0", "own_1"]
+    for record, ground in enumerate(grounds, start=22):
         omega, samples = 2 * np.pi, np.asarray(ground.acceleration)
         matrices = [[0, 1], [-(omega**2), -0.1 * omega]], [[0], [-1]], [[1, 0]], [[0]]
         _, u, _ = scipy.signal.lsim(matrices, samples, ground.kinks)
@@ -46,7 +46,7 @@ def test_errors_are_those_of_single_runs(reference, records, monkeypatch):
     monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     ds = experiment.record_error(["average_acceleration"]).isel(scheme=0)
     grounds = family(**records)
-    for record, ratio in ((1, 0.5), (1, 0.75), (2, 0.75)):
+    for record, ratio in ((4, 0.5), (21, 0.75), (22, 0.75)):
         at, ground = {"record": record, "period": 1}, grounds[record]
         ours, known = ds.isel(at).sel(ratio=ratio), reference.isel(at)
         dt = ratio * ground.dt
@@ -68,8 +68,8 @@ def test_errors_are_those_of_single_runs(reference, records, monkeypatch):
         peaks = np.abs([linear.peak.item(), yielding.peak.item()] / known.peak_drift.values - 1)
         assert ours.peak_error.values == pytest.approx(peaks, rel=1e-6)
     assert (ds.load_error.where(ds.divides == 1).fillna(0) < 1e-9).all()
-    ratio = ds.error.sel(load="samples") / np.hypot(ds.period_error, ds.load_error)
-    assert 0.3 < ratio.median() < 1.5
+    ratio = ds.error.sel(load="samples") / ds.predicted_error
+    assert 0.95 < ratio.median() and ratio.max() < 1.01
     # the mean of the load leaves the error of the period at steps that pass over samples
     far = (ds.load_error > 10 * ds.period_error) & (ds.ratio < 1)
     assert (ds.error.sel(load="averages") < ds.error.sel(load="samples") / 3).where(far, True).mean() > 0.9
@@ -82,4 +82,6 @@ def test_means_over_a_step_are_integrals_of_the_record():
         ends = max(0.15 * n - 0.075, 0.0), min(0.15 * n + 0.075, 0.4)
         t = np.linspace(*ends, 20_001)
         acceleration = np.interp(t, ground.kinks, ground.acceleration)
-        assert mean == pytest.approx(scipy.integrate.trapezoid(acceleration, t) / 0.15, abs=1e-6)
+        # at t = 0 the motion has half a step, and after the record the acceleration is zero
+        length = 0.15 if n else 0.075
+        assert mean == pytest.approx(scipy.integrate.trapezoid(acceleration, t) / length, abs=1e-6)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from study.mechanics.ground import GroundMotion
 from study.problem.records import FINEST, family, files_in, point_source
 
 
@@ -34,7 +35,11 @@ def test_a_folder_without_records_is_refused(tmp_path):
             files_in(folder)
 
 
-def test_a_family_holds_the_measured_record_and_all_combinations():
-    members = family([0.01, 0.02], [0.2, 1.0], [0.02], 3, 2.0)
-    assert len(members) == 1 + 2 * 2 * 3 and len({member.title for member in members}) == len(members)
-    assert members[0].source and len(members[0].acceleration) == 101
+def test_a_family_holds_the_measured_records_and_all_combinations():
+    members, measured = family([0.01, 0.02], [0.2, 1.0], [0.02], 3, 2.0), GroundMotion.measured()
+    assert len(members) == len(measured) + 2 * 2 * 3 and len({member.title for member in members}) == len(members)
+    for member, record in zip(members, measured, strict=False):
+        a, whole = np.asarray(member.acceleration), np.asarray(record.acceleration)
+        assert member.source and member.duration == pytest.approx(2.0)
+        energies = [np.sum(whole[first : first + len(a)] ** 2) for first in range(0, len(whole) - len(a) + 1, 5)]
+        assert np.sum(a**2) >= max(energies) * (1 - 1e-12)
