@@ -16,6 +16,8 @@ from study.scheme.newmark import Newmark
 
 #: Number of points in the spacing of a record at which motions are compared.
 POINTS = 8
+#: Number of points in time, zeros included, that resolve the frequencies of a record of a few samples.
+FEWEST = 2**15
 #: Factor by which signals are weakened until their periodic continuation, so that it does not disturb them.
 DAMPED = 1e6
 
@@ -128,7 +130,7 @@ def record_error(
     at_steps = np.interp(dt * np.arange(math.ceil(ground.duration / dt - 1e-9) + 1), ground.kinks, record)
     fine = spacing / POINTS
     t = fine * np.arange(POINTS * (len(record) - 1) + 1)
-    count = 2 ** math.ceil(math.log2(2 * len(t)))
+    count = max(2 ** math.ceil(math.log2(2 * len(t))), FEWEST)
     decay = math.log(DAMPED) / (count * fine)
     frequency = 2 * np.pi * np.fft.rfftfreq(count, fine) - 1j * decay
     omega, angle = omega[..., None], frequency * dt

@@ -35,6 +35,25 @@ def test_the_error_is_that_of_a_run(scheme, record, ratio):
         assert (predicted.load_error < 1e-9) == (1 / ratio % 1 == 0)
 
 
+@pytest.mark.parametrize("scheme, beta", [("average_acceleration", 0.25), ("central_difference", 0.0)])
+def test_the_error_under_a_record_of_three_samples(scheme, beta):
+    """Against Newmark's formulas: a grid of frequencies that is as coarse as the record is short."""
+    ground, dt, omega = study.GroundMotion(np.array([1.0, 0.5, -0.3]), 0.02), 0.01, 2 * np.pi / 0.3
+    t = np.linspace(0, ground.duration, 401)
+    matrices = [[0, 1], [-(omega**2), 0]], [[0], [-1]], [[1, 0]], [[0]]
+    _, exact, _ = scipy.signal.lsim(matrices, np.interp(t, ground.kinks, ground.acceleration), t)
+    u, v, errors = 0.0, 0.0, []
+    loads = np.append(-np.interp(dt * np.arange(4), ground.kinks, ground.acceleration), 0.0)
+    a = loads[0]
+    for n, load in enumerate(loads[1:], start=1):
+        u += dt * v + dt**2 * (0.5 - beta) * a
+        after = (load - omega**2 * u) / (1 + beta * (omega * dt) ** 2)
+        u, v, a = u + beta * dt**2 * after, v + dt / 2 * (a + after), after
+        errors.append(abs(u - exact[100 * n]))
+    predicted = study.record_error(ground, dt, 0.3, 1e-6, scheme).total
+    assert 0.8 < max(errors) / np.abs(exact).max() / predicted < 1.01
+
+
 def test_the_error_of_the_period_in_noise_about_the_frequency():
     dt, damping, rng = 0.02, 0.08, np.random.default_rng(1)
     frequency = np.fft.rfftfreq(20_000, dt)
