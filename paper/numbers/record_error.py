@@ -50,7 +50,6 @@ def record_error_numbers(errors: xr.Dataset) -> dict:
         "record_error_high": number(high, 2),
         "record_error_measured_low": number(measured_low, 2),
         "record_error_measured_high": number(measured_high, 2),
-        "record_error_peak_above": int((average.peak_error.sel(spring="linear") > law).where(runs, False).sum()),
         "record_error_peak_yielding": within(average.peak_error.sel(spring="yielding")),
         "record_error_one_curve": scatters["law"] < ONE_CURVE < min(scatters["step"], scatters["power"]),
     }
