@@ -54,6 +54,14 @@ def test_the_error_under_a_record_of_three_samples(scheme, beta):
     assert 0.8 < max(errors) / np.abs(exact).max() / predicted < 1.01
 
 
+def test_the_error_falls_with_the_square_of_tiny_steps():
+    """Round-off that the straight lines between close values of the record amplify."""
+    ground = study.GroundMotion(np.random.default_rng(3).standard_normal(5), 0.02)
+    coarse, fine, tiny = (study.record_error(ground, ground.dt / parts, 1.0) for parts in (10, 100, 20_000))
+    assert fine.total == pytest.approx(coarse.total / 100, rel=0.05)
+    assert max(tiny) < 1e-6 and tiny.load_error < 1e-8
+
+
 def test_the_error_of_the_period_in_noise_about_the_frequency():
     dt, damping, rng = 0.02, 0.08, np.random.default_rng(1)
     frequency = np.fft.rfftfreq(20_000, dt)
@@ -85,6 +93,8 @@ def test_power_that_the_steps_mistake_for_that_of_the_oscillator_is_its_error():
         ({"dt": 0.0}, "dt must be a positive number, not 0.0"),
         ({"dt": "10 ms"}, "dt must be a positive number, not '10 ms'"),
         ({"damping": -1}, "damping must be a positive number"),
+        ({"dt": 40.0}, "dt must be less than the duration of 'el_centro_1940_ns', 31.18 s, not 40.0"),
+        ({"period": []}, "period must be a positive number or an array of them"),
         ({"period": [0.5, 0.0]}, "period must be a positive number or an array of them"),
         ({"ground": study.GroundMotion(np.zeros(100), 0.01, title="silence")}, "'silence' is zero at all times"),
         ({"scheme": "central_difference", "dt": 0.32}, "dt must be below 0.3183 s, the stability limit"),
