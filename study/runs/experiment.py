@@ -32,6 +32,9 @@ COARSEST = 4
 OF_SPACING = (*reversed(DIVIDING), *(1 / number for number in DIVIDING[1:]))
 #: Number of steps in an octave that confirm a step, with one unknown and with several, whose runs take longer.
 CONFIRMING, CONFIRMING_SEVERAL = 30, 4
+#: Number of steps in a time scale of one unknown from which on, with smooth forces, the fewer steps of several unknowns
+#: confirm a step. All others that were tried changed none of the 680 needs of the two springs.
+FINE = 1000
 #: Largest number of starts from which all steps are run if they march side by side.
 FEW_STARTS = 4
 #: Number of next finer steps of two digits that also confirm a step of several unknowns.
@@ -132,7 +135,8 @@ class _Ladder:
             columns=["start", "steps_per_period", "periods"],
         )
         runs = runs.assign(step_size=self.scale / runs.steps_per_period, duration=self.scale * runs.periods)
-        return measured(self.scheme, starts, runs).drop(columns=["step_size", "duration"])
+        shorter = [self.scale * length for length in self.periods[:-1]]
+        return measured(self.scheme, starts, runs, shorter).drop(columns=["step_size", "duration"])
 
     def _others(self, starts: Starts) -> dict[int, list[float]]:
         """The decided number of periods for each start but the problem's own."""
@@ -250,7 +254,8 @@ class _Ladder:
         """
         if need == math.inf:
             return []
-        per_octave = CONFIRMING_SEVERAL if self.motion.several else CONFIRMING
+        fine = need >= FINE and not self.motion.problem.has_kinks
+        per_octave = CONFIRMING_SEVERAL if self.motion.several or fine else CONFIRMING
         if need < COARSE and not self.motion.several:
             per_octave *= DENSER
         first = math.ceil(math.log2(need / COARSEST) * per_octave - 0.5)

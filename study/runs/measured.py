@@ -19,10 +19,14 @@ from study.assessment.solution import DenseSolution
 from study.assessment.steps import spacing
 from study.marching.ensemble import FEW, TILE
 from study.marching.program import PAUSE_OF_LANES
+from study.marching.result import COMPLETED
 from study.marching.run import sweep
 from study.mechanics.definition import Problem
 from study.mechanics.loads import excited, restarted, under_stochastic_record
-from study.observer.base import Observer
+from study.observer.base import Reduction
+from study.observer.diagnostics import Evaluations
+from study.observer.earlier import AlsoEarlier
+from study.observer.energy import EnergyBalance
 from study.observer.motion import Quantity
 from study.scheme.base import Scheme
 
@@ -30,6 +34,8 @@ from study.scheme.base import Scheme
 RTOL, GOAL = 1e-11, 1e-6
 #: Largest variation of initial values and load, for smooth forces and for forces with kinks.
 VARIATION, VARIATION_WITH_KINKS = 0.01, 0.05
+#: Columns that identify a run of a scheme.
+RUN = ["start", "step_size", "duration"]
 #: Golden ratio less one; its multiples less whole numbers spread evenly, however many they are.
 GOLDEN = (np.sqrt(5) - 1) / 2
 
@@ -42,16 +48,12 @@ class Starts:
     targets: list[dict[str, Target]]
 
     @cached_property
-    def observe(self) -> list[str | Observer]:
-        """The observers of a run."""
+    def observed(self) -> list[Reduction]:
+        """What is observed in a run."""
         problem = self.problems[0]
-        balance = ["energy_balance"] if problem.potential is not None or problem.dissipative else []
+        balance = [EnergyBalance()] if problem.potential is not None or problem.dissipative else []
         along = [list(targets.values()) for targets in self.targets]
-        return [
-            errors.ErrorsAlong.of(*along),
-            "effort",
-            *balance,
-        ]
+        return [errors.ErrorsAlong.of(*along), Evaluations(), *balance]
 
 
 @dataclass(frozen=True)
@@ -188,13 +190,15 @@ def _reason(problem: Problem) -> Iterator[None]:
         raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
 
 
-def measured(scheme: Scheme, starts: Starts, runs: pd.DataFrame) -> pd.DataFrame:
+def measured(scheme: Scheme, starts: Starts, runs: pd.DataFrame, shorter: Sequence[float] = ()) -> pd.DataFrame:
     """Make runs, each of which ends with the last step that fits into its duration.
 
     Parameters
     ----------
     runs
         A row for each run: ``start``, the number of its problem among the starts, ``step_size`` and ``duration``.
+    shorter
+        Durations at which longer runs are observed, in place of runs of their own.
 
     Returns
     -------
@@ -202,27 +206,45 @@ def measured(scheme: Scheme, starts: Starts, runs: pd.DataFrame) -> pd.DataFrame
         ``runs`` with ``status``, the counts, and the error of each quantity, NaN if the run failed. Quantities along
         time are compared with the reference over all unknowns at every step.
     """
+    longest = runs[runs.duration == runs.groupby(RUN[:2]).duration.transform("max")]
+    results = runs.merge(_marched(scheme, starts, longest[RUN], shorter), "left", on=RUN).set_axis(runs.index)
+    missing = runs[results.status.isna()]  # since a longer run failed, perhaps later
+    if len(missing):
+        results = results.combine_first(measured(scheme, starts, missing, shorter))[results.columns]
+    return results
+
+
+def _marched(scheme: Scheme, starts: Starts, runs: pd.DataFrame, shorter: Sequence[float] = ()) -> pd.DataFrame:
+    """Runs with their results, and a row for each shorter duration unless the run failed."""
     steps = np.maximum(np.floor(runs.duration / runs.step_size * (1 + 1e-9)), 1).astype(int)
     remaining = runs.assign(steps=steps).sort_values("steps", kind="stable")  # lanes of about one length end together
-    parts, several = [], np.ndim(starts.problems[0].u0) > 0
+    parts, several = list[pd.DataFrame](), np.ndim(starts.problems[0].u0) > 0
     while len(remaining):
         # FEW runs of several unknowns use the program of a single run. Runs of one unknown fill whole tiles and have at
         # most PAUSE_OF_LANES steps in all, since more would need a second program.
         size = FEW if several else max(PAUSE_OF_LANES // remaining.steps.iloc[-1], 1)
         size -= size % TILE if size > TILE else 0
         remaining, part = remaining[:-size], remaining[-size:]
-        parts.append(_with_results(scheme, starts, part))
-    return pd.concat(parts).drop(columns="steps").sort_index()
+        parts += _with_results(scheme, starts, part, shorter)
+    return pd.concat(parts).drop(columns="steps")
 
 
-def _with_results(scheme: Scheme, starts: Starts, runs: pd.DataFrame) -> pd.DataFrame:
+def _with_results(
+    scheme: Scheme, starts: Starts, runs: pd.DataFrame, shorter: Sequence[float]
+) -> Iterator[pd.DataFrame]:
     u0 = v0 = None
     if len(starts.problems) > 1:
         u0, v0 = (np.array([getattr(starts.problems[k], name) for k in runs.start]) for name in ("u0", "v0"))
     arguments = {"dt": runs.step_size.values, "steps": runs.steps.values, "u0": u0, "v0": v0}
-    ds = sweep(starts.problems[0], scheme, observe=starts.observe, **arguments)
-    columns = {name: ds[target.quantity.name].values for name, target in starts.targets[0].items()}
-    if "max_energy_imbalance" in ds:
-        columns[ENERGY] = ds.max_energy_imbalance.values
-    counts = {name: ds[name].values for name in ("force_evaluations", "tangent_evaluations", "factorisations")}
-    return runs.assign(status=ds.status.values, **counts, **columns)
+    # the round-off of the time of a step is smaller
+    observer = AlsoEarlier.of(starts.observed, [duration * (1 + 1e-9) for duration in shorter])
+    ds = sweep(starts.problems[0], scheme, observe=observer, **arguments)
+    names = {name: target.quantity.name for name, target in starts.targets[0].items()}
+    names |= {ENERGY: "max_energy_imbalance"} if "max_energy_imbalance" in ds else {}
+    names |= {name: name for name in Evaluations.variables}
+    status = {"status": ds.status.values}
+    yield runs.assign(**status, **{column: ds[name].values for column, name in names.items()})
+    for k, duration in enumerate(shorter):
+        values = {column: ds[observer.earlier_name(name, k)].values for column, name in names.items()}
+        part = (runs.duration > duration) & (ds.status.values == COMPLETED)
+        yield runs.assign(duration=duration, **status, **values)[part]

@@ -3,13 +3,14 @@
 from types import SimpleNamespace
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 import pandas as pd
 import pytest
 
 import study
 from study.assessment.reference import Reference
-from study.marching.result import STATUSES_OR_NOT_RUN
+from study.marching.result import COMPLETED, NOT_FINITE, STATUSES_OR_NOT_RUN
 from study.problem.inelastic import BOUNCE
 from study.runs import experiment
 from study.runs.experiment import BESIDE, OF_SPACING, between, runs, time_scale, two_digits
@@ -183,6 +184,26 @@ def test_a_free_vibration_also_begins_in_motion():
         assert np.log2(rows.displacement[0] / rows.displacement[1]) == pytest.approx(order, abs=0.1)
 
 
+def test_a_longer_run_has_the_results_of_shorter_ones():
+    """Runs of 3 s and 6 s, in one and apart, of a motion between walls; with the coarsest step the longer one fails.
+
+    Only this test catches results of the shorter duration that are those of the longer one, or lost with it.
+    """
+    walls = study.Problem(
+        lambda u: u / jnp.sqrt(1 - u**2),
+        0.5,
+        load=lambda t: jnp.where(t > 1, 0.7, 0.0),
+        potential=lambda u: 1 - jnp.sqrt(1 - u**2),
+    )
+    (starts,) = Motion.of(walls, 6.0, 0.5).starts(0, 1.0)
+    durations = [(0, dt, duration) for dt in (0.5, 0.2, 0.07) for duration in (3.0, 6.0)]
+    rows = pd.DataFrame(durations, columns=["start", "step_size", "duration"])
+    together, apart = (measured(study.schemes["central_difference"], starts, rows, ends) for ends in ([3.0], []))
+    pd.testing.assert_frame_equal(together, apart, check_dtype=False)
+    assert together.status.tolist() == [COMPLETED, NOT_FINITE, *[COMPLETED] * 4]
+    assert together.force_evaluations.dropna().is_unique
+
+
 def test_a_record_decides_among_steps_that_divide_its_spacing_and_other_starts_have_other_records():
     """Two starts of a record: the own one, and one with a stochastic record.
 
@@ -215,7 +236,7 @@ def test_steps_that_confirm_a_need_are_run_from_all_starts(monkeypatch, kinked, 
     With kinks or few starts the finest number of steps in an octave that fails counts, and else only the needed one.
     """
 
-    def measured(scheme, starts, runs):
+    def measured(scheme, starts, runs, shorter):
         counts = 1 / runs.step_size
         errs = (runs.start > 0) & (counts > low) & (counts < high)
         return runs.assign(displacement=np.where(errs, 0.02, 0.5 / counts))
@@ -239,7 +260,7 @@ def test_needs_of_the_whole_motion_and_the_next_finer_steps_are_searched(monkeyp
     read off steps tried for other limits.
     """
 
-    def measured(scheme, starts, runs):
+    def measured(scheme, starts, runs, shorter):
         counts = 1 / runs.step_size
         errs = several & np.isin(np.round(counts, 6), [51, 53])
         return runs.assign(displacement=np.where(errs, 0.02, 0.5 / counts), velocity=280 / counts)
