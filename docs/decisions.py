@@ -7,6 +7,8 @@ import xarray as xr
 
 import study
 from docs.text import table
+from paper.claims.chaos import fewest_steps_of_mean, ueda_of
+from paper.numbers.chaos import MEAN_ERROR
 from paper.products import reader
 from paper.tables.decision import NO_BREAK, answer, beware, column, duration_of, limits_of, rows_of, sentence, steps_of
 from paper.tables.models import FILTER, USUAL, answers
@@ -115,15 +117,31 @@ def measured(decision: xr.Dataset) -> str:
     return ", ".join(parts)
 
 
+def _chaos(chaos: xr.Dataset, lines: Mapping[str, str]) -> list[str]:
+    """The row of chaotic motion, with the steps that keep a mean square within the allowed error."""
+    needed, ueda = fewest_steps_of_mean(chaos, MEAN_ERROR), ueda_of(chaos)
+    steps = {name: _unbroken(f"{number(needed[name])} steps") for name in ("central_difference", USUAL)}
+    runs = f"{ueda.periods.item()} periods of the load, {ueda.runs.item()} starts, {ueda.sizes['scheme']} schemes"
+    return [
+        "chaos: averages alone",
+        *(f"{study.schemes[name].title}: {cell}" for name, cell in steps.items()),
+        ", ".join(lines[name] for name in steps),
+        steps[USUAL],
+        f"Mean square of Ueda's oscillator, {runs}",
+    ]
+
+
 def by_model(results: Path) -> str:
     """The schemes of the programs for an error of one percent by kind of model, as a table in Markdown.
 
-    The cheaper of the explicit and the implicit scheme is in bold type.
+    The cheaper of the explicit and the implicit scheme is in bold type. The row of chaotic motion is that of a mean,
+    since no step keeps the displacement.
     """
     read = reader(results)
     decisions, limits = answers(read("decisions")), limits_of(read("spectral"))
     usual = read("needs").sel(scheme=USUAL, condition=FILTERS[FILTER][0])
     chosen = {name for decision in decisions.values() for name in decision.scheme.values.ravel()}
+    chosen |= {"central_difference", USUAL}
     entries = _input_lines(chosen, ("OpenSees",))
     lines = {entry.scheme: f"`{entry.name.removeprefix('integrator ')}`" for entry in entries}
     rows = []
@@ -136,6 +154,7 @@ def by_model(results: Path) -> str:
         named = ", ".join(lines.get(kind.scheme.item(), "–") for kind in kinds)
         need = usual.sel({name: decision[name] for name in ("problem", "quantity", "allowed_error")})
         rows.append([model, *cells, named, step_cell(need), measured(decision)])
+    rows.append(_chaos(read("chaos"), lines))
     head = ["model", "explicit", "implicit", "OpenSees `integrator` of both", "by average acceleration", "measured"]
     return table(head, rows, numbers_from=len(head))
 
