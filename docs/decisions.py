@@ -121,7 +121,7 @@ def _chaos(chaos: xr.Dataset, lines: Mapping[str, str]) -> list[str]:
     """The row of chaotic motion, with the steps that keep a mean square within the allowed error."""
     needed, ueda = fewest_steps_of_mean(chaos, MEAN_ERROR), ueda_of(chaos)
     steps = {name: _unbroken(f"{number(needed[name])} steps") for name in ("central_difference", USUAL)}
-    runs = f"{ueda.periods.item()} periods of the load, {ueda.runs.item()} starts, {ueda.sizes['scheme']} schemes"
+    runs = f"{ueda.periods.item()} periods T of the load, {ueda.runs.item()} starts"
     return [
         "chaos: averages alone",
         *(f"{study.schemes[name].title}: {cell}" for name, cell in steps.items()),

@@ -126,7 +126,7 @@ def test_the_readme_states_the_steps_of_a_pendulum():
 def test_the_examples_of_steps_follow_from_the_table():
     words = " ".join(README.replace("\u00a0", " ").split())
     (of_frame,) = re.findall(r"\*\*Central difference: (\d+) ms, ωΔt = 0\.13", words)
-    assert "every 10 ms: 10/3 ms, or, if an unknown has no mass, average acceleration with 2.5 ms." in words
+    assert "every 10 ms: 10/3 ms, or, if an unknown has no mass, average acceleration with 2.5 ms, which has" in words
     assert 10 / 3 <= int(of_frame) < 10 / 2 and "`Newmark 0.5 0.08333333333333333` | 2.5 ms |" in words
     ((steps, omega_step),) = re.findall(
         r"impact and contact \| \*\*Central difference: (\d+) steps, ωΔt = ([\d.]+)", words
@@ -333,6 +333,8 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     assert "central difference is the cheapest scheme (within a tenth) of OpenSees, Abaqus and LS-DYNA" in words
     assert "for five of [eight kinds of model]" in words
     assert f"Over n > {n['decided_periods']} periods" in words and f"(n/{n['decided_periods']})^a" in words
+    assert study.open_dataset("chaos", results).sizes["scheme"] == 4
+    assert "In the last row four schemes were run" in words
     assert n["moves_step_is_least"]
     runs = study.open_dataset("runs/softening", results).sel(scheme="central_difference", quantity="displacement")
     from_rest = runs.error.sel(periods=100).swap_dims(size="steps_per_period").dropna("steps_per_period")

@@ -205,7 +205,7 @@ class GroundMotion(eqx.Module):
 
     @classmethod
     def measured(cls) -> list["GroundMotion"]:
-        """21 horizontal components of measured ground motion: El Centro, 1940, and stretches of up to 30 s of others.
+        """21 horizontal components of measured ground motion: El Centro, 1940, and stretches of 30 s of others.
 
         Five further earthquakes of 1989 to 2019 with magnitudes of 4.1 to 7.8 gave 20 components at eight stations in
         California and New Zealand. Samples are 0.005 or 0.02 s apart, and peaks are 0.001 to 1.1 g. A stretch is that
