@@ -74,7 +74,7 @@ def chosen(
     """
     quantity = quantities[0] if quantity is None else quantity
     if quantity not in quantities:
-        raise UnknownName(f"no error was measured of the quantity {quantity!r}; {did_you_mean(quantity, quantities)}")
+        raise UnknownName(f"no step was sought for the quantity {quantity!r}; {did_you_mean(quantity, quantities)}")
     limits = dataset.allowed_error.values
     if not np.isclose(limits, error, rtol=1e-9, atol=0).any():
         raise ValueError(
@@ -87,7 +87,10 @@ def chosen(
 def table_of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = None) -> pd.DataFrame:
     """The table of :func:`study.recommend` for a dataset of :func:`study.assess`."""
     if "recommended_step_size" not in assessed:
-        raise ValueError("recommend takes a dataset of study.assess.")
+        raise ValueError(
+            "recommend takes a dataset of study.assess, or the needs of one problem, such as "
+            "study.open_dataset('needs').sel(problem='softening')."
+        )
     quantity, answers = chosen(assessed, assessed.quantity.values.tolist(), error, quantity)
     words = np.array([word.replace("_", " ") for word in answers.verdict.flag_meanings.split()])
     steps = np.floor(assessed.attrs["duration"] / answers.recommended_step_size * (1 + 1e-9))

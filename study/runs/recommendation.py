@@ -137,7 +137,7 @@ def recommend(
     if not isinstance(what, str | xr.Dataset):
         raise TypeError(
             "recommend takes the dataset that study.assess returns, or the name of an assessment in the configuration, "
-            f"not a {type(what).__name__}."
+            f"not {type(what).__name__}: {what!r}."
         )
     if not isinstance(quantity, str | None):
         raise TypeError(f"quantity must be a name, not {quantity!r}.")

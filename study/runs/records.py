@@ -62,25 +62,26 @@ def as_runs(spectrum: xr.Dataset, uncertainty: float) -> xr.Dataset:
 
     ``uncertainty`` is the largest relative one of the exact peak drifts.
 
-    The error of the peak drift is the largest over all records, periods and ratios of elastic force to strength, which
-    take the place of the starts. Counts are the means over them, and the status is that of a run that failed, if one
-    did.
+    The error of the peak drift is the largest over all periods and ratios of elastic force to strength. The first
+    record takes the place of the problem's own start, and the others those of other starts. Counts are the means over
+    all runs, and the status is that of a run that failed, if one did.
     """
     each, scale, dt = ["record", "period", "reduction"], spectrum.period.min().item(), spectrum.step_size.values
     duration = spectrum.duration.item() / scale
-    error = spectrum.error.max(each, skipna=False).expand_dims(quantity=["peak drift"])
+    status = spectrum.status.max(each).drop_attrs().reset_coords(drop=True)
+    by_record = spectrum.error.max(each[1:], skipna=False).expand_dims(quantity=["peak drift"])
+    largest = by_record.fillna(np.inf).max("record").where(status != NOT_RUN)
     steps = spectrum.duration / spectrum.step_size
     ds = xr.Dataset({name: spectrum[f"{name}_per_step"].mean(each) * steps for name in COSTS})
-    ds = ds.assign(error=error, largest_error=error * np.nan).reset_coords(drop=True).expand_dims(periods=[duration])
-    status = spectrum.status.max(each).drop_attrs().reset_coords(drop=True)
-    ds = ds.assign(status=status.expand_dims(periods=[duration]), tried=(status != NOT_RUN).astype(np.int8))
+    ds = ds.assign(error=by_record.isel(record=0, drop=True), largest_error=largest, status=status)
+    ds = ds.reset_coords(drop=True).expand_dims(periods=[duration]).assign(tried=(status != NOT_RUN).astype(np.int8))
     ds = ds.assign(uncertainty=("quantity", [uncertainty]))
     ds = ds.rename(step_size="size").drop_vars("size").drop_attrs()
     return described(
         ds.assign_coords(
             step_size=("size", dt), steps_per_period=("size", scale / dt), proposed=("size", np.ones(len(dt), np.int8))
         ),
-        "largest relative error of the peak drift over all oscillators and records",
+        "largest relative error of the peak drift over all oscillators",
         time_scale=scale,
         time_scale_name="shortest period",
         decided=duration,

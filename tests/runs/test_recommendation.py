@@ -211,7 +211,7 @@ def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):
 @pytest.mark.parametrize(
     "arguments, error, sentence",
     [
-        ({"quantity": "energi"}, KeyError, "no error was measured of the quantity 'energi'; did you mean 'energy'?"),
+        ({"quantity": "energi"}, KeyError, "no step was sought for the quantity 'energi'; did you mean 'energy'?"),
         (
             {"allowed_error": 0.05},
             ValueError,
@@ -250,7 +250,7 @@ def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):
             "no scheme can be run on the softeninging thing.",
         ),
         ({"what": None}, TypeError, "recommend takes the dataset that study.assess returns, or the name"),
-        ({"what": small_results.energy_error()}, ValueError, "recommend takes a dataset of study.assess."),
+        ({"what": small_results.energy_error()}, ValueError, "recommend takes a dataset of study.assess, or the needs"),
     ],
 )
 def test_mistakes_get_a_sentence(assessed, arguments, error, sentence):
