@@ -13,20 +13,22 @@ from jaxtyping import Float
 
 from study.algebra.jit import jit
 from study.algebra.scalars import is_number
+from study.analysis.modified_equation import ModifiedEnergy, displacement_error, modified_equation
 from study.marching.arguments import resolve
 from study.mechanics.definition import Problem
 from study.mechanics.internal_force import switches
 from study.observer.outcome import OutcomeObserver
 from study.problem.named import problems
 from study.scheme.base import Scheme
-from study.scheme.conserving import ImplicitMidpoint
 from study.scheme.named import schemes
-from study.scheme.newmark import Newmark
 
 #: Largest ωΔt, and largest change of the tangent within a step over its largest size, at which the term of Δt²
 #: describes a run; no bound is larger. On a spring of tanh form, errors exceed the term by up to 5 % there, and by more
 #: than a tenth once the tangent changes by 0.8.
 LARGEST, LARGEST_CHANGE = 0.5, 0.5
+#: Factor by which the term of (ωΔt)⁴ in the delay may exceed that of a linear oscillator with the frequency ω. It
+#: counts where the term of Δt² nearly cancels.
+NEXT = 2
 #: Ratio of neighbouring distances from rest between which a turning point is sought, and their largest number.
 GROWTH, DISTANCES = 1.002, 20_000
 #: Largest number of hills between two such distances that are searched for a turning point.
@@ -36,6 +38,8 @@ FLAT = 1e-9
 #: Largest part of the changes of the force along an orbit that its tangent may miss, and largest ratio of the tangent
 #: at rest or at a turning point to that at all other points.
 MISSED, STEEPER = 0.02, 1.1
+#: Round-off of a difference of forces, over the largest force.
+ROUND_OFF = 1e-14
 #: Number of points before the ordered points of an orbit: its start, its turning points and rest.
 ENDS = 4
 #: Values at points of an orbit.
@@ -48,55 +52,6 @@ BESIDE, JUMP = 1e-9, 1e-3
 #: Factor to a larger distance from a kink, the power of the distance below which a change of the tangent means that its
 #: slope is infinite at the kink, and the relative change from which on it is more than round-off.
 FARTHER, LINEAR, CHANGE = 1e3, 0.97, 1e-9
-
-
-class ModifiedEnergy(NamedTuple):
-    r"""Coefficients of the energy that a scheme conserves up to terms of Δt⁴.
-
-    .. math::
-
-        E + \Delta t^2 g, \quad g = a\, \dot u^T p' \dot u + b\, \ddot u^T M \ddot u
-
-    The period is that of the energy :math:`E + \Delta t^2 g(0)` minus :math:`c \Delta t^2` times the derivative of
-    :math:`S = \oint \ddot u^T M \ddot u\, dt` with respect to E.
-    """
-
-    velocity_coefficient: float
-    acceleration_coefficient: float
-    period_coefficient: float
-
-    @property
-    def convex(self) -> float:
-        """Largest error of the energy, over its height above rest and (ωΔt)², of any motion with 0 ≤ p′ ≤ ω² M."""
-        ends = self.velocity_coefficient * 2, self.acceleration_coefficient * 2
-        return max(*ends, 0.0) - min(*ends, 0.0)
-
-
-def modified_energy(scheme: Scheme) -> ModifiedEnergy:
-    """The modified energy of a scheme.
-
-    Raises
-    ------
-    ValueError
-        If no modified energy of the scheme is known here, as for schemes that dissipate.
-
-    References
-    ----------
-    R. D. Skeel, G. Zhang, T. Schlick, A family of symplectic integrators: stability, accuracy, and molecular dynamics
-    applications, SIAM J. Sci. Comput. 18(1), 1997, 203-222.
-    C. Kane, J. E. Marsden, M. Ortiz, M. West, Variational integrators and the Newmark algorithm for conservative and
-    dissipative mechanical systems, Int. J. Numer. Methods Eng. 49(10), 2000, 1295-1325.
-    """
-    match scheme:
-        case Newmark(beta=beta, gamma=0.5):
-            return ModifiedEnergy(1 / 12, beta / 2 - 1 / 24, 1 / 24 - beta / 2)
-        case ImplicitMidpoint():
-            return ModifiedEnergy(-1 / 24, -1 / 24, -1 / 12)
-    raise ValueError(
-        f"the error of '{scheme.title}' is not known without a run: it is for Newmark's methods with gamma = 0.5, "
-        "such as central_difference, and for implicit_midpoint. A scheme that dissipates conserves no "
-        "modified energy, and the modified energies of other schemes are not computed here."
-    )
 
 
 class Orbit(NamedTuple):
@@ -141,18 +96,21 @@ class Orbit(NamedTuple):
         fastest = LARGEST_CHANGE * np.abs(tangent).max() * self.highest_frequency
         return LARGEST if rate * LARGEST <= fastest else float(fastest / rate)
 
-    def coefficients(self, modified: ModifiedEnergy, periods: float) -> Float[np.ndarray, "3"]:
-        """Errors of energy, period and displacement over (ωΔt)², see :func:`step_bound`."""
-        g = (
-            modified.velocity_coefficient * self.tangent * self.v**2
-            + modified.acceleration_coefficient * self.force**2 / self.mass
-        )
-        fastest, farthest = np.max(self.v), np.max(np.abs(self.u))
-        energy_error = np.max(np.abs(g - g[0])) / (self.mass / 2 * fastest**2)
-        delay = abs(g[0] * self.period_by_energy - modified.period_coefficient * self.acceleration_by_energy)
-        return np.array([energy_error, delay / self.period, periods * delay * fastest / farthest]) / (
-            self.highest_frequency**2
-        )
+    def _change(self, modified: ModifiedEnergy) -> _Points:
+        """The coefficient g of Δt² in the modified energy."""
+        by_velocity = modified.velocity_coefficient * self.tangent * self.v**2
+        return by_velocity + modified.acceleration_coefficient * self.force**2 / self.mass
+
+    def delay(self, modified: ModifiedEnergy) -> float:
+        """The error of the period over Δt²."""
+        change = self._change(modified)[0] * self.period_by_energy
+        return float(change - modified.period_coefficient * self.acceleration_by_energy)
+
+    def coefficients(self, modified: ModifiedEnergy) -> Float[np.ndarray, "2"]:
+        """Errors of energy and period over (ωΔt)², see :func:`step_bound`."""
+        g, delay = self._change(modified), self.delay(modified)
+        energy_error = np.max(np.abs(g - g[0])) / (self.mass / 2 * np.max(self.v) ** 2)
+        return np.array([energy_error, abs(delay) / self.period]) / self.highest_frequency**2
 
 
 @partial(jit, compiler=eqx.filter_jit)
@@ -262,16 +220,20 @@ def _check_tangent(problem: Problem, places: _Points) -> None:
         )
 
 
-def _check_resolved(problem: Problem, u: _Points, forces: _Points, tangent: _Points) -> None:
-    """Refuse a tangent that is not the slope of the force along the orbit, as where a jump has no switch."""
-    along = tangent[ENDS:]
-    change, largest = np.diff(forces[ENDS:]), np.abs(along).max()
-    missed = np.abs(change - np.diff(u[ENDS:]) * (along[1:] + along[:-1]) / 2)
-    if not (missed.sum() <= MISSED * np.abs(change).sum() and 0 < np.abs(tangent).max() <= STEEPER * largest):
-        raise ValueError(
-            f"the tangent of '{problem.title}' is not the slope of its force near u = {u[ENDS + missed.argmax()]:.6g}, "
-            "as where one of them jumps, and no step bound is known there; study.assess finds the step by runs."
-        )
+def _unresolved(u: _Points, forces: _Points, tangent: _Points) -> float | None:
+    """A displacement near which the tangent at points of the orbit is not the slope of the force, or None.
+
+    It is less than the slope somewhere between two points with a narrow peak between them, and more at a jump.
+    """
+    along, width, change = tangent[ENDS:], np.diff(u[ENDS:]), np.diff(forces[ENDS:])
+    largest = np.abs(along).max()
+    missed = np.abs(change - width * (along[1:] + along[:-1]) / 2)
+    steep = np.abs(change) > STEEPER * largest * np.abs(width) + ROUND_OFF * np.abs(forces).max()
+    if steep.any():
+        return float(u[ENDS + steep.argmax()])
+    if missed.sum() <= MISSED * np.abs(change).sum() and 0 < np.abs(tangent).max() <= STEEPER * largest:
+        return None
+    return float(u[ENDS + missed.argmax()])
 
 
 @jax.enable_x64(True)
@@ -297,7 +259,7 @@ def orbit(problem: Problem) -> Orbit:
     scale = abs(float(problem.u0) - rest) or 1.0
     ends = np.array([_turning_point(problem, at_start, rest, side * scale) for side in (-1, 1)])
 
-    before = math.nan
+    before, unresolved = math.nan, None
     for points in POINTS:
         angles = (np.arange(points) + 0.5) * np.pi / points
         (period, _), by_energy, (u, v, forces) = _integrals(
@@ -311,12 +273,18 @@ def orbit(problem: Problem) -> Orbit:
             v = np.concatenate([[abs(float(problem.v0)), 0.0, fastest, 0.0], v])
             forces = np.concatenate([_at(problem, places[:ENDS])[1], forces])
             tangent = np.asarray(_at(problem, places)[2])
-            _check_resolved(problem, places, forces, tangent)
+            if (unresolved := _unresolved(places, forces, tangent)) is not None:
+                continue
             barrier = min(_barrier(problem, end, rest, side * scale) for end, side in zip(ends, (-1, 1), strict=True))
             hill = _hill(problem, *(values[: ENDS - 1 : -1] for values in (places, forces)))
             distance = min(barrier - at_start, at_start - hill) / (at_start - float(well.rest))
             return Orbit(places, v, forces, tangent, mass, float(period), *map(float, (*by_energy, distance)))
         before = float(period)
+    if unresolved is not None:
+        raise ValueError(
+            f"the tangent of '{problem.title}' is not the slope of its force near u = {unresolved:.6g}, as where one "
+            "of them jumps, and no step bound is known there; study.assess finds the step by runs."
+        )
     raise ValueError(
         f"the period of '{problem.title}' does not converge: the motion is too near to a separatrix, where any step "
         "changes the period by any factor."
@@ -324,12 +292,20 @@ def orbit(problem: Problem) -> Orbit:
 
 
 def largest_omega_step(
-    coefficients: np.ndarray, error: float, scheme: Scheme, described_up_to: np.ndarray | float
+    coefficients: np.ndarray,
+    error: float,
+    scheme: Scheme,
+    described_up_to: np.ndarray | float,
+    next_terms: np.ndarray | float = 0.0,
 ) -> np.ndarray:
-    """The step times the highest frequency at which each error is reached, as far as Δt² describes a stable run."""
+    """The step times the highest frequency at which each error is reached, as far as Δt² describes a stable run.
+
+    The errors are ``coefficients`` times (ωΔt)² and ``next_terms`` times (ωΔt)⁴.
+    """
     limit = np.inf if scheme.stability_limit is None else scheme.stability_limit
     with np.errstate(divide="ignore"):
-        return np.minimum(np.sqrt(error / coefficients), np.minimum(described_up_to, limit))
+        square = 2 * error / (coefficients + np.sqrt(coefficients**2 + 4 * error * next_terms))
+    return np.minimum(np.sqrt(square), np.minimum(described_up_to, limit))
 
 
 def step_bound(
@@ -348,14 +324,26 @@ def step_bound(
         \tilde T - T &= \Delta t^2 (g_0 T'(E) - c S'(E)) = C_T (\omega\Delta t)^2 T
 
     with the highest frequency ω of the tangent along the motion. From rest, the error of the period of average
-    acceleration is −2 times that of central difference, for every potential. The error of the displacement after n
-    periods, over the largest displacement, is the delay n (T̃ − T) times the largest velocity. If
+    acceleration is −2 times that of central difference, for every potential. The error e of the
+    displacement follows from the linearised equation of motion, which the terms of Δt² of the scheme excite. For
+    Newmark's methods
+
+    .. math::
+
+        M \ddot e + p' e = \Delta t^2 (\beta - 1/12) (p' M^{-1} p - p'' \dot u^2), \quad
+        e(0) = 0, \quad \dot e(0) = \Delta t^2 (1/6 - \beta) M^{-1} p' \dot u(0)
+
+    in the first period, and e − (n − 1) (T̃ − T) u̇ in the last of n periods. To the errors of period and displacement
+    the delay :math:`2 a_4 (\omega\Delta t)^4 T` in a period is added, with
+    :math:`a_4 = 3\beta^2/8 - \beta/16 + 3/640` of a linear oscillator, because the terms of Δt² may cancel. If
     :math:`0 \le p' \le \omega^2 M`, C_E is at most ¼ for central difference and 1/6 for average acceleration, with any
     number of unknowns.
 
     The bound excludes motions with a load or damping, forces whose tangent jumps or has an infinite slope, and schemes
     that dissipate. Terms of higher order count if a step is longer than ½/ω, or if the tangent changes within a step by
-    more than half of its largest size, as on a spring that saturates far from rest. No step is longer than that. In a
+    more than half of its largest size, as on a spring that saturates far from rest. No step is longer than that. A
+    narrow peak of the tangent is seen if it adds a tenth to the change of the force between two of 512 points of the
+    motion. In a
     narrow range of steps that resonate with the motion, the error can be several times the bound: a run with half the
     step shows this. The smoother the force and the shorter the step, the narrower is the range. Near a
     separatrix C_T grows without bound. A step that keeps the energy may therefore be far too long for the period there:
@@ -375,7 +363,7 @@ def step_bound(
     Returns
     -------
     xarray.Dataset
-        ``coefficient`` C, ``step_size`` in s and ``omega_step``, the step √(error/C) times ω, of shape (quantity).
+        ``coefficient`` C of (ωΔt)², ``step_size`` in s and ``omega_step``, the step times ω, of shape (quantity).
         No step exceeds the stability limit. ``period``, ``highest_frequency`` ω, ``convex_coefficient``, the bound on C
         of the energy for a tangent that is nowhere negative, and ``separatrix_distance``, the least difference of the
         energy from the barriers of the potential beyond the motion and the hills within it, over the energy above rest;
@@ -402,9 +390,15 @@ def step_bound(
             raise ValueError(f"{name} must be a positive number, not {value!r}.")
     problem = resolve(problem, problems, Problem)
     scheme = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
-    modified, motion = modified_energy(scheme), orbit(problem)
-    coefficients, omega = motion.coefficients(modified, periods), motion.highest_frequency
-    omega_step = largest_omega_step(coefficients, allowed_error, scheme, motion.described_up_to)
+    equation, motion = modified_equation(scheme), orbit(problem)
+    omega, farthest = motion.highest_frequency, np.max(np.abs(motion.u))
+    velocity, error = displacement_error(problem, equation, motion.mass, motion.period, omega)
+    in_last_period = error - max(periods - 1, 0) * motion.delay(equation.energy) * velocity
+    displacement = np.max(np.abs([error, in_last_period])) / farthest / omega**2
+    coefficients = np.append(motion.coefficients(equation.energy), displacement)
+    fastest_delay = periods * motion.period * np.max(motion.v) / farthest
+    next_terms = NEXT * equation.next_term * np.array([0.0, 1.0, fastest_delay])
+    omega_step = largest_omega_step(coefficients, allowed_error, scheme, motion.described_up_to, next_terms)
     return xr.Dataset(
         {
             "coefficient": ("quantity", coefficients, {"long_name": "error over (ω Δt)²", "units": "1"}),
@@ -434,7 +428,7 @@ def step_bound(
             ),
             "convex_coefficient": (
                 (),
-                modified.convex,
+                equation.energy.convex,
                 {"long_name": "largest coefficient of the energy where the tangent is nowhere negative", "units": "1"},
             ),
         },

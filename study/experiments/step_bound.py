@@ -9,7 +9,8 @@ import xarray as xr
 from typing_extensions import TypedDict
 
 from study.algebra.jit import short_runs
-from study.analysis.step_bound import largest_omega_step, modified_energy, orbit
+from study.analysis.modified_equation import modified_equation
+from study.analysis.step_bound import largest_omega_step, orbit
 from study.declaration.experiment import experiment, progress
 from study.declaration.options import Count, Tolerance, section
 from study.experiments import coordinates
@@ -83,8 +84,8 @@ def step_bound(allowed_error: Tolerance, periods: int) -> xr.Dataset:
         initial = np.array([float(definition.stored_energy(u0)) for u0 in starts])
         height = np.array([np.max(motion.v) ** 2 / 2 for motion in orbits])
         for s, scheme in enumerate(chosen):
-            modified = modified_energy(scheme)
-            coefficient[s, there] = [motion.coefficients(modified, periods)[:2] for motion in orbits]
+            energy = modified_equation(scheme).energy
+            coefficient[s, there] = [motion.coefficients(energy) for motion in orbits]
             omega_step[s, there] = largest_omega_step(coefficient[s, there, 0], allowed_error, scheme, described)
             step = omega_step[s, there] / omega
             runs = sweep(
@@ -117,7 +118,7 @@ def step_bound(allowed_error: Tolerance, periods: int) -> xr.Dataset:
             ),
             "convex_coefficient": (
                 "scheme",
-                [modified_energy(scheme).convex for scheme in chosen],
+                [modified_equation(scheme).energy.convex for scheme in chosen],
                 {"long_name": "largest coefficient of the energy where the tangent is nowhere negative", "units": "1"},
             ),
         },
