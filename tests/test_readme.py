@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 import yaml
 from matplotlib.image import imread
-from scipy.special import ellipj
+from scipy.special import ellipj, ellipk
 
 import study
 from docs.decisions import by_model, frame
@@ -121,6 +121,21 @@ def test_the_readme_states_the_steps_of_a_pendulum():
         assert (np.abs(ds.u - exact).max() <= 0.01 * amplitude) == kept == (period / step <= steps)
     assert f"{period / (2 * np.pi):.1f}" == slower
     assert round_up(period / step) == needed == pytest.approx(3 * of_row, rel=0.1)
+
+
+def test_the_longer_run_with_generalized_alpha_may_have_twice_the_error():
+    """From rest at 2 rad, with the coarsest step that keeps 1 % over 100 periods; u = 2 arcsin(k sn(t + T/4, k))."""
+    sentence = "on a pendulum that swings to 2 rad {} errs by up to twice the allowed error"
+    assert sentence.format("the longer run") in " ".join(README.split())
+    assert sentence.format("generalized-α then") in ANSWERS
+    k, steps = np.sin(1), 122
+    period, errors = 4 * ellipk(k**2), []
+    pendulum = study.Problem(jnp.sin, 2.0)
+    for number, periods in ((steps, 100), (steps * 10 ** (2 / 3), 1000)):
+        ds = study.run(pendulum, "generalized_alpha", dt=period / number, steps=int(periods * number))
+        exact = 2 * np.arcsin(k * ellipj(ds.t.values + period / 4, k**2)[0])
+        errors.append(np.abs(ds.u - exact).max().item() / 2)
+    assert errors[0] < 0.01 and errors[1] == pytest.approx(0.02, rel=0.05)
 
 
 def test_the_examples_of_steps_follow_from_the_table():

@@ -1,7 +1,7 @@
 """Claims on the step under records of ground motion, decided by our runs."""
 
 from paper.claims.ledger import PRACTICE, Finding, claim, when
-from paper.measures.record_error import ONE_CURVE, SCHEME, over_period, scatter
+from paper.measures.record_error import ONE_CURVE, SCHEME, over_period, scatter, square_of_step
 from paper.measures.shares import share_of_runs
 from paper.measures.what_moves import QUANTITIES, choice_spread, median_changes, without_drift
 from paper.wording import share_with
@@ -23,7 +23,7 @@ _WITH_AVERAGE = {"record_error.schemes": [SCHEME]}
 )
 def power_above_decides(record_error):
     average = record_error.sel(scheme=SCHEME)
-    value, step = scatter(average, average.power_above), scatter(average, average.period_error)
+    value, step = scatter(average, average.power_above), scatter(average, square_of_step(average))
     holds = value <= ONE_CURVE
     return Finding(f"{value:.2f}, and {step:.2f} about (ωΔt)²", holds, when(not holds, "power near 1/Δt decides it"))
 

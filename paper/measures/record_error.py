@@ -19,6 +19,11 @@ def scatter(errors: xr.Dataset, predictor: xr.DataArray) -> float:
     return float(np.std(y - np.polyval(np.polyfit(x, y, 1), x)))
 
 
+def square_of_step(errors: xr.Dataset) -> xr.DataArray:
+    """(ωΔt)², with the circular frequency ω of the oscillator."""
+    return (2 * np.pi * errors.step_size / errors.period) ** 2
+
+
 def order(errors: xr.Dataset, load: str, divides: bool) -> float:
     """Median order, over oscillators and records, of the error at steps up to the spacing that divide it or not."""
     some = errors.isel(ratio=((errors.divides == divides) & (errors.ratio <= 1)).values).sel(load=load)

@@ -19,6 +19,7 @@ def mesh_numbers(mesh: xr.Dataset) -> dict:
         / explicit.steps_per_period.groupby(["rows", "columns"]).min()
     )
     step = explicit.seconds_per_step.groupby(["rows", "columns"])
+    spread = (step.max() / step.min()).max().item()
     implicit = mesh.sel(scheme="average_acceleration")
     # time with the stiffest row over that with the least stiff one, panel by panel
     stiffest, softest = (
@@ -33,7 +34,7 @@ def mesh_numbers(mesh: xr.Dataset) -> dict:
         "mesh_iterations": span(implicit.newton_iterations_per_step, ".1f"),
         "mesh_crossover_frame": span(frames, ",.0f"),
         "mesh_crossover_panel": span(meshes, ",.0f"),
-        "mesh_step_spread": number((step.max() / step.min()).max().item(), 2),
+        "mesh_step_spread": number(spread, 2) if spread >= 1.05 else None,
         "mesh_price": span(by_panel.stack(panel=["rows", "columns"]).dropna("panel"), ".2g"),
         "mesh_price_implicit": span(stiffest / softest, ".2g"),
         # the next finer step tried is half as long

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from paper.measures.record_error import ONE_CURVE, RANGE, SCHEME, order, over_period, scatter
+from paper.measures.record_error import ONE_CURVE, RANGE, SCHEME, order, over_period, scatter, square_of_step
 from paper.measures.shares import share_of_runs
 from paper.products import numbers
 from paper.wording import share_with
@@ -30,7 +30,7 @@ def record_error_numbers(errors: xr.Dataset) -> dict:
     measured_low, measured_high = np.nanpercentile(ratio.isel(record=~stochastic), RANGE)
     scatters = {
         name: scatter(average, by)
-        for name, by in {"law": law, "step": average.period_error, "power": average.power_above}.items()
+        for name, by in {"law": law, "step": square_of_step(average), "power": average.power_above}.items()
     }
 
     def within(error):

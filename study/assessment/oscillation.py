@@ -1,11 +1,14 @@
 """Period, phase and amplitude of free oscillations, as quantities of an assessment."""
 
+from functools import partial
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
+from study.algebra.jit import jit
 from study.assessment.solution import DenseSolution
 from study.mechanics.definition import Problem
 from study.observer.base import Reduction
@@ -96,6 +99,11 @@ def _upward_crossings(solution: DenseSolution, level: float) -> np.ndarray:
     )
 
 
+@partial(jit, compiler=eqx.filter_jit)
+def _force(problem: Problem, u):
+    return problem.static_force(u)
+
+
 def oscillation(problem: Problem, solution: DenseSolution) -> Oscillation | None:
     """The oscillation of a solution, or None.
 
@@ -109,10 +117,9 @@ def oscillation(problem: Problem, solution: DenseSolution) -> Oscillation | None
     low, high = solution.u.min(), solution.u.max()
     level = float(low + high) / 2
     times = _upward_crossings(solution, level)
-    compiled = jax.jit(problem.static_force)
 
     def force(u):
-        return float(compiled(u))
+        return float(_force(problem, np.float64(u)))
 
     ends = force(low), force(high)
     if len(times) < FEWEST or not ends[0] < 0 < ends[1]:

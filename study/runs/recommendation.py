@@ -60,8 +60,9 @@ def recommend(
         with the number n of periods and the order p of the scheme. For the motion, a = 1/p if the scheme keeps the
         energy, as symplectic, symmetric and conserving schemes do. If it dissipates, a is the larger of 1/p and 2/q
         with its order of loss q. For the energy, a = 0 or 1/q. No run confirms such a step, and the verdict
-        is ``extrapolated``. The law holds for free vibration without damping, load, memory and kinks that is not
-        chaotic.
+        is ``extrapolated``. If the errors of period and energy of a scheme that dissipates cancel over the runs, the
+        longer run may have twice the allowed error. The law holds for free vibration without damping, load, memory and
+        kinks that is not chaotic.
     folder
         Folder of the results, which contains the dataset of a named assessment, and ``needs.nc``.
 

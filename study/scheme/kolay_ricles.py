@@ -36,13 +36,14 @@ class KolayRicles(OneStep):
             \quad \alpha_f = \frac{\rho_\infty}{\rho_\infty + 1}, \quad \gamma = \tfrac12 - \alpha_m + \alpha_f,
             \quad \beta = \tfrac12 (\tfrac12 + \gamma)
 
-    and the roots ±iρ∞ and −ρ∞ at infinite frequency in place of −ρ∞ three times. The carried velocity lags by γΔt, so
-    a motion that starts with an acceleration is of first order; from :math:`\dot u_0 - \gamma\Delta t\,\ddot u_0` it is
-    of second order. The method was published as stable for structures that soften. If the tangent k exceeds K, as in a
-    structure that hardens, eigenvalues may exceed one. Without damping they exceed one for ρ∞ = 1 if k > K + 4/Δt² M,
-    and for ρ∞ = 0.8 at every step size if k is at least 1.05 K, with MKR-α 1.8 K; for small step sizes the excess is
-    slight. Carries u, u̇ and ü; one force per step, because K is the same in all steps, and three solutions of linear
-    systems. The history of a force is committed at u₁; K remains the stiffness at rest.
+    and the roots ±iρ∞ and −ρ∞ at infinite frequency in place of −ρ∞ three times. The carried velocity lags by γΔt, so a
+    motion that starts with an acceleration is of first order; from :math:`\dot u_0 - \gamma\Delta t\,\ddot u_0` it is
+    of second order, unless the force is non-linear in the velocity. The method was published as stable for structures
+    that soften. If the tangent k exceeds K, as in a structure that hardens, eigenvalues may exceed one. Without damping
+    they exceed one for ρ∞ = 1 if k > K + 4/Δt² M, and for ρ∞ = 0.8 at every step size if k is at least 1.05 K, with
+    MKR-α 1.8 K; for small step sizes the excess is slight. Carries u, u̇ and ü; one force per step, because K is the
+    same in all steps, and three solutions of linear systems. The history of a force is committed at u₁; K remains the
+    stiffness at rest.
 
     Parameters
     ----------

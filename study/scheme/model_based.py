@@ -58,10 +58,10 @@ class ChenRicles(OneStep):
 
     For a linear structure the eigenvalues are those of the trapezoidal rule, which is of second order, unconditionally
     stable and without numerical damping. The carried velocity lags by half a step, so a motion that starts with an
-    acceleration is of first order; from :math:`\dot u_0 - \tfrac12 \Delta t\,\ddot u_0` it is of second order. If the
-    tangent k exceeds K, as in a structure that hardens, it is stable without
-    damping only while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force per step, and two solutions of linear systems. The
-    history of a force is committed at u₁, where the forces balance; K remains the stiffness at rest.
+    acceleration is of first order; from :math:`\dot u_0 - \tfrac12 \Delta t\,\ddot u_0` it is of second order, unless
+    the force is non-linear in the velocity. If the tangent k exceeds K, as in a structure that hardens, it is stable
+    without damping only while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force per step, and two solutions of linear
+    systems. The history of a force is committed at u₁, where the forces balance; K remains the stiffness at rest.
 
     References
     ----------

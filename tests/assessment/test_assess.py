@@ -247,8 +247,8 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
 
 @pytest.mark.slow
 def test_a_free_oscillator_is_judged_by_period_phase_and_amplitude():
-    """It alone assesses the quantities of free motion that an assessment adds by itself."""
-    pendulum = study.Problem(jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=2.0, title="pendulum")
+    """It alone assesses the quantities of free motion that an assessment adds by itself, and a potential alone."""
+    pendulum = study.Problem(potential=lambda u: 1 - jnp.cos(u), u0=2.0, title="pendulum")
     ds = study.assess(pendulum, "bathe", allowed_errors=(0.01,), maps=False)
     along, oscillating = ["displacement", "velocity", "acceleration", "energy"], ["period", "phase", "amplitude"]
     assert ds.quantity.values.tolist() == along + oscillating

@@ -51,6 +51,22 @@ def test_both_methods_have_the_radius_of_their_parameter_at_infinite_frequency()
         np.testing.assert_allclose(np.poly(matrix), np.poly(roots), atol=1e-6)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["kr_alpha", "mkr_alpha", "chen_ricles"])
+@pytest.mark.parametrize("drag, order", [(lambda v: 0.1 * v, 2), (lambda v: 0.3 * v * jnp.abs(v), 1)])
+def test_the_order_from_the_lagged_velocity_needs_damping_that_is_linear(name, drag, order):
+    """It alone catches that the lag of the velocity enters a drag force in every step, not only at the start."""
+    problem = study.Problem(lambda u, v: u + u**3 + drag(v), 1.0, 0.5)
+    acceleration = -(2.0 + float(drag(0.5)))
+    exact = study.run(problem, "rk4", dt=0.001, steps=4000).u.values[-1]
+    sizes = 0.01 / np.array([1, 2])
+    starts = 0.5 - getattr(study.schemes[name], "velocity_lag") * sizes * acceleration  # noqa: B009
+    steps = np.round(4 / sizes).astype(int)
+    runs = [study.run(problem, name, dt=dt, steps=n, v0=v) for dt, n, v in zip(sizes, steps, starts, strict=True)]
+    errors = [abs(ds.u.values[-1] - exact) for ds in runs]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.1)
+
+
 def test_mkr_alpha_overshoots_less_than_kr_alpha_and_elongates_the_period_more():
     parts = np.array([1e-3, 1e-2, 0.1, 10.0])
     kolay, improved = (study.LinearTheory(name, parts) for name in ("kr_alpha", "mkr_alpha"))
