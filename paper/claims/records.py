@@ -65,13 +65,16 @@ def mean_load_restores(record_error):
 def step_moves_least(what_moves):
     words, holds, uncertain = [], True, False
     for name, title in QUANTITIES.items():
-        medians = abs(median_changes(what_moves[name]))
-        step, damping = (medians.change.sel(variant=variant) for variant in ("spacing", "damping"))
+        medians = median_changes(what_moves[name])
+        step, damping = (abs(medians.change.sel(variant=variant)) for variant in ("spacing", "damping"))
         ratios = (step / damping).max().item(), (step / choice_spread(what_moves[name], 40)).max().item()
         words.append(f"{title} {ratios[0]:.2g}; {ratios[1]:.2g}")
         holds &= max(ratios) < 1
-        outer = medians[["low", "high"]].to_array().sel(variant="spacing").max("variable")
-        uncertain |= bool((outer >= damping).any())
+        ends = medians[["low", "high"]].to_array("end")
+        largest = abs(ends.sel(variant="spacing")).max("end")
+        signed = ends.sel(variant="damping")
+        least = abs(signed).min("end").where(signed.prod("end") > 0, 0.0)
+        uncertain |= bool((largest >= least).any())
     collapsed = [f"{period:g} s" for period in without_drift(what_moves)]
     reasons = ["the intervals over the records overlap"] * bool(uncertain)
     if collapsed:

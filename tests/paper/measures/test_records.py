@@ -6,7 +6,7 @@ import xarray as xr
 from scipy import stats
 
 from paper.claims import records
-from paper.measures.record_error import order, scatter
+from paper.measures.record_error import order, scatter, square_of_step
 from paper.measures.shares import share_of_runs
 from paper.measures.what_moves import choice_spread, coarsest_step, median_changes, record_changes, single_changes
 from paper.numbers.what_moves import what_moves_numbers
@@ -30,6 +30,7 @@ def _errors(load=0.0, averaged=0.0):
         {
             "scheme": ["average_acceleration"],
             "load": ["samples", "averages"],
+            "period": [1.0, 0.5],
             "ratio": ratio,
             "divides": ("ratio", 1 - passes),
             "step_size": (("record", "ratio"), step),
@@ -40,6 +41,7 @@ def _errors(load=0.0, averaged=0.0):
 def test_a_power_law_has_its_order_and_no_scatter():
     errors = _errors().isel(scheme=0)
     assert scatter(errors, errors.predicted_error) == pytest.approx(0, abs=1e-12)
+    assert scatter(errors, square_of_step(errors)) == pytest.approx(0, abs=1e-12)
     assert scatter(errors, errors.power_above) > 0.2
     assert order(errors, "samples", True) == pytest.approx(2)
     assert order(_errors(load=0.1).isel(scheme=0), "samples", False) < 0.2
