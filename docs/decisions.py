@@ -10,7 +10,18 @@ from docs.text import table
 from paper.claims.chaos import fewest_steps_of_mean, ueda_of
 from paper.numbers.chaos import MEAN_ERROR
 from paper.products import reader
-from paper.tables.decision import NO_BREAK, answer, beware, column, duration_of, limits_of, rows_of, sentence, steps_of
+from paper.tables.decision import (
+    NO_BREAK,
+    answer,
+    beware,
+    column,
+    duration_of,
+    limits_of,
+    omega_step_of,
+    rows_of,
+    sentence,
+    steps_of,
+)
 from paper.tables.models import FILTER, USUAL, answers
 from study.runs.needs import CODES, FILTERS, KINDS, MOTION, cheapest, keeps_part
 from study.scheme.codes import NameInCode, names_in_codes
@@ -153,7 +164,8 @@ def by_model(results: Path) -> str:
             cells[best] = f"**{cells[best]}**"
         named = ", ".join(lines.get(kind.scheme.item(), "–") for kind in kinds)
         need = usual.sel({name: decision[name] for name in ("problem", "quantity", "allowed_error")})
-        rows.append([model, *cells, named, step_cell(need), measured(decision)])
+        omega_step = f", {_unbroken(f'ωΔt = {omega_step_of(need, limits)}')}" if need.step_size > 0 else ""
+        rows.append([model, *cells, named, step_cell(need) + omega_step, measured(decision)])
     rows.append(_chaos(read("chaos"), lines))
     head = ["model", "explicit", "implicit", "OpenSees `integrator` of both", "by average acceleration", "measured"]
     return table(head, rows, numbers_from=len(head))

@@ -22,10 +22,13 @@ from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
 
-#: Largest ωΔt, and largest change of the tangent within a step over its largest size, at which the term of Δt²
-#: describes a run; no bound is larger. On a spring of tanh form, errors exceed the term by up to 5 % there, and by more
-#: than a tenth once the tangent changes by 0.8.
-LARGEST, LARGEST_CHANGE = 0.5, 0.5
+#: Largest ωΔt, largest change of the tangent within a step over its largest size, and part of a wave of the tangent
+#: that a step may pass, in rad, at which the term of Δt² describes a run; no bound is larger. On a spring of tanh
+#: form, errors exceed the term by up to 5 % there, and by more than a tenth once the tangent changes by 0.8. Steps that
+#: pass over waves of the tangent meet many resonances, and with half a wave errors exceed the term by up to a fifth.
+LARGEST, LARGEST_CHANGE, LARGEST_WAVE = 0.5, 0.5, 2.0
+#: Variation of the tangent along a motion, over its largest size, that counts as none.
+CONSTANT = 1e-3
 #: Factor by which the term of (ωΔt)⁴ in the delay may exceed that of a linear oscillator with the frequency ω. It
 #: counts where the term of Δt² nearly cancels.
 NEXT = 2
@@ -92,9 +95,13 @@ class Orbit(NamedTuple):
     def described_up_to(self) -> float:
         """Largest ωΔt at which the term of Δt² describes a run."""
         u, v, tangent = (values[ENDS:] for values in (self.u, self.v, self.tangent))
-        rate = np.max(np.abs(np.diff(tangent) / np.diff(u)) * (v[1:] + v[:-1]) / 2)
-        fastest = LARGEST_CHANGE * np.abs(tangent).max() * self.highest_frequency
-        return LARGEST if rate * LARGEST <= fastest else float(fastest / rate)
+        time = np.diff(u) / ((v[1:] + v[:-1]) / 2)
+        rate, omega, size = np.diff(tangent) / time, self.highest_frequency, np.abs(tangent).max()
+        if np.ptp(tangent) <= CONSTANT * size:
+            return LARGEST
+        fastest = np.max(np.abs(rate))
+        wave = np.max(np.abs(np.diff(rate) / ((time[1:] + time[:-1]) / 2))) / fastest
+        return float(min(LARGEST, LARGEST_CHANGE * size * omega / fastest, LARGEST_WAVE * omega / wave))
 
     def _change(self, modified: ModifiedEnergy) -> _Points:
         """The coefficient g of Δt² in the modified energy."""
@@ -341,7 +348,8 @@ def step_bound(
 
     The bound excludes motions with a load or damping, forces whose tangent jumps or has an infinite slope, and schemes
     that dissipate. Terms of higher order count if a step is longer than ½/ω, or if the tangent changes within a step by
-    more than half of its largest size, as on a spring that saturates far from rest. No step is longer than that. A
+    more than half of its largest size, as on a spring that saturates far from rest, or by more than a third of a wave,
+    as on a spring with ripples. No step is longer than that. A
     narrow peak of the tangent is seen if it adds a tenth to the change of the force between two of 512 points of the
     motion. In a
     narrow range of steps that resonate with the motion, the error can be several times the bound: a run with half the

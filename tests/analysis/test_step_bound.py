@@ -108,6 +108,19 @@ def test_a_step_does_not_pass_over_the_bend_of_a_spring_that_saturates(scheme):
     assert run.max_energy_error.item() == pytest.approx(predicted, rel=0.05)
 
 
+@pytest.mark.parametrize("scheme", ["central_difference", "average_acceleration"])
+def test_a_step_does_not_pass_over_waves_of_the_tangent(scheme):
+    """A spring with ripples: only this test catches steps of several waves, whose errors reach ten times the bound."""
+    ripples = study.Problem(potential=lambda u: u**2 / 2 - 0.05 * jnp.cos(30 * u) / 900, u0=1.5, title="ripples")
+    ds = step_bound(ripples, scheme).sel(quantity="energy")
+    assert ds.omega_step == pytest.approx(2 / 43.9, rel=0.05)  # the fastest ripples pass with 30 times the velocity 1.5
+    steps = ds.step_size.item() * np.linspace(0.5, 1.0, 30)
+    numbers = np.ceil(100 * ds.period.item() / steps).astype(int)
+    run = study.run(ripples, scheme, dt=steps, steps=numbers, observe=["max_energy_error"])
+    predicted = ds.coefficient.item() * (ds.omega_step.item() * steps / steps[-1]) ** 2
+    assert (run.max_energy_error.values < 1.1 * predicted).all()
+
+
 @pytest.mark.parametrize("problem", [PENDULUM, MORSE], ids=lambda problem: problem.title)
 def test_from_rest_average_acceleration_delays_twice_as_much_as_central_difference_advances(problem):
     central, average = (
