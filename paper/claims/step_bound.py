@@ -25,8 +25,8 @@ def confirmed(bound: xr.Dataset) -> xr.DataArray:
 
 def exceptions(bound: xr.Dataset, missed: xr.DataArray) -> list[str]:
     """Potential and initial displacement of some motions."""
-    motions = bound.isel(motion=missed.values).groupby("motion")
-    return [f"“{motion.potential_title.item()}” from {number(motion.u0.item())}" for _, motion in motions]
+    motions = (bound.isel(motion=place) for place in np.flatnonzero(missed.values))
+    return [f"“{motion.potential_title.item()}” from {number(motion.u0.item())}" for motion in motions]
 
 
 @claim(

@@ -19,6 +19,7 @@ def step_bound_numbers(bound: xr.Dataset, rule: xr.Dataset) -> dict:
     close = confirmed(bound)
     periods = abs(bound.error.sel(quantity="period")) / bound.omega_step**2
     ratio = periods.sel(scheme="average_acceleration") / periods.sel(scheme="central_difference")
+    exceptional = {name: exceptions(bound, ~close.sel(quantity=name).all("scheme")) for name in ("energy", "period")}
     values = {
         "bound_potentials": len(np.unique(bound.potential)),
         "bound_motions": bound.sizes["motion"],
@@ -30,8 +31,8 @@ def step_bound_numbers(bound: xr.Dataset, rule: xr.Dataset) -> dict:
         "bound_energy_confirmed": int(close.sel(quantity="energy").sum()),
         "bound_period_confirmed": int(close.sel(quantity="period").sum()),
         **{
-            f"bound_{quantity}_exceptions": joined(exceptions(bound, ~close.sel(quantity=quantity).all("scheme")), {})
-            for quantity in ("energy", "period")
+            f"bound_{quantity}_exceptions": joined(missed, {}) if missed else None
+            for quantity, missed in exceptional.items()
         },
         "bound_step": f"{LARGEST_STEP:g}",
         "bound_convex_runs": f"{int(described.sum()):,}",
