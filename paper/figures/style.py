@@ -69,7 +69,7 @@ _STYLE_NUMBERS = {
     "α-methods": (5, 17, 16, 15, 34, 43, 44, 46),
     "Runge-Kutta and conserving": (6, 19, 13, 12, 24, 25, 7, 42),
     "Explicit with dissipation": (29, 30, 26, 27, 20, 40, 41, 47, 50, 53),
-    "Splitting": (28, 32, 18, 31, 22, 35, 33, 45),
+    "Splitting": (28, 32, 18, 63, 22, 35, 33, 45),
 }
 
 
