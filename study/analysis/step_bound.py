@@ -13,7 +13,7 @@ from jaxtyping import Float
 
 from study.algebra.jit import jit
 from study.algebra.scalars import is_number
-from study.analysis.modified_equation import ModifiedEnergy, displacement_error, modified_equation
+from study.analysis.modified_equation import ModifiedEnergy, ModifiedEquation, displacement_error, modified_equation
 from study.marching.arguments import resolve
 from study.mechanics.definition import Problem
 from study.mechanics.internal_force import switches
@@ -112,6 +112,12 @@ class Orbit(NamedTuple):
         """The error of the period over Δt²."""
         change = self._change(modified)[0] * self.period_by_energy
         return float(change - modified.period_coefficient * self.acceleration_by_energy)
+
+    def next_delay(self, equation: ModifiedEquation) -> float:
+        """An estimate of the coefficient of (ωΔt)⁴ in the relative error of the period, see :func:`step_bound`."""
+        (energy_error, _), height = self.coefficients(equation.energy), self.mass / 2 * np.max(self.v) ** 2
+        by_energy = abs(self.period_by_energy) * height / self.period
+        return NEXT * equation.next_term + by_energy * energy_error**2 * (1 + 1 / self.separatrix_distance) / 4
 
     def coefficients(self, modified: ModifiedEnergy) -> Float[np.ndarray, "2"]:
         """Errors of energy and period over (ωΔt)², see :func:`step_bound`."""
@@ -331,31 +337,34 @@ def step_bound(
         \tilde T - T &= \Delta t^2 (g_0 T'(E) - c S'(E)) = C_T (\omega\Delta t)^2 T
 
     with the highest frequency ω of the tangent along the motion. From rest, the error of the period of average
-    acceleration is −2 times that of central difference, for every potential. The error e of the
-    displacement follows from the linearised equation of motion, which the terms of Δt² of the scheme excite. For
-    Newmark's methods
+    acceleration is −2 times that of central difference, for every potential. The error e of the displacement follows
+    from the linearised equation of motion, which the terms of Δt² of the scheme excite. For Newmark's methods
 
     .. math::
 
         M \ddot e + p' e = \Delta t^2 (\beta - 1/12) (p' M^{-1} p - p'' \dot u^2), \quad
         e(0) = 0, \quad \dot e(0) = \Delta t^2 (1/6 - \beta) M^{-1} p' \dot u(0)
 
-    in the first period, and e − (n − 1) (T̃ − T) u̇ in the last of n periods. To the errors of period and displacement
-    the delay :math:`2 a_4 (\omega\Delta t)^4 T` in a period is added, with
-    :math:`a_4 = 3\beta^2/8 - \beta/16 + 3/640` of a linear oscillator, because the terms of Δt² may cancel. If
+    in the first period, and e − (n − 1) (T̃ − T) u̇ in the last of n periods. Because the terms of Δt² may cancel, an
+    estimate of the next term of the delay is added to the errors of period and displacement,
+
+    .. math::
+
+        \left[2 a_4 + C_E^2 (1 + 1/s)\,(E_0 - E_\text{rest})\, |T'(E)| / (4 T)\right] (\omega\Delta t)^4\, T,
+            \quad a_4 = 3\beta^2/8 - \beta/16 + 3/640
+
+    with the distance s to the separatrix; a₄ is that of a linear oscillator. If
     :math:`0 \le p' \le \omega^2 M`, C_E is at most ¼ for central difference and 1/6 for average acceleration, with any
     number of unknowns.
 
     The bound excludes motions with a load or damping, forces whose tangent jumps or has an infinite slope, and schemes
     that dissipate. Terms of higher order count if a step is longer than ½/ω, or if the tangent changes within a step by
     more than half of its largest size, as on a spring that saturates far from rest, or by more than a third of a wave,
-    as on a spring with ripples. No step is longer than that. A
-    narrow peak of the tangent is seen if it adds a tenth to the change of the force between two of 512 points of the
-    motion. In a
-    narrow range of steps that resonate with the motion, the error can be several times the bound: a run with half the
-    step shows this. The smoother the force and the shorter the step, the narrower is the range. Near a
-    separatrix C_T grows without bound. A step that keeps the energy may therefore be far too long for the period there:
-    ``separatrix_distance`` measures how near the motion is.
+    as on a spring with ripples. No step is longer than that. A narrow peak of the tangent is seen if it adds a tenth to
+    the change of the force between two of 512 points of the motion. In a narrow range of steps that resonate with the
+    motion, the error can be several times the bound: a run with half the step shows this. The smoother the force and
+    the shorter the step, the narrower is the range. Near a separatrix C_T grows without bound. A step that keeps the
+    energy may therefore be far too long for the period there: ``separatrix_distance`` measures how near the motion is.
 
     Parameters
     ----------
@@ -404,8 +413,8 @@ def step_bound(
     in_last_period = error - max(periods - 1, 0) * motion.delay(equation.energy) * velocity
     displacement = np.max(np.abs([error, in_last_period])) / farthest / omega**2
     coefficients = np.append(motion.coefficients(equation.energy), displacement)
-    fastest_delay = periods * motion.period * np.max(motion.v) / farthest
-    next_terms = NEXT * equation.next_term * np.array([0.0, 1.0, fastest_delay])
+    next_delay = motion.next_delay(equation)
+    next_terms = np.array([0.0, next_delay, periods * next_delay * motion.period * np.max(motion.v) / farthest])
     omega_step = largest_omega_step(coefficients, allowed_error, scheme, motion.described_up_to, next_terms)
     return xr.Dataset(
         {

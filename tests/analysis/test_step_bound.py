@@ -132,20 +132,23 @@ def test_from_rest_average_acceleration_delays_twice_as_much_as_central_differen
 @pytest.mark.slow
 def test_the_displacement_is_wrong_by_the_delay():
     """A reference with steps forty times as small; the error oscillates within a period by a hundredth of its end."""
-    ds = step_bound(PENDULUM, "average_acceleration", allowed_error=0.1, periods=50)
+    ds = step_bound(PENDULUM, "average_acceleration", allowed_error=0.01, periods=50)
     dt = ds.step_size.sel(quantity="displacement").item()
     steps = int(50 * ds.period / dt)
     coarse = study.run(PENDULUM, "average_acceleration", dt=dt, steps=steps).u
     fine = study.run(PENDULUM, "average_acceleration", dt=dt / 40, steps=40 * steps, every=40).u
-    assert (abs(coarse.values - fine.values).max() / 2.5).item() == pytest.approx(0.1, rel=0.1)
+    assert (abs(coarse.values - fine.values).max() / 2.5).item() == pytest.approx(0.01, rel=0.03)
 
 
 @pytest.mark.parametrize("scheme", ["central_difference", "fox_goodwin", "implicit_midpoint"])
-@pytest.mark.parametrize("start, periods", [((1.151, 1.284), 100), ((1.0, 1.3), 10), ((0.5, 1.6), 1)])
+@pytest.mark.parametrize(
+    "start, periods", [((1.151, 1.284), 100), ((1.0, 1.3), 10), ((0.5, 1.6), 1), ((np.pi / 2, 1.265), 100)]
+)
 def test_the_displacement_of_a_motion_that_begins_anywhere_keeps_the_error(scheme, start, periods):
     """Where the delays of the energy and of the period nearly cancel, the error of the shape and the next terms remain.
 
-    Only this test catches a bound from the delay alone, with errors up to four times the allowed one.
+    Only this test catches a bound from the delay alone, or from the terms of Δt² alone near a separatrix; the errors
+    are then up to four times the allowed one.
     """
     pendulum = study.Problem(jnp.sin, *start, potential=lambda u: 1 - jnp.cos(u))
     ds = step_bound(pendulum, scheme, 0.01, periods=periods)
