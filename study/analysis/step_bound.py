@@ -22,11 +22,12 @@ from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
 
-#: Largest ωΔt, largest change of the tangent within a step over its largest size, and part of a wave of the tangent
-#: that a step may pass, in rad, at which the term of Δt² describes a run; no bound is larger. On a spring of tanh
-#: form, errors exceed the term by up to 5 % there, and by more than a tenth once the tangent changes by 0.8. Steps that
-#: pass over waves of the tangent meet many resonances, and with half a wave errors exceed the term by up to a fifth.
-LARGEST, LARGEST_CHANGE, LARGEST_WAVE = 0.5, 0.5, 2.0
+#: Largest ωΔt, largest change of the tangent within a step over its largest size, and mean part of a wave of the
+#: tangent that a step may pass, in rad, at which the term of Δt² describes a run; no bound is larger. On a spring of
+#: tanh form, errors exceed the term by up to 5 % there, and by more than a tenth once the tangent changes by 0.8. Steps
+#: that pass over waves of the tangent meet many resonances, and with half a wave errors exceed the term by up to a
+#: fifth.
+LARGEST, LARGEST_CHANGE, LARGEST_WAVE = 0.5, 0.5, 1.6
 #: Variation of the tangent along a motion, over its largest size, that counts as none.
 CONSTANT = 1e-3
 #: Factor by which the term of (ωΔt)⁴ in the delay may exceed that of a linear oscillator with the frequency ω. It
@@ -100,7 +101,8 @@ class Orbit(NamedTuple):
         if np.ptp(tangent) <= CONSTANT * size:
             return LARGEST
         fastest = np.max(np.abs(rate))
-        wave = np.max(np.abs(np.diff(rate) / ((time[1:] + time[:-1]) / 2))) / fastest
+        # the mean frequency of the waves, which a kink of the tangent does not raise as the largest one
+        wave = np.abs(np.diff(rate)).sum() / np.abs(np.diff(tangent)).sum()
         return float(min(LARGEST, LARGEST_CHANGE * size * omega / fastest, LARGEST_WAVE * omega / wave))
 
     def _change(self, modified: ModifiedEnergy) -> _Points:
@@ -359,12 +361,13 @@ def step_bound(
 
     The bound excludes motions with a load or damping, forces whose tangent jumps or has an infinite slope, and schemes
     that dissipate. Terms of higher order count if a step is longer than ½/ω, or if the tangent changes within a step by
-    more than half of its largest size, as on a spring that saturates far from rest, or by more than a third of a wave,
-    as on a spring with ripples. No step is longer than that. A narrow peak of the tangent is seen if it adds a tenth to
-    the change of the force between two of 512 points of the motion. In a narrow range of steps that resonate with the
-    motion, the error can be several times the bound: a run with half the step shows this. The smoother the force and
-    the shorter the step, the narrower is the range. Near a separatrix C_T grows without bound. A step that keeps the
-    energy may therefore be far too long for the period there: ``separatrix_distance`` measures how near the motion is.
+    more than half of its largest size, as on a spring that saturates far from rest, or by more than a quarter of a
+    wave, as on a spring with ripples. No step is longer than that. A narrow peak of the tangent is seen if it adds a
+    tenth to the change of the force between two of 512 points of the motion. In a narrow range of steps that resonate
+    with the motion, the error can be several times the bound: a run with half the step shows this. The smoother the
+    force and the shorter the step, the narrower is the range. Near a separatrix C_T grows without bound. A step that
+    keeps the energy may therefore be far too long for the period there: ``separatrix_distance`` measures how near the
+    motion is.
 
     Parameters
     ----------
