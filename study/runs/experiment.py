@@ -19,7 +19,7 @@ from study.marching.result import STATUSES_OR_NOT_RUN
 from study.problem.inelastic import SCALES
 from study.problem.named import approximate_periods, problems, time_scale_names, time_scales
 from study.runs.measured import Motion, Starts, measured, quantities_of
-from study.runs.needs import COSTS, DECIDED, WHOLE_MOTION, keeps
+from study.runs.needs import COSTS, DECIDED, keeps, moves_right, place_of_need
 from study.runs.records import DIVIDING
 from study.runs.schema import described, divides
 from study.scheme.base import Scheme
@@ -189,20 +189,16 @@ class _Ladder:
         """
         names, shape = [*self._own], (-1, len(self.periods), self._own.shape[1])
         worst = np.fmax(self._own.values, self._largest.values).reshape(shape)[::-1]
-        tried = self._own.index.unique("steps_per_period").values[::-1]
-        part = (divides(self.scale / tried, self.motion.spacing) == 1) | (not dividing)
-        fine_first, worst = tried[part], worst[part]
+        fine_first = self._own.index.unique("steps_per_period").values[::-1]
+        counted = (divides(self.scale / fine_first, self.motion.spacing) == 1) | (not dividing)
         proposed, results = ~np.isin(fine_first, [*self.confirming]), list[tuple[float, float]]()
-        whole = np.full(len(worst), True)
-        for name in WHOLE_MOTION.keys() & {*names}:
-            whole &= worst[:, self.decided, names.index(name)] <= WHOLE_MOTION[name]
-        for meets in (True, whole):
+        for right in (True, moves_right(worst[:, self.decided], names)):
             for quantity, allowed in limits:
-                kept = keeps(worst[..., names.index(quantity)], self.periods, self.periods[self.decided], allowed)
-                place = int(unbroken(kept & meets).sum())
-                coarser = fine_first[place] if place < len(fine_first) else 0.0
-                answers = fine_first[:place][proposed[:place]]
-                results.append((answers[-1] if len(answers) else math.inf, coarser))
+                errors = worst[..., names.index(quantity)]
+                kept = keeps(errors, self.periods, self.periods[self.decided], allowed) & right
+                place = place_of_need(kept, counted, proposed)
+                coarser = fine_first[counted & ~unbroken(kept | ~counted)].max(initial=0.0)
+                results.append((fine_first[place] if place >= 0 else math.inf, coarser))
         return results
 
     def search(self, limits: list[Limit], finest: int) -> None:

@@ -100,6 +100,8 @@ ATTRIBUTES = {
 #: Errors of runs over some numbers of periods, and these numbers.
 Errors = Float[np.ndarray, "*runs periods"]
 Periods = Float[np.ndarray, " periods"]
+#: Errors of runs in some quantities.
+ErrorsOfQuantities = Float[np.ndarray, "*runs quantities"]
 #: Costs and errors of schemes.
 Values = Float[np.ndarray, "*places schemes"]
 
@@ -129,15 +131,19 @@ def keeps(error: Errors, periods: Periods, decided: float, allowed: float) -> Ke
     return np.all(within, axis=-1)
 
 
-def _meets(runs: xr.Dataset, condition: str) -> xr.DataArray:
-    """Whether runs from all starts meet a condition, over (scheme, size)."""
-    error = np.fmax(runs.error, runs.largest_error)
-    meets = xr.ones_like(error.isel(quantity=0, drop=True), dtype=bool)
-    if condition == "whole_motion":
-        for name, bound in WHOLE_MOTION.items():
-            if name in runs.quantity.values:
-                meets &= error.sel(quantity=name, drop=True) <= bound
-    return meets
+def moves_right(error: ErrorsOfQuantities, names: Sequence[str]) -> Kept:
+    """Whether the errors of a run, over the names of quantities, are within ``WHOLE_MOTION``, if they are bounded."""
+    bounded = [k for k, name in enumerate(names) if name in WHOLE_MOTION]
+    return np.all(error[..., bounded] <= [WHOLE_MOTION[names[k]] for k in bounded], axis=-1)
+
+
+def place_of_need(kept: Kept, counted: Kept, proposed: Kept) -> np.ndarray:
+    """Place of the largest proposed size that keeps an error, as all smaller sizes do that count; −1 if there is none.
+
+    The sizes ascend along the last axis.
+    """
+    places = np.arange(kept.shape[-1])
+    return np.where(unbroken(kept | ~counted) & counted & proposed, places, -1).max(-1, initial=-1)
 
 
 def needs(runs: xr.Dataset, allowed_errors: Sequence[float]) -> xr.Dataset:
@@ -163,20 +169,19 @@ def needs(runs: xr.Dataset, allowed_errors: Sequence[float]) -> xr.Dataset:
     """
     runs = runs.sortby("step_size").transpose("scheme", "size", "quantity", "periods", ...)
     decided = runs.sel(periods=runs.decided)
-    meets = {condition: _meets(decided, condition) for condition in CONDITIONS}
+    worst = np.fmax(runs.error, runs.largest_error)
+    right = moves_right(worst.sel(periods=runs.decided).values, runs.quantity.values)
     searched = [name for name in DECIDED if name in runs.quantity]
-    worst, decided = np.fmax(runs.error, runs.largest_error).sel(quantity=searched), decided.sel(quantity=searched)
+    worst, decided = worst.sel(quantity=searched), decided.sel(quantity=searched)
     within = [keeps(worst.values, runs.periods.values, runs.decided.item(), allowed) for allowed in allowed_errors]
-    parts = [
-        xr.concat(
-            [
-                _needed(decided, condition, meets[condition] & decided.error.copy(data=kept), allowed)
-                for allowed, kept in zip(allowed_errors, within, strict=True)
-            ],
-            _index(allowed_error=allowed_errors),
-        )
-        for condition in CONDITIONS
-    ]
+    parts = []
+    for condition in CONDITIONS:
+        meets = right[..., None] | (condition != "whole_motion")
+        of_condition = [
+            _needed(decided, condition, decided.error.copy(data=meets & kept), allowed)
+            for allowed, kept in zip(allowed_errors, within, strict=True)
+        ]
+        parts.append(xr.concat(of_condition, _index(allowed_error=allowed_errors)))
     ds = xr.concat(parts, _index(condition=list(CONDITIONS)))
     return ds.transpose("scheme", "quantity", "allowed_error", "condition").assign_coords(
         decided.drop_dims("size").drop_vars("periods").coords
@@ -188,21 +193,19 @@ def _index(**values: Sequence) -> xr.IndexVariable:
     return xr.IndexVariable(name, list(along))
 
 
-def _needed(runs: xr.Dataset, condition: str, meets: xr.DataArray, allowed: float) -> xr.Dataset:
+def _needed(runs: xr.Dataset, condition: str, kept: xr.DataArray, allowed: float) -> xr.Dataset:
     """The needs over (scheme, quantity) for one condition and one allowed error; step sizes ascend."""
     sizes, counted = ["step_size", "steps_per_period", "omega_step", "divides"], runs.tried == 1
     if condition != "any_step":
         counted = counted & (runs.divides == 1)
     if condition == "whole_motion" and WHOLE_MOTION.keys().isdisjoint(runs.quantity.values):
         counted = xr.zeros_like(counted)
-    certain = runs.uncertainty * CERTAIN <= allowed
-    kept = ((certain & meets) | ~counted).transpose(..., "size")
-    kept = kept.copy(data=unbroken(kept.values)) & counted
-    number, proposed = xr.DataArray(np.arange(runs.sizes["size"]), dims="size"), counted & (runs.proposed == 1)
-    place = xr.where(kept & proposed, number, -1).max("size")
+    kept, proposed = kept & (runs.uncertainty * CERTAIN <= allowed), counted & (runs.proposed == 1)
+    place = xr.apply_ufunc(place_of_need, kept, counted, proposed, input_core_dims=[["size"]] * 3)
     at = runs.reset_coords(sizes).isel(size=place.clip(min=0))
     values = at[[*sizes, *COSTS, "error", "largest_error"]]
-    values = values.assign(smaller_steps=(kept & (number < place)).sum("size")).where(place >= 0)
+    smaller = counted & (xr.DataArray(np.arange(runs.sizes["size"]), dims="size") < place)
+    values = values.assign(smaller_steps=smaller.sum("size")).where(place >= 0)
     return values.assign(verdict=_verdict(runs, proposed, place, allowed)).reset_coords(drop=True)
 
 
