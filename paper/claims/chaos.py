@@ -26,7 +26,7 @@ def fewest_steps(chaos: xr.Dataset) -> dict[str, float]:
     The value is NaN if the exponent with the most steps is not close.
     """
     ueda = ueda_of(chaos)
-    close = 100 * abs(ueda.exponent / ueda.printed_exponent - 1) <= REASONABLE
+    close = 100 * abs(ueda.lyapunov_exponent / ueda.printed_exponent - 1) <= REASONABLE
     return least_number(close, "steps_per_period").to_series().to_dict()
 
 

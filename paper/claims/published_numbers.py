@@ -26,7 +26,7 @@ CLOSED = 0.01
 )
 def exact_on_a_bar(published_numbers):
     bar = published_numbers.sel(problem="loaded_bar")
-    error = bar.error.sel(scheme="central_difference")
+    error = bar.end_error.sel(scheme="central_difference")
     steps = bar.steps[error.fillna(np.inf).argmin("refinement")].item()
     holds = float(error.min()) <= ROUND_OFF
     reason = when(not holds, "a wave crosses one element in none of the steps that were tried")
@@ -36,8 +36,8 @@ def exact_on_a_bar(published_numbers):
 def steps_of_orbit(published_numbers: xr.Dataset) -> dict[str, dict[str, float]]:
     """Fewest equal and controlled steps from which on all runs close Arenstorf's orbit, by scheme; NaN without them."""
     orbit = published_numbers.sel(problem="arenstorf")
-    equal = fewest(orbit.error, orbit.steps, CLOSED, "refinement")
-    controlled = fewest(orbit.controlled_error, orbit.controlled_steps, CLOSED, "tolerance")
+    equal = fewest(orbit.end_error, orbit.steps, CLOSED, "refinement")
+    controlled = fewest(orbit.controlled_end_error, orbit.controlled_steps, CLOSED, "tolerance")
     return {"equal": by_name(equal), "controlled": by_name(controlled)}
 
 
@@ -66,7 +66,7 @@ def largest_step(published_numbers: xr.Dataset) -> dict[str, float]:
     """Largest Δt/ε at and below which errors on van der Pol's oscillator are reasonable, by implicit scheme, or NaN."""
     runs = published_numbers.sel(problem="van_der_pol")
     runs = runs.isel(scheme=np.flatnonzero(runs.explicit.values == 0))
-    return by_name(runs.duration / fewest(runs.error, runs.steps, REASONABLE / 100, "refinement") / FASTEST)
+    return by_name(runs.duration / fewest(runs.end_error, runs.steps, REASONABLE / 100, "refinement") / FASTEST)
 
 
 @claim(

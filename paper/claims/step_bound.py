@@ -20,7 +20,7 @@ ROUNDED = 0.005
 
 def confirmed(bound: xr.Dataset) -> xr.DataArray:
     """Whether a measured error is close to the predicted one, (scheme, motion, quantity)."""
-    return abs(bound.error / (bound.coefficient * bound.omega_step**2) - 1) < CONFIRMED
+    return abs(bound.measured_error / (bound.coefficient * bound.omega_step**2) - 1) < CONFIRMED
 
 
 def exceptions(bound: xr.Dataset, missed: xr.DataArray) -> list[str]:
@@ -39,7 +39,7 @@ def exceptions(bound: xr.Dataset, missed: xr.DataArray) -> list[str]:
 def modified_energy_predicts(bound):
     bound = bound.sel(scheme=SCHEMES, quantity="energy")
     close = confirmed(bound)
-    ratio = (bound.error / (bound.coefficient * bound.omega_step**2)).max().item()
+    ratio = (bound.measured_error / (bound.coefficient * bound.omega_step**2)).max().item()
     missed = exceptions(bound, ~close.all("scheme"))
     holds = float(close.mean()) >= MOST_RUNS
     return Finding(

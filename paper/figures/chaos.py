@@ -31,7 +31,9 @@ def draw(chaos: xr.Dataset) -> Figure:
         for scheme, look in curve_styles(motions.scheme).items():
             if scheme in SHOWN:
                 runs = motions.sel(scheme=scheme)
-                largest, error = (runs[part].isel(place=0) for part in ("exponent", "uncertainty"))
+                largest, error = (
+                    runs[part].isel(place=0) for part in ("lyapunov_exponent", "lyapunov_exponent_uncertainty")
+                )
                 label = runs.scheme_title.item()
                 above.errorbar(steps, largest, ERRORS * error, label=label, elinewidth=0.8, **look)
                 apart = abs(runs.mean_square / exact.mean_square - 1)

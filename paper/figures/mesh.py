@@ -36,9 +36,9 @@ def draw(mesh: xr.Dataset) -> Figure:
         case = largest.isel(case=np.flatnonzero(largest.stiffening == factor)[-1])
         for scheme, look in curve_styles(mesh.scheme).items():
             steps = case.sel(scheme=scheme)
-            steps = steps.isel(tried=(steps.tried_error > 0).values)
+            steps = steps.isel(tried=(steps.tried_peak_error > 0).values)
             label = f"{steps.scheme_title.item()}, row × {factor.item():,g}"
-            errors.plot(steps.tried_error, steps.tried_seconds, label=label, **{**look, "linestyle": line})
+            errors.plot(steps.tried_peak_error, steps.tried_seconds, label=label, **{**look, "linestyle": line})
     errors.set(xlabel="error of the peak displacement", ylabel="time of a period (s)")
     name = f"{largest.rows.values[0]} × {largest.columns.values[0]} masses"
     for index, (ax, title) in enumerate(((ratios, "at an equal error"), (errors, name))):

@@ -27,7 +27,7 @@ SMALLEST = 1e-16
 def _errors(ax: Axes, runs: xr.Dataset, styles: dict) -> None:
     """Draw the error of each scheme on a problem against the number of steps."""
     for name, style in styles.items():
-        error = runs.error.sel(scheme=name)
+        error = runs.end_error.sel(scheme=name)
         ax.plot(runs.steps, error.where(error < BEYOND).clip(min=SMALLEST), label=error.scheme_title.item(), **style)
     ax.set(xscale="log", yscale="log")
     ends = runs.steps.values[[0, -1]]

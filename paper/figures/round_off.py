@@ -18,7 +18,7 @@ def draw(round_off: xr.Dataset) -> Figure:
     """Error against steps per period: filled markers for plain sums, open markers for compensated sums."""
     round_off = round_off.drop_sel(scheme=LEFT_OUT, errors="ignore")
     figure, ((ax,),) = panels(1, 1, COLUMN, 7.5)
-    known = round_off.error.where(round_off.flagged == 0)
+    known = round_off.end_error.where(round_off.flagged == 0)
     ax.axhspan(0, 10 * round_off.uncertainty.item(), color="0.85", linewidth=0)
     for name, look in curve_styles(round_off.scheme).items():
         run = known.sel(scheme=name)

@@ -29,7 +29,7 @@ def draw(bound: xr.Dataset) -> Figure:
             motions.convex_coefficient.item(), color=look["color"], linestyle=look["linestyle"], lw=0.8
         )
         period = {"scheme": name, "quantity": "period"}
-        measured.plot(100 * predicted.sel(period), 100 * bound.error.sel(period), **style)
+        measured.plot(100 * predicted.sel(period), 100 * bound.measured_error.sel(period), **style)
     by_potential.set(xlabel="energy error over the square of ωΔt", xlim=(0, None))
     by_potential.set_yticks(range(len(names)), names)
     by_potential.invert_yaxis()

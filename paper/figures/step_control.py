@@ -58,7 +58,7 @@ def _ratios(ax: Axes, estimates: xr.Dataset) -> None:
 def _histories(ax: Axes, control: xr.Dataset, titles: dict, look: dict) -> None:
     for name, title in titles.items():
         error = 100 * control.max_energy_error_of_period.sel(with_equal=name)
-        ax.plot(control.period, error, label=title, markevery=20, markersize=3, **look[name])
+        ax.plot(control.period_number, error, label=title, markevery=20, markersize=3, **look[name])
     ax.set(yscale="log", xlabel="period", ylabel="largest energy error (%)")
 
 

@@ -8,7 +8,7 @@ LONG = 1.0
 
 def _beyond(spectrum: xr.Dataset) -> xr.DataArray:
     """Whether each run at a period of ``LONG`` or more exceeds the allowed error."""
-    return ~(spectrum.error.sel(period=spectrum.period >= LONG) <= spectrum.allowed_error)
+    return ~(spectrum.peak_drift_error.sel(period=spectrum.period >= LONG) <= spectrum.allowed_error)
 
 
 def share_beyond(spectrum: xr.Dataset) -> xr.DataArray:

@@ -22,9 +22,8 @@ STIFF, PULSE = ["stiff_soft"], "pulse"
 
 def growth(step_control: xr.Dataset) -> xr.DataArray:
     """Largest energy error in the last period divided by the largest in the first, (problem, with_equal)."""
-    return step_control.max_energy_error_of_period.isel(period=-1) / step_control.max_energy_error_of_period.isel(
-        period=0
-    )
+    history = step_control.max_energy_error_of_period
+    return history.isel(period_number=-1) / history.isel(period_number=0)
 
 
 def with_control(control_cost: xr.Dataset, allowed: float) -> tuple[xr.DataArray, xr.DataArray]:

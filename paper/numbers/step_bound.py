@@ -17,7 +17,7 @@ def step_bound_numbers(bound: xr.Dataset, rule: xr.Dataset) -> dict:
     over, described = over_convex(bound, rule)
     bound = bound.sel(scheme=SCHEMES)
     close = confirmed(bound)
-    periods = abs(bound.error.sel(quantity="period")) / bound.omega_step**2
+    periods = abs(bound.measured_error.sel(quantity="period")) / bound.omega_step**2
     ratio = periods.sel(scheme="average_acceleration") / periods.sel(scheme="central_difference")
     exceptional = {name: exceptions(bound, ~close.sel(quantity=name).all("scheme")) for name in ("energy", "period")}
     values = {
@@ -27,7 +27,7 @@ def step_bound_numbers(bound: xr.Dataset, rule: xr.Dataset) -> dict:
         "bound_error": f"{100 * bound.allowed_error.item():g}",
         "bound_periods": bound.periods.item(),
         "bound_confirmed": f"{100 * CONFIRMED:g}",
-        "bound_runs": bound.error.sel(quantity="energy").size,
+        "bound_runs": bound.measured_error.sel(quantity="energy").size,
         "bound_energy_confirmed": int(close.sel(quantity="energy").sum()),
         "bound_period_confirmed": int(close.sel(quantity="period").sum()),
         **{
@@ -38,7 +38,7 @@ def step_bound_numbers(bound: xr.Dataset, rule: xr.Dataset) -> dict:
         "bound_convex_runs": f"{int(described.sum()):,}",
         "bound_convex_most": f"{over.where(described).max().item():.2f}",
         "bound_period_ratio": span(ratio, ".1f"),
-        "bound_most_energy": at_most(100 * bound.error.sel(quantity="energy").max().item(), 2),
+        "bound_most_energy": at_most(100 * bound.measured_error.sel(quantity="energy").max().item(), 2),
     }
     for name in SCHEMES:
         convex = bound.convex_coefficient.sel(scheme=name).item()

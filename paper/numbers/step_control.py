@@ -49,7 +49,7 @@ def step_control_numbers(
     displacement = finest.estimate / finest.true_displacement_error
     state = finest.estimate / finest.true_error
     grown = growth(step_control).sel(problem=PROBLEM)
-    history = 100 * step_control.max_energy_error_of_period.sel(problem=PROBLEM).isel(period=-1)
+    history = 100 * step_control.max_energy_error_of_period.sel(problem=PROBLEM).isel(period_number=-1)
     cell = {"steps_per_period": CELL, "scheme": SCHEME}
     equal = 100 * energy_error.max_energy_error.sel(period_used="exact", **cell)
     controlled = 100 * controlled_1996.max_energy_error.isel(controller=0).sel(cell)

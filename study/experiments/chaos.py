@@ -68,10 +68,10 @@ def chaos(
     Returns
     -------
     xarray.Dataset
-        ``exponent``, in descending order, ``contraction``, minus the sum of all exponents, ``mean_square`` of the first
-        unknown, their standard errors, and ``regular``, the share of regular runs, of shape (problem, scheme,
-        steps_per_period), for ``exponent`` also (place), NaN where a run failed. ``damping`` is the contraction of the
-        equation of motion.
+        Of shape (problem, scheme, steps_per_period), NaN where a run failed: ``lyapunov_exponent``, also (place), in
+        descending order, ``contraction``, minus the sum of all exponents, ``mean_square`` of the first unknown, their
+        standard errors, and ``regular``, the share of regular runs. ``damping`` is the contraction of the equation of
+        motion.
     """
     definition, period = problems_by_name[problem], time_scales[problem]
     unknowns = np.size(definition.u0)
@@ -100,8 +100,12 @@ def chaos(
     damping = float(np.trace(np.broadcast_to(definition.damping, (unknowns, unknowns)) * np.eye(unknowns)))
     return xr.Dataset(
         {
-            "exponent": ((*dims, "place"), exponents[0], {"long_name": "Lyapunov exponent", "units": "s-1"}),
-            "uncertainty": ((*dims, "place"), exponents[1], {"long_name": f"{error} exponent", "units": "s-1"}),
+            "lyapunov_exponent": ((*dims, "place"), exponents[0], {"long_name": "Lyapunov exponent", "units": "s-1"}),
+            "lyapunov_exponent_uncertainty": (
+                (*dims, "place"),
+                exponents[1],
+                {"long_name": f"{error} exponent", "units": "s-1"},
+            ),
             "contraction": (dims, contraction[0], {"long_name": "minus the sum of the exponents", "units": "s-1"}),
             "contraction_uncertainty": (dims, contraction[1], {"long_name": f"{error} contraction", "units": "s-1"}),
             "mean_square": (

@@ -128,7 +128,7 @@ def mesh(
     -------
     xarray.Dataset
         Over (case, scheme): ``steps_per_period`` from which on all steps tried keep the error, ``seconds_per_step``,
-        ``seconds_per_period``, ``newton_iterations_per_step``; over (case, scheme, tried): ``tried_error`` and
+        ``seconds_per_period``, ``newton_iterations_per_step``; over (case, scheme, tried): ``tried_peak_error`` and
         ``tried_seconds`` of a lowest period, for every number of steps tried; over case: ``mesh_ratio``, ω of the mesh
         over ω of the motion, and ``crossover``, the ratio at which both schemes take the same time.
     """
@@ -176,7 +176,11 @@ def mesh(
                 steps,
                 {"long_name": "steps in the lowest period that keep the error", "units": "1"},
             ),
-            "error": (dims, errors, {"long_name": "error of the largest displacement at these steps", "units": "1"}),
+            "peak_error": (
+                dims,
+                errors,
+                {"long_name": "error of the largest displacement at these steps", "units": "1"},
+            ),
             "newton_iterations_per_step": (
                 dims,
                 iterations,
@@ -188,7 +192,7 @@ def mesh(
                 time,
                 {"long_name": "time of a lowest period with the allowed error", "units": "s"},
             ),
-            "tried_error": (
+            "tried_peak_error": (
                 (*dims, "tried"),
                 tried_error,
                 {"long_name": "error of the largest displacement", "units": "1"},

@@ -105,7 +105,7 @@ def order_under_reality(
     titles = [circumstance.title for circumstance in circumstances.values()]
     return xr.Dataset(
         {
-            "error": ((*dims, "steps"), error, {"long_name": "error at the end over the motion", "units": "1"}),
+            "end_error": ((*dims, "steps"), error, {"long_name": "error at the end over the motion", "units": "1"}),
             "observed_order": (dims, order, {"long_name": "observed order of the errors", "units": "1"}),
             "status": (dims, status, flags("how the order was found", STATUSES, np.int8)),
         },

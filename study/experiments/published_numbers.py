@@ -94,14 +94,18 @@ def published_numbers(
     points = [known[name] for name in names]
     return xr.Dataset(
         {
-            "error": (
+            "end_error": (
                 dims,
                 error,
                 {"long_name": "Euclidean error of the displacement at the end over its size", "units": "1"},
             ),
             "status": (dims, status, flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8)),
             "steps": (("problem", "refinement"), steps, {"long_name": "number of steps", "units": "1"}),
-            "controlled_error": (control_dims, control[0], {"long_name": "error with controlled steps", "units": "1"}),
+            "controlled_end_error": (
+                control_dims,
+                control[0],
+                {"long_name": "error with controlled steps", "units": "1"},
+            ),
             "controlled_steps": (control_dims, control[1], {"long_name": "number of controlled steps", "units": "1"}),
             "duration": (
                 "problem",

@@ -79,7 +79,7 @@ def round_off(problem: Spring, schemes: Schemes, steps_per_period: RisingCounts,
     dims = ("scheme", "summation", "steps_per_period")
     return xr.Dataset(
         {
-            "error": (
+            "end_error": (
                 dims,
                 error,
                 {

@@ -64,7 +64,7 @@ def step_bound(allowed_error: Tolerance, periods: int) -> xr.Dataset:
     -------
     xarray.Dataset
         ``coefficient`` of :func:`study.step_bound`, the ``omega_step`` at which the energy reaches the allowed error,
-        and the measured ``error``, each of shape (scheme, motion), and with the dimension ``quantity`` for energy and
+        and the ``measured_error``, each of shape (scheme, motion), and with the dimension ``quantity`` for energy and
         period. The error of the period is signed by its absolute value only.
     """
     motions = [(name, u0) for name, (_, _, starts) in POTENTIALS.items() for u0 in starts]
@@ -111,7 +111,7 @@ def step_bound(allowed_error: Tolerance, periods: int) -> xr.Dataset:
                 omega_step,
                 {"long_name": "step bound of the energy times the highest frequency of the motion", "units": "1"},
             ),
-            "error": (
+            "measured_error": (
                 (*dims, "quantity"),
                 measured,
                 {"long_name": "measured error at the step bound of the energy, NaN where the run failed", "units": "1"},

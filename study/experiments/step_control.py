@@ -113,7 +113,7 @@ def step_control(
             ),
             "return_error": (dims, values["error"], distance),
             "equal_return_error": (equal_dims, equal, distance | {"comment": "with equal steps"}),
-            "max_energy_error_of_period": (("problem", "with_equal", "period"), history, period_attributes),
+            "max_energy_error_of_period": (("problem", "with_equal", "period_number"), history, period_attributes),
         },
         coords={
             **coordinates.problem_coordinates(problems),
@@ -122,7 +122,11 @@ def step_control(
             "with_equal": ("with_equal", [*controls, EQUAL], {"long_name": "controller, or equal steps"}),
             "tolerance": ("tolerance", list(tolerances), {"long_name": "tolerance", "units": "1"}),
             **coordinates.steps_per_period_coordinate(steps_per_period),
-            "period": ("period", np.arange(1, periods + 1), {"long_name": "number of the period", "units": "1"}),
+            "period_number": (
+                "period_number",
+                np.arange(1, periods + 1),
+                {"long_name": "number of the period", "units": "1"},
+            ),
         },
         attrs={"title": "Controlled and equal steps over many periods", "periods": periods},
     )

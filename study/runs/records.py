@@ -69,7 +69,7 @@ def as_runs(spectrum: xr.Dataset, uncertainty: float) -> xr.Dataset:
     each, scale, dt = ["record", "period", "reduction"], spectrum.period.min().item(), spectrum.step_size.values
     duration = spectrum.duration.item() / scale
     status = spectrum.status.max(each).drop_attrs().reset_coords(drop=True)
-    by_record = spectrum.error.max(each[1:], skipna=False).expand_dims(quantity=["peak drift"])
+    by_record = spectrum.peak_drift_error.max(each[1:], skipna=False).expand_dims(quantity=["peak drift"])
     largest = by_record.fillna(np.inf).max("record").where(status != NOT_RUN)
     steps = spectrum.duration / spectrum.step_size
     ds = xr.Dataset({name: spectrum[f"{name}_per_step"].mean(each) * steps for name in COSTS})
@@ -152,7 +152,7 @@ def spectrum(
     error_attributes = {"long_name": "relative error of the peak drift, at the steps and between them", "units": "1"}
     runs = xr.Dataset(
         {
-            "error": (("scheme", *dims), error, error_attributes),
+            "peak_drift_error": (("scheme", *dims), error, error_attributes),
             "status": (("scheme", *dims), status, flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8)),
             **{
                 f"{name}_per_step": (
@@ -185,7 +185,7 @@ def spectrum(
         },
         attrs={"title": "Steps that schemes need for the peak drift of yielding oscillators under records"},
     )
-    kept = runs.error <= allowed_error
+    kept = runs.peak_drift_error <= allowed_error
     needed = [largest_size(some, "step_size") for some in (kept, kept[:, commensurate])]
     condition = xr.IndexVariable("condition", ["any_step", "practice"], {"long_name": "condition on the steps"})
     size = {"long_name": "largest step that keeps the error, as all finer ones do", "units": "s"}

@@ -47,7 +47,7 @@ def test_what_does_not_apply_has_no_error(ds):
             case = ds.sel(scheme=scheme, circumstance=circumstance)
             applies = (case.status != STATUSES.index("does_not_apply")).all()
             assert applies == ((scheme, circumstance) not in left_out)
-            assert applies or case.error.isnull().all()
+            assert applies or case.end_error.isnull().all()
     assert (ds.observed_order.notnull() == (ds.status == STATUSES.index("measured"))).all()
 
 
@@ -68,7 +68,7 @@ def test_newton_iterations_that_end_early_leave_another_error_and_the_order(ds):
     implicit = ds.sel(scheme=[name for name in SCHEMES if name != "rk4"], quantity="displacement")
     loose, plain = (implicit.sel(circumstance=name) for name in ("tolerance_0", "plain"))
     np.testing.assert_allclose(loose.observed_order, plain.observed_order, atol=0.05)
-    assert (loose.error != plain.error).any("steps").all()
+    assert (loose.end_error != plain.end_error).any("steps").all()
     # with the loose tolerance, one iteration is enough in most steps
     case = circumstances_with([100.0], [1e-3])["tolerance_0"]
     schemes_with = (

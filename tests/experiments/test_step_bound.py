@@ -14,6 +14,6 @@ def test_runs_confirm_the_modified_energy(monkeypatch):
     assert ds.sizes["motion"] == 2 + 5 and ds.potential.values[-1] == "morse"
     predicted = ds.coefficient * ds.omega_step**2
     assert predicted.sel(quantity="energy").values == pytest.approx(0.01)
-    assert (abs(ds.error / predicted - 1) < 0.03).all()
+    assert (abs(ds.measured_error / predicted - 1) < 0.03).all()
     bound = study.step_bound(study.Problem(potential=chosen["morse"][1], u0=-0.3), "central_difference", 0.01, 10)
     assert ds.coefficient[3].values == pytest.approx(bound.coefficient.values[:2], rel=1e-9)

@@ -56,12 +56,14 @@ def test_the_step_that_is_needed_keeps_the_error_as_all_finer_ones(ds):
     assert ours.largest_step_size.notnull().all() and (ours.factorisations_per_step >= 1).all()
     for condition, some in (("any_step", ours), ("practice", ours.isel(step_size=np.flatnonzero(ours.divides)))):
         fine = some.step_size <= some.largest_step_size.sel(condition=condition)
-        assert (some.error.where(fine, 0) <= 0.01).all()
+        assert (some.peak_drift_error.where(fine, 0) <= 0.01).all()
         # the next coarser step does not keep the error
         next_coarser = np.maximum(fine.argmax("step_size") - 1, 0)
-        assert ((some.error.isel(step_size=next_coarser) > 0.01) | fine.isel(step_size=0)).all()
+        assert ((some.peak_drift_error.isel(step_size=next_coarser) > 0.01) | fine.isel(step_size=0)).all()
     # the error falls with the square of the step once the record is resolved
-    ratio = ours.error.sel(step_size=0.02, method="nearest") / ours.error.sel(step_size=0.0025, method="nearest")
+    ratio = ours.peak_drift_error.sel(step_size=0.02, method="nearest") / ours.peak_drift_error.sel(
+        step_size=0.0025, method="nearest"
+    )
     assert float(ratio.median()) > 10
 
 
@@ -70,7 +72,7 @@ def test_a_lane_is_the_run_of_its_record_period_and_strength(ds, reference):
     for at in ({"record": 0, "period": 1, "reduction": 0}, {"record": 1, "period": 0, "reduction": 1}):
         known = reference.isel(at)
         alone = _peak(known, "average_acceleration", float(ours.step_size))
-        np.testing.assert_allclose(abs(alone / known.peak_drift - 1), ours.error.isel(at), rtol=1e-9)
+        np.testing.assert_allclose(abs(alone / known.peak_drift - 1), ours.peak_drift_error.isel(at), rtol=1e-9)
 
 
 def test_records_take_the_place_of_starts():
@@ -82,7 +84,7 @@ def test_records_take_the_place_of_starts():
     along = ("scheme", "step_size", "record", "period", "reduction")
     spectrum = xr.Dataset(
         {
-            "error": (along, error),
+            "peak_drift_error": (along, error),
             "status": (along, np.where(np.isnan(error), [[[[[1]]]], [[[[4]]]]], 0)),
             "force_evaluations_per_step": (along, np.where(np.isnan(error), np.nan, 2.0), {"long_name": "per step"}),
             "tangent_evaluations_per_step": (along, 0 * error),

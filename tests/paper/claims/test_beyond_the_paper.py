@@ -131,7 +131,7 @@ def test_a_finer_step_is_better_where_fewer_runs_are_beyond_the_error(between, h
             "allowed_error": 0.01,
         },
     )
-    assert materials.finer_is_better_under_a_record(error.to_dataset(name="error")).holds == holds
+    assert materials.finer_is_better_under_a_record(error.to_dataset(name="peak_drift_error")).holds == holds
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,9 @@ SCHEMES = ["rk4", *claims.FAITHFUL]
 def _chaos(exponents=0.1, steps=(16, 32, 64)):
     """A dataset like chaos.nc, with the given largest exponents by number of steps."""
     along = {"problem": ["ueda"], "scheme": SCHEMES, "steps_per_period": list(steps), "place": [0, 1]}
-    data = filled(0.0, **along).to_dataset(name="exponent")
-    data["exponent"][..., 0] = exponents
-    data["regular"] = (data.exponent.isel(place=0) < 0).astype(float)
+    data = filled(0.0, **along).to_dataset(name="lyapunov_exponent")
+    data["lyapunov_exponent"][..., 0] = exponents
+    data["regular"] = (data.lyapunov_exponent.isel(place=0) < 0).astype(float)
     data["contraction"] = 0.05 * xr.ones_like(data.regular)
     data["printed_exponent"], data["damping"] = ("problem", [0.1]), ("problem", [0.05])
     return data.assign_coords(scheme_title=data.scheme, problem_title=data.problem)

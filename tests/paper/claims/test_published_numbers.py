@@ -12,8 +12,8 @@ SCHEMES = ["average_acceleration", "central_difference"]
 def _errors(error):
     """A dataset like published_numbers.nc, in which ``error`` gives the errors of both schemes by refinement."""
     along = {"problem": ["van_der_pol", "loaded_bar"], "scheme": SCHEMES, "refinement": [0, 1, 2]}
-    data = filled(1.0, **along).to_dataset(name="error")
-    data["error"][:] = error
+    data = filled(1.0, **along).to_dataset(name="end_error")
+    data["end_error"][:] = error
     data["steps"] = ("problem", "refinement"), [[20_000, 200_000, 2_000_000], [32, 128, 512]]
     data["duration"] = "problem", [2.0, 2.0]
     return data.assign_coords(explicit=("scheme", [0, 1]))
@@ -30,15 +30,15 @@ def test_central_difference_is_exact_or_not():
 def test_control_needs_fewer_steps_or_not():
     data = _errors([1.0, 1e-3, 1e-4]).assign_coords(problem=["arenstorf", "other"], scheme=["rk4", "bathe"])
     along = {"problem": data.problem.values, "scheme": data.scheme.values, "tolerance": [1e-3, 1e-5]}
-    data["controlled_error"], data["controlled_steps"] = filled(1e-3, **along), filled(100.0, **along)
+    data["controlled_end_error"], data["controlled_steps"] = filled(1e-3, **along), filled(100.0, **along)
     assert claims.fewer_controlled_steps(data).ours == "2000"
     assert claims.fewer_controlled_steps(data).holds
-    never = data.assign(error=data.error + 1)
+    never = data.assign(end_error=data.end_error + 1)
     assert claims.fewer_controlled_steps(never).holds and claims.fewer_controlled_steps(never).qualification
     data["controlled_steps"][:] = 1e5
     late = claims.fewer_controlled_steps(data)
     assert not late.holds and late.qualification
-    data["controlled_error"][:] = np.nan
+    data["controlled_end_error"][:] = np.nan
     without = claims.fewer_controlled_steps(data)
     assert not without.holds and without.qualification
 
@@ -55,9 +55,9 @@ def test_a_run_that_is_accurate_by_accident_does_not_count():
     """Of runs with 1, 2, 4 and 8 steps the first and the last are accurate: only the last one counts."""
     orbit = xr.Dataset(
         {
-            "error": (("problem", "scheme", "refinement"), [[[0.001, 1.59, 0.4, 0.007]]]),
+            "end_error": (("problem", "scheme", "refinement"), [[[0.001, 1.59, 0.4, 0.007]]]),
             "steps": (("problem", "refinement"), [[1, 2, 4, 8]]),
-            "controlled_error": (("problem", "scheme", "tolerance"), [[[0.001, 0.5]]]),
+            "controlled_end_error": (("problem", "scheme", "tolerance"), [[[0.001, 0.5]]]),
             "controlled_steps": (("problem", "scheme", "tolerance"), [[[3.0, 9.0]]]),
         },
         {"problem": ["arenstorf"], "scheme": ["rk4"]},

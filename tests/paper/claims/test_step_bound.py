@@ -11,7 +11,7 @@ def _bound(errors):
     """A dataset like stability/step_bound.nc, with a predicted energy error of 1 % and the given measured ones."""
     along = {"scheme": claims.SCHEMES, "motion": range(len(errors)), "quantity": ["energy", "period"]}
     error = filled(1.0, **along) * np.reshape(errors, (-1, 1))
-    data = xr.Dataset({"error": error, "coefficient": filled(0.25, **along)})
+    data = xr.Dataset({"measured_error": error, "coefficient": filled(0.25, **along)})
     data["omega_step"] = filled(0.2, scheme=claims.SCHEMES, motion=range(len(errors)))
     data["convex_coefficient"] = ("scheme", [1 / 4, 1 / 6])
     titles = [f"spring {k}" for k in range(len(errors))]
