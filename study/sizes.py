@@ -4,7 +4,8 @@ Runs, searches, measures and claims share this rule. A size may also be a tolera
 become coarser.
 """
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -97,3 +98,39 @@ def largest_with_margin(
         next_ones = size < largest * octave ** np.log2(0.99)
         size, error = size[next_ones], error[next_ones]
     return 0.0
+
+
+class Needed(NamedTuple):
+    """What an assessment needs for an error: sizes, and the runs that confirm the recommended one.
+
+    ``recommended`` is the size ``largest``, rounded down. ``tried`` is the number of sizes tried that confirm it, up to
+    itself, and ``largest_error`` the largest error among them. If no size keeps the error, the sizes and ``tried`` are
+    zero, and ``largest_error`` is NaN.
+    """
+
+    largest: float
+    recommended: float
+    tried: int
+    largest_error: float
+
+
+def needed(
+    size: Sizes,
+    error: Sizes,
+    allowed: float,
+    rounded: Callable[[float], float],
+    from_own_start: Any = True,
+    octave: float = 2.0,
+    confirming: float = TWENTIETH,
+) -> Needed:
+    """What an assessment needs for an error, by :func:`largest_with_margin`.
+
+    ``rounded`` is a function that returns the largest round size up to a size. Sizes from the problem's own start
+    confirm the recommended size if they are at least the fraction ``confirming`` of it.
+    """
+    largest = largest_with_margin(size, error, allowed, from_own_start, octave)
+    if not largest:
+        return Needed(0.0, 0.0, 0, np.nan)
+    recommended = rounded(largest)
+    nearby = error[from_own_start & (size >= confirming * recommended) & (size <= recommended)].tolist()
+    return Needed(largest, recommended, len(nearby), max(nearby, default=np.nan))

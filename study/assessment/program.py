@@ -174,9 +174,9 @@ def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
     row = dict.fromkeys(NUMBERS, np.nan) | {"verdict": UNCERTAIN, "steps_tried": 0}
     if not search.certain(scheme, limit):
         return row
-    if search.unfinished(scheme, limit):
-        return row | {"verdict": OUT_OF_TIME, "largest_step_size": search.largest(scheme, limit)[0] or np.nan}
     needed = search.needed(scheme, limit)
+    if search.unfinished(scheme, limit):
+        return row | {"verdict": OUT_OF_TIME, "largest_step_size": needed.largest or np.nan}
     if not needed.largest:
         return row | {"verdict": FINEST_FAILS}
     around = [run.seconds * run.dt for run in runs.values() if needed.recommended / 2 <= run.dt <= needed.recommended]

@@ -16,7 +16,7 @@ from study.assessment.oscillation import Oscillation, OscillationErrors
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
 from study.scheme.base import Scheme
-from study.sizes import largest_with_margin
+from study.sizes import Needed, needed
 
 #: Multiples of u₀, u̇₀ and load with which a recommended step must also keep the error.
 STARTS = (0.99, 1.01)
@@ -168,12 +168,12 @@ class Search:
         """The runs whose start and load are not scaled."""
         return self.runs[self.runs.start == 1.0]
 
-    def largest(self, name: str, allowed: float) -> float:
-        """Largest size that keeps an error with a margin for scatter, as all smaller ones do; zero if there is none."""
+    def needed(self, name: str, allowed: float) -> Needed:
+        """What the runs so far need for a quantity and its allowed error."""
         if not len(self.runs):
-            return 0.0
+            return Needed(0.0, 0.0, 0, math.nan)
         size, error, start = (self.runs[column].to_numpy() for column in (self.size, name, "start"))
-        return largest_with_margin(size, error, allowed, start == 1.0, self.octave)
+        return needed(size, error, allowed, self._round, start == 1.0, self.octave, self.confirming)
 
     def _known(self, size: float) -> bool:
         """Whether the runs with a size from all starts have been made."""
@@ -181,13 +181,13 @@ class Search:
 
     def verdict(self, name: str, allowed: float) -> Verdict:
         """The verdict of the runs on a quantity and its allowed error."""
-        largest = self.largest(name, allowed)
-        size = self._round(largest) if largest else 0.0
+        found = self.needed(name, allowed)
+        size = found.recommended
         if self.late and not (size and self._known(size)):
-            return Verdict(OUT_OF_TIME, largest or np.nan)
+            return Verdict(OUT_OF_TIME, found.largest or np.nan)
         if not size:
             return Verdict(FINEST_FAILS)
-        sizes = (own := self._own())[self.size]
-        nearby, run = own[name][(sizes >= self.confirming * size) & (sizes <= size)], own[sizes == size].iloc[0]
-        outcome = COARSEST_KEEPS if largest == sizes.max() else FOUND
-        return Verdict(outcome, largest, size, len(nearby), nearby.max(), run[name], run.steps, run.forces)
+        own = self._own()
+        run = own[own[self.size] == size].iloc[0]
+        outcome = COARSEST_KEEPS if found.largest == own[self.size].max() else FOUND
+        return Verdict(outcome, *found, run[name], run.steps, run.forces)

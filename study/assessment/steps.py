@@ -155,7 +155,7 @@ class StepSearch(Search):
         """
         top = self.coarsest
         while not self.late:
-            largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
+            largest = [self.needed(*limit).largest for limit in limits] if len(self.runs) else [0.0]
             least = TWENTIETH * min(largest, default=np.inf)
             if top > ENOUGH * max(least, self.finest):
                 report(top)

@@ -110,7 +110,7 @@ class ToleranceSearch(Search):
         """
         top, steps = LOOSEST, 0.0
         while not self.late:
-            largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
+            largest = [self.needed(*limit).largest for limit in limits] if len(self.runs) else [0.0]
             if top > max(HUNDREDTH * min(largest, default=1.0), TIGHTEST) and steps < MOST_STEPS / 2:
                 report(top)
                 bottom = top / self.octave

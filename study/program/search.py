@@ -4,7 +4,6 @@ import math
 import zlib
 from collections.abc import Callable
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from study.program.definition import Program
 from study.program.refinement import Refinement
 from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS
-from study.sizes import CERTAIN, TWENTIETH, Limit, largest_with_margin
+from study.sizes import CERTAIN, Limit, Needed, needed
 from study.words import percent
 
 #: Maximum ratio of the next larger step tried to the largest step that keeps an error. Above this ratio, a step in
@@ -30,20 +29,6 @@ FINER = 1 / 32
 #: Largest ratio of a scheme's error at half a step to its error at the whole step; above it, the scheme converges to
 #: another motion.
 STUCK = 0.9
-
-
-class Needed(NamedTuple):
-    """The verdict on an error: the largest step that keeps it, the recommended step, and the confirming runs.
-
-    The recommended step is the largest step rounded down. ``tried`` is the number of runs with steps from a twentieth
-    of the recommended step up to it, and ``largest_error`` their largest error. If no step keeps the error, the
-    steps and ``tried`` are zero, and ``largest_error`` is NaN.
-    """
-
-    largest: float
-    recommended: float
-    tried: int
-    largest_error: float
 
 
 class Search:
@@ -111,7 +96,7 @@ class Search:
             runs = self.refinement.runs_of(scheme)
             failed = [run for run in runs if not run.completed]
             unequal = [run for run in failed if run.status == "unequal_times"]
-            keeps = any(self.largest(scheme, limit)[0] for limit in limits)
+            keeps = any(self.needed(scheme, limit).largest for limit in limits)
             incomparable = [
                 run for run in runs if run.completed and self.truth.fixed and not self.truth.shares_times(run)
             ]
@@ -145,12 +130,11 @@ class Search:
         """Whether the reference and the runs of a scheme are accurate enough to judge an error."""
         return limit[1] >= CERTAIN * max(self.truth.uncertainty[limit[0]], self.refinement.noise[scheme])
 
-    def largest(self, scheme: str, limit: Limit) -> tuple[float, float]:
-        """Largest step that keeps an error, as all finer steps do (or zero), and the next larger step tried (or ∞)."""
+    def needed(self, scheme: str, limit: Limit) -> Needed:
+        """What the runs of a scheme need for an error."""
         name, allowed = limit
         dt, error = np.array([(dt, by_quantity[name]) for (s, dt), by_quantity in self.errors.items() if s == scheme]).T
-        largest = largest_with_margin(dt, error, allowed)
-        return largest, dt[dt > largest].min(initial=math.inf)
+        return needed(dt, error, allowed, self._round)
 
     def _next_jobs(self, scheme: str, error: float) -> list[Job]:
         """The next runs of a scheme for an allowed error; empty if no run is needed."""
@@ -166,16 +150,16 @@ class Search:
         step, and random steps that confirm it.
         """
         tried = {dt for s, dt in self.errors if s == scheme}
-        largest, fails = self.largest(scheme, limit)
+        largest, step, *_ = self.needed(scheme, limit)
         if not largest:
             finer = min(tried) / 2
             least = max(self.program.smallest, FINER * self.truth.best.dt)
             return [finer] if finer >= least and not self._hopeless(scheme, limit[0]) else []
+        fails = min((dt for dt in tried if dt > largest), default=math.inf)
         if largest * NEAR < fails < math.inf:
             middle = self._round(math.sqrt(largest * fails))
             if largest < middle < fails:
                 return [middle]
-        step = self._round(largest)
         if step not in tried:
             return [step]
         # one of the halved steps of the reference lies in this octave, and is not random
@@ -236,16 +220,3 @@ class Search:
     def unfinished(self, scheme: str, limit: Limit) -> bool:
         """Whether the time ran out before the step for an error was found."""
         return self._late and bool(self._next(scheme, limit))
-
-    def needed(self, scheme: str, limit: Limit) -> Needed:
-        """The verdict of the runs on an error."""
-        largest, _ = self.largest(scheme, limit)
-        if not largest:
-            return Needed(0.0, 0.0, 0, math.nan)
-        step = self._round(largest)
-        nearby = [
-            by_quantity[limit[0]]
-            for (s, dt), by_quantity in self.errors.items()
-            if s == scheme and TWENTIETH * step <= dt <= step
-        ]
-        return Needed(largest, step, len(nearby), max(nearby))

@@ -28,8 +28,8 @@ def _relative(page: Path) -> str:
     return page.relative_to(plan.PAGES).as_posix()
 
 
-#: Pages whose examples take ten seconds and more.
-LONG = {"how_to/choose.md", "how_to/control.md", "index.md"}
+#: Pages whose examples take three seconds and more; the site runs them too.
+LONG = {*(f"how_to/{name}.md" for name in ("choose", "control", "many_runs", "problem", "program")), "index.md"}
 
 
 @pytest.mark.parametrize(

@@ -74,11 +74,13 @@ def test_errors_at_the_tightest_tolerance_over_a_hundred_periods(route, whole_pe
 def test_the_status_of_a_route(monkeypatch):
     """A route that reaches its limit of steps tries no smaller tolerance; the periods are found nevertheless.
 
-    It alone makes the dataset, here over a tenth of the periods, with a tenth of the steps that Kvaerno5 may take.
+    It alone makes the dataset, here of two routes and over a tenth of the periods, with a tenth of the steps that
+    Kvaerno5 may take.
     """
     monkeypatch.setattr(agreement, "WINDOWS", (1, 10))
     trajectory, period = agreement.ROUTES["kvaerno5"]
-    monkeypatch.setitem(agreement.ROUTES, "kvaerno5", (partial(trajectory, max_steps=3000), period))
+    routes = {"kvaerno5": (partial(trajectory, max_steps=3000), period), "heyoka": agreement.ROUTES["heyoka"]}
+    monkeypatch.setattr(agreement, "ROUTES", routes)
     ds = agreement.agreement(["hardening"], [1e-9, 1e-13, 1e-15]).squeeze("problem")
     ended = [agreement.FINISHED, agreement.STEP_LIMIT, agreement.NOT_TRIED]
     np.testing.assert_array_equal(ds.status.sel(route="kvaerno5"), ended)
