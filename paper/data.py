@@ -73,4 +73,4 @@ def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
 
 def largest_omega_step(rule: xr.Dataset, error: float) -> xr.DataArray:
     """Largest ω Δt up to which steps keep energy and period within a relative error; zero if the finest does not."""
-    return largest_size((rule.energy_error <= error) & (rule.period_error <= error), "omega_step")
+    return largest_size((rule.max_energy_error <= error) & (rule.period_error <= error), "omega_step")

@@ -349,7 +349,7 @@ def test_the_results_of_the_readme_are_those_of_the_study():
     cheapest, kinds = table.count("**Central difference"), len(table.strip().splitlines()) - 2
     assert (cheapest, kinds) == (5, 8)
     assert "central difference is the cheapest scheme (within a tenth) of OpenSees, Abaqus and LS-DYNA" in words
-    assert "for five of [eight kinds of model]" in words
+    assert "on five of [eight example models]" in words
     assert f"Over n > {n['decided_periods']} periods" in words and f"(n/{n['decided_periods']})^a" in words
     assert study.open_dataset("chaos", results).sizes["scheme"] == 4
     assert "In the last row four schemes were run" in words

@@ -71,7 +71,9 @@ def a_stiff_mode_is_ignored(control_cost):
 )
 def a_general_solver_needs_fewer(control_cost, solver_cost):
     equal = with_control(control_cost, ALLOWED)[1].sel(scheme=AVERAGE)
-    solver = fewest(solver_cost.error, solver_cost.force_evaluations, ALLOWED, "tolerance").sel(solver="cvode_adams")
+    solver = fewest(solver_cost.sampled_error, solver_cost.force_evaluations, ALLOWED, "tolerance").sel(
+        solver="cvode_adams"
+    )
     ratio = solver / equal
     fewer = bool((ratio < 1).all())
     reason = when(not fewer, "it needs as many or more on some problems")

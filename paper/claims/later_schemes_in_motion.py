@@ -228,7 +228,7 @@ def order_with_an_auxiliary_variable(later_schemes):
 
 def _uniformity(later_schemes: xr.Dataset, member: str) -> float:
     """Largest value of error/Δt² divided by the smallest. Each step size has one error, the largest of all ωΔt."""
-    scaled = later_schemes.trigonometric_error.sel(member=member) * later_schemes.steps**2
+    scaled = later_schemes.trigonometric_end_error.sel(member=member) * later_schemes.steps**2
     return (scaled.max() / scaled.min()).item()
 
 

@@ -25,7 +25,7 @@ from paper.wording import listed, number
 )
 def order_does_not_matter(kinks):
     kinks = kinks.sel(problem=REMEMBER)
-    at_equal_steps = kinks.error.sel(scheme="average_acceleration") / kinks.error.sel(scheme="rk4")
+    at_equal_steps = kinks.sampled_error.sel(scheme="average_acceleration") / kinks.sampled_error.sel(scheme="rk4")
     gain = by_name(at_equal_steps.min("steps_per_period"))
     equal = by_name(at_equal_forces(kinks).min("steps_per_period"))
     order = kinks.observed_order.sel(scheme="rk4")
@@ -45,7 +45,7 @@ def order_does_not_matter(kinks):
 )
 def balance_is_a_verdict(kinks):
     run = kinks.sel(problem="yielding", scheme="average_acceleration").isel(steps_per_period=0)
-    error, imbalance = 100 * float(run.error), 100 * float(run.max_energy_imbalance)
+    error, imbalance = 100 * float(run.sampled_error), 100 * float(run.max_energy_imbalance)
     blind = error > MATTERS and imbalance < UNNOTICED
     reason = when(blind, "its formulas keep the balance for any forces")
     return Finding(f"{number(error, '.2g')}; {number(imbalance, '.0e')}", not blind, reason)

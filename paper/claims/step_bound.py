@@ -55,7 +55,7 @@ def over_convex(bound: xr.Dataset, rule: xr.Dataset) -> tuple[xr.DataArray, xr.D
     """
     rule = rule.sel(problem=CONVEX, scheme=SCHEMES)
     rule = rule.isel(omega_step=np.flatnonzero(np.floor(100 * rule.omega_step) / 100 <= LARGEST_STEP))
-    ratio = (rule.energy_error / (bound.convex_coefficient * rule.omega_step**2)).fillna(np.inf)
+    ratio = (rule.max_energy_error / (bound.convex_coefficient * rule.omega_step**2)).fillna(np.inf)
     return ratio, (rule.omega_step <= rule.described_up_to).broadcast_like(ratio)
 
 

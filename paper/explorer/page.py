@@ -36,7 +36,7 @@ def _read(name: str) -> str:
 
 def _schemes(atlas: xr.Dataset) -> list[dict[str, Any]]:
     """Name and title of each scheme, whether it is explicit, and its force evaluations per step and per iteration."""
-    names = ("scheme", "scheme_title", "explicit", "forces_per_step", "forces_per_iteration")
+    names = ("scheme", "scheme_title", "explicit", "force_evaluations_per_step", "force_evaluations_per_iteration")
     keys = ("name", "title", "explicit", "forces", "forcesPerIteration")
     return [
         dict(zip(keys, values, strict=True)) for values in zip(*(atlas[n].values.tolist() for n in names), strict=True)

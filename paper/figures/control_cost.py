@@ -31,12 +31,19 @@ def draw(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> Figure:
         for name, look in curve_styles_in_order(shown).items():
             runs = costs.sel(scheme=name)
             title, look = runs.scheme_title.item(), look | {"markersize": 3, "linewidth": 1}
-            ax.plot(runs.equal_force_evaluations, runs.equal_error, label=title, **look | {"linestyle": "-"})
-            ax.plot(runs.force_evaluations, runs.error, **look | {"linestyle": "--", "markerfacecolor": "white"})
+            ax.plot(runs.equal_force_evaluations, runs.equal_sampled_error, label=title, **look | {"linestyle": "-"})
+            ax.plot(
+                runs.force_evaluations, runs.sampled_error, **look | {"linestyle": "--", "markerfacecolor": "white"}
+            )
         if problem in solver_cost.problem and SOLVER in solver_cost.solver:
             solver = solver_cost.sel(problem=problem, solver=SOLVER)
             ax.plot(
-                solver.force_evaluations, solver.error, label=SOLVERS[SOLVER], color="0.5", linewidth=2, linestyle=":"
+                solver.force_evaluations,
+                solver.sampled_error,
+                label=SOLVERS[SOLVER],
+                color="0.5",
+                linewidth=2,
+                linestyle=":",
             )
         ax.set(xscale="log", yscale="log", ylim=(1e-7, 3))
         ax.set_xlabel("evaluations of the force")

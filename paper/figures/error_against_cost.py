@@ -25,7 +25,7 @@ TOP, BOTTOM = 1.0, 1e-10
 #: Label of each cost, with the names of its variables for schemes and for solvers.
 _COSTS = {
     "computing time (s)": ("median_seconds", "median_solver_seconds"),
-    "evaluations of the force": ("force_evaluations", "solver_evaluations"),
+    "evaluations of the force": ("force_evaluations", "solver_force_evaluations"),
 }
 
 
@@ -59,7 +59,7 @@ def draw(data: xr.Dataset) -> Figure:
             if solver == NO_FORCE and place:
                 continue
             runs = data.sel(solver=solver).sortby("tolerance", ascending=False)
-            known = runs.solver_displacement_error.where(runs.solver_displacement_error < TOP)
+            known = runs.solver_last_period_error.where(runs.solver_last_period_error < TOP)
             look = {"color": "0.6", "marker": marker, "ls": ":", "lw": 0.8, "ms": 4, "label": SOLVERS[solver]}
             axes.plot(runs[solver_cost], known, **look)
             drawn = [at for at in zip(runs[solver_cost].values, known.values, strict=True) if at[1] > BOTTOM]

@@ -30,7 +30,13 @@ def draw(data: xr.Dataset) -> Figure:
     for part, (ax, below) in columns:
         known = common.displacement_error.where(common.displacement_error < TOP)
         ax.plot(common.median_seconds, known, color="0.8", linewidth=3)
-        ax.plot(peer.median_solver_seconds, peer.solver_displacement_error, color="0.5", marker="*", linestyle="none")
+        ax.plot(
+            peer.median_solver_seconds,
+            peer.solver_last_period_error,
+            color="0.5",
+            marker="*",
+            linestyle="none",
+        )
         for name, look in curve_styles(part.scheme).items():
             run = part.sel(scheme=name)
             known = run.displacement_error.where((run.displacement_error < TOP) & (run.displacement_error > 0))

@@ -29,15 +29,15 @@ def draw(kinks: xr.Dataset) -> Figure:
     steps = kinks.steps_per_period
     for index, (ax, problem) in enumerate(zip(axes.flat, kinks.problem.values, strict=False)):
         runs = kinks.sel(problem=problem)
-        worst = float(runs.error.isel(steps_per_period=0).max())
+        worst = float(runs.sampled_error.isel(steps_per_period=0).max())
         for power in (1, 2):
             ax.plot(steps, worst * (steps[0] / steps) ** power, color="0.8", linestyle="-", linewidth=2.5, zorder=0)
         for name, look in curve_styles(kinks.scheme).items():
-            error = runs.error.sel(scheme=name)
+            error = runs.sampled_error.sel(scheme=name)
             if np.isfinite(error).any():
                 ax.plot(steps, error, label=error.scheme_title.item(), **look)
-            if np.isfinite(dividing := runs.dividing_error.sel(scheme=name)).any():
-                numbers = runs.period / runs.spacing * runs.steps_per_spacing
+            if np.isfinite(dividing := runs.dividing_sampled_error.sel(scheme=name)).any():
+                numbers = runs.time_scale / runs.spacing * runs.steps_per_spacing
                 ax.plot(numbers, dividing, **look | {"linestyle": ""})
         ax.set(xscale="log", yscale="log")
         ax.xaxis.set_minor_formatter(NullFormatter())

@@ -14,7 +14,7 @@ SHOWN, SCHEME = ("cvode_adams", "dopri8", "kvaerno5", "scipy_dop853", "heyoka"),
 #: Label of each cost, with the names of its variables for schemes and for solvers.
 _COSTS = {
     "time (s)": ("median_seconds", "median_solver_seconds"),
-    "evaluations of the force": ("force_evaluations", "solver_evaluations"),
+    "evaluations of the force": ("force_evaluations", "solver_force_evaluations"),
 }
 
 
@@ -37,7 +37,7 @@ def draw(data: xr.Dataset) -> Figure:
             ax.plot(run[scheme_cost], error, color="0.7", linestyle="-", linewidth=2.5, label=run.scheme_title.item())
             for solver, look in curve_styles_in_order(SHOWN).items():
                 run = runs.sel(solver=solver)
-                error = run.solver_displacement_error.where(run.solver_displacement_error < TOP)
+                error = run.solver_last_period_error.where(run.solver_last_period_error < TOP)
                 ax.plot(run[solver_cost], error, label=SOLVERS[solver], **look)
             ax.set(xscale="log", yscale="log", xlabel=label, ylim=(1e-11, TOP))
             letter(ax, index * size + column, wrapped(runs.problem_title.item(), 18))

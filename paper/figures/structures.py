@@ -35,7 +35,7 @@ def draw(structures: xr.Dataset) -> Figure:
     for index, (ax, problem) in enumerate(zip(axes.ravel(), shown.problem.values, strict=False)):
         runs = shown.sel(problem=problem)
         for name, look in curve_styles(shown.scheme).items():
-            error = runs.displacement_error.sel(scheme=name)
+            error = runs.sampled_displacement_error.sel(scheme=name)
             # no line joins the points if there are only two
             line = look if error.sizes["steps_per_period"] > 2 else look | {"linestyle": "none", "markersize": 5}
             ax.plot(runs.steps_per_period, error, label=error.scheme_title.item(), **line)
@@ -46,7 +46,7 @@ def draw(structures: xr.Dataset) -> Figure:
         ax.set_xticks(labelled, [f"{n:g}" for n in labelled])
         ax.minorticks_off()
         ax.margins(x=0.1)
-        seen = runs.displacement_error.where(runs.displacement_error < BEYOND)
+        seen = runs.sampled_displacement_error.where(runs.sampled_displacement_error < BEYOND)
         if seen.notnull().any():
             ax.set_ylim(seen.min() / 3, 3 * seen.max())
         letter(ax, index, runs.problem_title.item())

@@ -19,7 +19,7 @@ def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
     central difference would need more steps than were tried.
     """
     forces, error = (
-        np.log(values) for values in (kinks.steps_per_period * kinks.force_evaluations_per_step, kinks.error)
+        np.log(values) for values in (kinks.steps_per_period * kinks.force_evaluations_per_step, kinks.sampled_error)
     )
 
     def ratio(wanted: np.ndarray, wanted_errors: np.ndarray, forces: np.ndarray, errors: np.ndarray) -> np.ndarray:

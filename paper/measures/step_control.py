@@ -28,9 +28,9 @@ def growth(step_control: xr.Dataset) -> xr.DataArray:
 
 def with_control(control_cost: xr.Dataset, allowed: float) -> tuple[xr.DataArray, xr.DataArray]:
     """Fewest force evaluations for an error with controlled and with equal steps, each of shape (problem, scheme)."""
-    controlled = fewest(control_cost.error, control_cost.force_evaluations, allowed, "tolerance")
+    controlled = fewest(control_cost.sampled_error, control_cost.force_evaluations, allowed, "tolerance")
     return controlled, fewest(
-        control_cost.equal_error, control_cost.equal_force_evaluations, allowed, "steps_per_sample"
+        control_cost.equal_sampled_error, control_cost.equal_force_evaluations, allowed, "steps_per_sample"
     )
 
 

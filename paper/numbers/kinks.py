@@ -35,19 +35,23 @@ def kink_numbers(kinks: xr.Dataset, reference: xr.Dataset) -> dict:
     coarsest = kinks.isel(steps_per_period=0)
     second_order = [name for name in kinks.scheme.values if kinks.order.sel(scheme=name) >= 2]
     rk4_order = kinks.observed_order.sel(scheme="rk4", problem=KINKED)
-    average, rk4 = (kinks.error.sel(scheme=name) for name in ("average_acceleration", "rk4"))
+    average, rk4 = (kinks.sampled_error.sel(scheme=name) for name in ("average_acceleration", "rk4"))
     gain = {p: (average / rk4).sel(problem=p) for p in ("hardening", *KINKED)}
     equal = at_equal_forces(kinks).sel(problem=KINKED).dropna("steps_per_period")
     dividing = kinks.sel(problem="shaken")
-    average_dividing, rk4_dividing = (dividing.dividing_error.sel(scheme=s) for s in ("average_acceleration", "rk4"))
+    average_dividing, rk4_dividing = (
+        dividing.dividing_sampled_error.sel(scheme=s) for s in ("average_acceleration", "rk4")
+    )
     meets = [k for k in kinks.steps_per_spacing.values if FORCES * k in kinks.steps_per_spacing]
-    central = dividing.dividing_error.sel(scheme="central_difference", steps_per_spacing=[FORCES * k for k in meets])
+    central = dividing.dividing_sampled_error.sel(
+        scheme="central_difference", steps_per_spacing=[FORCES * k for k in meets]
+    )
     equal_dividing = central.values / rk4_dividing.sel(steps_per_spacing=meets).values
     fitted = kinks.observed_order.sel(problem="bouncing", scheme=second_order)
     unfitted = fitted.scheme_title.values[fitted.isnull().values]
     average_on_yielding = {"problem": "yielding", "scheme": "average_acceleration"}
     balance = 100 * coarsest.max_energy_imbalance.sel(problem=REMEMBER, scheme="average_acceleration")
-    dissipating = kinks.error.sel(problem=REMEMBER)
+    dissipating = kinks.sampled_error.sel(problem=REMEMBER)
     return {
         "momentum_method_needs_a_potential": bool(
             "energy_momentum" in kinks.scheme and dissipating.sel(scheme="energy_momentum").isnull().all()
@@ -58,7 +62,7 @@ def kink_numbers(kinks: xr.Dataset, reference: xr.Dataset) -> dict:
         "kinks_equal_dividing": span(equal_dividing, ".2g") if meets else None,
         "kinks_equal_finest": int(equal.steps_per_period.max()),
         "balance_is_no_verdict": bool(
-            balance.max() < KEPT and coarsest.error.sel(average_on_yielding) > 1e4 * balance.max() / 100
+            balance.max() < KEPT and coarsest.sampled_error.sel(average_on_yielding) > 1e4 * balance.max() / 100
         ),
         "kinks_periods": f"{reference.sample.max().item():.0f}",
         "kinks_rk4_smooth": _orders(kinks, "hardening", "rk4"),
@@ -79,6 +83,6 @@ def kink_numbers(kinks: xr.Dataset, reference: xr.Dataset) -> dict:
         "kinks_finest": f"{int(kinks.steps_per_period[-1]):,}",
         "kinks_gain_smooth": f"{gain['hardening'][0].item():.0f}",
         **{f"kinks_gain_{p}": span(gain[p], ".2g") for p in KINKED},
-        "kinks_error": f"{100 * coarsest.error.sel(average_on_yielding).item():.2g}",
+        "kinks_error": f"{100 * coarsest.sampled_error.sel(average_on_yielding).item():.2g}",
         "kinks_balance": f"{float(balance.max()):.0e}",
     }

@@ -127,7 +127,7 @@ def control_cost_numbers(control_cost: xr.Dataset, control_of_codes: xr.Dataset)
 def _stiff_mode(runs: xr.Dataset) -> dict[str, str | None]:
     """Growth of the evaluations over the loosest tolerances at which the error hardly falls; None without a growth."""
     runs = runs.sortby("tolerance", ascending=False)
-    error, forces = runs.error.values, runs.force_evaluations.values
+    error, forces = runs.sampled_error.values, runs.force_evaluations.values
     last = int(np.argmin(np.append(error >= (1 - UNCHANGED) * error[0], False))) - 1
     return {
         "cost_stiff_from": f"{runs.tolerance[0].item():g}",

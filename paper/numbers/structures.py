@@ -104,7 +104,7 @@ def _plateaus(structures: xr.Dataset) -> dict[str, str | None]:
     nothing: dict[str, str | None] = {f"plateau_{name}": None for name in (*names, "from", "to")}
     if "stiff_soft" not in structures.problem or not set(names) <= set(structures.scheme.values):
         return nothing
-    error = structures.displacement_error.sel(problem="stiff_soft", scheme=list(names))
+    error = structures.sampled_displacement_error.sel(problem="stiff_soft", scheme=list(names))
     finer = error.isel(steps_per_period=slice(error.sizes["steps_per_period"] // 2, None))
     *_, before, last = finer.transpose("steps_per_period", "scheme").values
     if not (abs(before / last - 1) < LEVEL).all():
@@ -170,7 +170,7 @@ def structure_numbers(
         **{f"limit_of_{name}": _between(limit) for name, limit in limits.items()},
         **{f"sawtooth_{name}": number(a, 2) for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
         "structure_samples": int(reference.samples_per_period),
-        "chain_best": f"{100 * structures.displacement_error.sel(problem='fpu_chain').min().item():.2g}",
+        "chain_best": f"{100 * structures.sampled_displacement_error.sel(problem='fpu_chain').min().item():.2g}",
         "long_time": f"{long_times.t.max().item():,.0f}",
         "long_step": number(long_times.step_size.item()),
         **_plateaus(structures),

@@ -9,7 +9,7 @@ from paper.products import table
 
 def _forces(scheme: xr.Dataset) -> str:
     """Force evaluations per step as a text, such as k + 1, with the number k of Newton iterations."""
-    fixed, per_iteration = scheme.forces_per_step.item(), scheme.forces_per_iteration.item()
+    fixed, per_iteration = scheme.force_evaluations_per_step.item(), scheme.force_evaluations_per_iteration.item()
     newton = f"{per_iteration} k" if per_iteration > 1 else "k"
     return " + ".join([newton] * (per_iteration > 0) + [str(fixed)] * (fixed > 0))
 

@@ -53,7 +53,11 @@ def solver_cost(
     dims = ("problem", "solver", "tolerance")
     return xr.Dataset(
         {
-            "error": (dims, error, {"long_name": "largest error of the displacement over its size", "units": "1"}),
+            "sampled_error": (
+                dims,
+                error,
+                {"long_name": "largest error of the displacement at the samples over its size", "units": "1"},
+            ),
             "force_evaluations": (dims, forces, {"long_name": "evaluations of the internal force", "units": "1"}),
         },
         coords={

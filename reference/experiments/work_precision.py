@@ -130,7 +130,7 @@ def work_precision(
     dims = ("problem", "solver", "tolerance", "periods")
     return xr.Dataset(
         {
-            "solver_displacement_error": (
+            "solver_last_period_error": (
                 dims,
                 error,
                 {"long_name": "largest error of the displacement in the last period, relative", "units": "1"},
@@ -142,7 +142,7 @@ def work_precision(
                 {"long_name": SHARE.format("median time"), "units": "s"},
             ),
             "solver_status": (dims, status, flags("how the run ended", STATUS_MEANINGS, np.int32)),
-            "solver_evaluations": (
+            "solver_force_evaluations": (
                 dims,
                 evaluations,
                 {

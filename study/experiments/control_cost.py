@@ -80,16 +80,16 @@ def control_cost(
                 for variable, value in values.items():
                     arrays[variable][p, s, k] = value
     dims, equal_dims = ("problem", "scheme", "tolerance"), ("problem", "scheme", "steps_per_sample")
-    error = {"long_name": "largest error of the displacement over its size", "units": "1"}
+    error = {"long_name": "largest error of the displacement at the samples over its size", "units": "1"}
     forces = {"long_name": "evaluations of the internal force", "units": "1"}
     return xr.Dataset(
         {
-            "error": (dims, controlled["error"], error),
+            "sampled_error": (dims, controlled["error"], error),
             "force_evaluations": (dims, controlled["force_evaluations"], forces),
             "steps": (dims, controlled["steps"], {"long_name": "number of steps", "units": "1"}),
             "rejected": (dims, controlled["rejected"], {"long_name": "trial steps that were rejected", "units": "1"}),
             "status": (dims, controlled["status"], flags("how the run ended", STATUSES, np.int8)),
-            "equal_error": (equal_dims, equal["error"], error | {"comment": "with equal steps"}),
+            "equal_sampled_error": (equal_dims, equal["error"], error | {"comment": "with equal steps"}),
             "equal_force_evaluations": (
                 equal_dims,
                 equal["force_evaluations"],

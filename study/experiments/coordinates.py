@@ -56,12 +56,12 @@ def forces_coordinates(names: Sequence[str], several: bool) -> dict:
     """Numbers of forces along ``scheme``, with one or several unknowns, without a velocity-dependent force."""
     counted = [forces_of(schemes[name], several) for name in names]
     return {
-        "forces_per_step": (
+        "force_evaluations_per_step": (
             "scheme",
             [forces.per_step for forces in counted],
             {"long_name": "forces that a step evaluates in addition to Newton's iterations", "units": "1"},
         ),
-        "forces_per_iteration": (
+        "force_evaluations_per_iteration": (
             "scheme",
             [forces.per_iteration for forces in counted],
             {"long_name": "forces that one Newton iteration evaluates", "units": "1"},

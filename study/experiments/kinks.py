@@ -78,8 +78,8 @@ def kinks(
     The error is max |u − u_ref| / max |u_ref| over the samples, (problem, scheme, steps_per_period). It is NaN where a
     run fails, or where a scheme refuses the problem, for instance a scheme that takes its force from a potential if the
     force dissipates. The observed order is the slope of the logarithm of the error against the logarithm of the step
-    size. Under a record, ``dividing_error`` and ``dividing_order`` are those with ``steps_per_spacing`` steps between
-    two samples of the record, over the samples of the reference at which all these steps end.
+    size. Under a record, ``dividing_sampled_error`` and ``dividing_order`` are those with ``steps_per_spacing`` steps
+    between two samples of the record, over the samples of the reference at which all these steps end.
     """
     reference = io.open_dataset("reference/inelastic")
     shape = (len(problems), len(schemes), len(steps_per_period))
@@ -113,12 +113,12 @@ def kinks(
                 dividing_error[p, s] = [_compared(known, scheme, steps, samples)[1] for steps in dividing.tolist()]
                 dividing_order[p, s] = _order(dividing, dividing_error[p, s], uncertainty)
     dims, dividing_dims = ("problem", "scheme", "steps_per_period"), ("problem", "scheme", "steps_per_spacing")
-    error_attributes = {"long_name": "largest error of the displacement over its size", "units": "1"}
+    error_attributes = {"long_name": "largest error of the displacement at the samples over its size", "units": "1"}
     dividing_steps = "with steps that divide the spacing of a record; NaN without a record"
     return xr.Dataset(
         {
-            "error": (dims, error, error_attributes),
-            "dividing_error": (
+            "sampled_error": (dims, error, error_attributes),
+            "dividing_sampled_error": (
                 dividing_dims,
                 dividing_error,
                 error_attributes | {"long_name": f"{error_attributes['long_name']}, {dividing_steps}"},
@@ -137,7 +137,7 @@ def kinks(
                 dividing_order,
                 {"long_name": f"observed order {dividing_steps}", "units": "1"},
             ),
-            "period": (
+            "time_scale": (
                 "problem",
                 reference.time_scale.sel(problem=problems).values,
                 {"long_name": "time by which steps are counted", "units": "s"},

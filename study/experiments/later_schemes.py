@@ -266,7 +266,7 @@ def later_schemes(
                 [[_largest_stiffening(scheme, dt) for dt in omega_steps] for scheme in WITH_MODEL.values()],
                 {"long_name": "largest ratio of the tangent to the model up to which a step is stable", "units": "1"},
             ),
-            "trigonometric_error": (
+            "trigonometric_end_error": (
                 ("member", "steps"),
                 _errors_of_trigonometric(steps),
                 {"long_name": "largest error of the displacements over all ωΔt", "units": "1"},

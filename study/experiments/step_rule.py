@@ -45,9 +45,9 @@ def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> 
     Returns
     -------
     xarray.Dataset
-        ``energy_error`` and ``period_error`` of shape (scheme, problem, amplitude, omega_step). ``described_up_to``,
-        the largest ω Δt at which the bound of the energy by its modified energy holds (:func:`study.step_bound`), of
-        shape (problem, amplitude).
+        ``max_energy_error`` and ``period_error`` of shape (scheme, problem, amplitude, omega_step).
+        ``described_up_to``, the largest ω Δt at which the bound of the energy by its modified energy holds
+        (:func:`study.step_bound`), of shape (problem, amplitude).
 
     Raises
     ------
@@ -84,7 +84,7 @@ def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> 
     failed = "NaN where the run failed"
     return xr.Dataset(
         {
-            "energy_error": (
+            "max_energy_error": (
                 dims,
                 energy,
                 {"long_name": f"largest error of the energy over its height above rest, {failed}", "units": "1"},

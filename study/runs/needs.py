@@ -53,7 +53,10 @@ FILTERS = {
 CODES = ("OpenSees", "Abaqus", "LS-DYNA")
 #: Attributes of the variables of needs and decisions.
 ATTRIBUTES = {
-    "step_size": {"long_name": "largest step size admitted that keeps the error, as all smaller ones do", "units": "s"},
+    "step_size": {
+        "long_name": "largest admitted step size that keeps the error, as smaller ones tried do",
+        "units": "s",
+    },
     "steps_per_period": {"long_name": "steps in a time scale", "units": "1"},
     "omega_step": {"long_name": "step size times the highest frequency of the motion", "units": "1"},
     "divides": {

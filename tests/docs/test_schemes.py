@@ -119,7 +119,7 @@ def _kinks(*needed, first_order=0):
     coords = {"problem": ["yielding"], "scheme": names, "steps_per_period": steps}
     return xr.Dataset(
         {
-            "error": (dims, error),
+            "sampled_error": (dims, error),
             "max_energy_imbalance": (dims, 0 * error),
             "force_evaluations_per_step": (dims, 0 * error + [[1.0], [4.0]]),
             "observed_order": (dims[:2], order),

@@ -30,21 +30,21 @@ def test_control_reaches_the_exact_motion_of_a_bouncing_mass(reference, monkeypa
     schemes = ["dormand_prince6", "houbolt"]
     ds = control_cost(["bouncing"], schemes, "pi", [1e-2, 1e-4, 1e-6], [8, 16, 32]).squeeze("problem")
     controlled, multistep = (ds.sel(scheme=name) for name in schemes)
-    assert (controlled.status == 0).all() and controlled.error[-1] < 1e-4 < controlled.error[0]
+    assert (controlled.status == 0).all() and controlled.sampled_error[-1] < 1e-4 < controlled.sampled_error[0]
     # each step, accepted or rejected, takes five force evaluations for six stages, because the first stage is known
     # the start takes one more, and the estimate evaluates the force at the end of a step, because its slope may jump
     _check_forces(controlled, 5 + 1)
     np.testing.assert_array_equal(controlled.equal_force_evaluations, 1 + 5 * 16 * ds.steps_per_sample)
-    assert (controlled.equal_error.diff("steps_per_sample") < 0).all()
-    assert (multistep.status == NOT_RUN).all() and np.isfinite(multistep.equal_error).all()
-    needed = fewest(controlled.error, controlled.force_evaluations, 1e-3, "tolerance")
-    assert needed < fewest(controlled.equal_error, controlled.equal_force_evaluations, 1e-3, "steps_per_sample")
+    assert (controlled.equal_sampled_error.diff("steps_per_sample") < 0).all()
+    assert (multistep.status == NOT_RUN).all() and np.isfinite(multistep.equal_sampled_error).all()
+    needed = fewest(controlled.sampled_error, controlled.force_evaluations, 1e-3, "tolerance")
+    assert needed < fewest(controlled.equal_sampled_error, controlled.equal_force_evaluations, 1e-3, "steps_per_sample")
 
 
 def test_a_force_with_a_history_counts_what_commits_it(reference, monkeypatch):
     monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     ds = control_cost(["hysteretic"], ["rk4"], "pi", [1e-2, 1e-4], [16, 64]).squeeze()
-    assert (ds.error < [0.1, 1e-2]).all() and (ds.equal_error < [0.1, 1e-2]).all()
+    assert (ds.sampled_error < [0.1, 1e-2]).all() and (ds.equal_sampled_error < [0.1, 1e-2]).all()
     # four forces and one that commits the history, which the start does too
     np.testing.assert_array_equal(ds.equal_force_evaluations, 1 + 5 * 16 * ds.steps_per_sample)
     # step doubling takes three steps, and the estimate the force at the end
@@ -54,7 +54,9 @@ def test_a_force_with_a_history_counts_what_commits_it(reference, monkeypatch):
 def test_solvers_have_no_force_with_a_history(reference, monkeypatch):
     monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     ds = solver_cost(["bouncing", "hysteretic"], ["cvode_adams"], [1e-4, 1e-8]).squeeze("solver")
-    assert (ds.error.sel(problem="bouncing") < [1e-1, 1e-4]).all() and ds.error.sel(problem="hysteretic").isnull().all()
+    assert (ds.sampled_error.sel(problem="bouncing") < [1e-1, 1e-4]).all() and ds.sampled_error.sel(
+        problem="hysteretic"
+    ).isnull().all()
 
 
 def test_rules_of_codes_on_the_hardening_spring(monkeypatch):
@@ -68,4 +70,4 @@ def test_rules_of_codes_on_the_hardening_spring(monkeypatch):
     assert (steps.sel(code="Abaqus").diff("class") < 0).all() and steps.sel(code="Abaqus").max() < 20
     assert ds.halved_energy_error == pytest.approx(1, abs=0.01)
     # the tests of SciML's package OrdinaryDiffEqNewmark require a ratio of error to tolerance between 0.2 and 3
-    assert (ds.error_in_tolerances > 0.2).all() and (ds.error_in_tolerances < 3).all()
+    assert (ds.sampled_error_in_tolerances > 0.2).all() and (ds.sampled_error_in_tolerances < 3).all()

@@ -31,14 +31,14 @@ def test_a_kink_costs_the_order(reference, monkeypatch):
     # the steps of a fourth-order method meet the kinks of a record if they divide its spacing
     dividing = ds.dividing_order.sel(problem="shaken", scheme=["average_acceleration", "gauss4"])
     assert dividing.values == pytest.approx([2.0, 4.0], abs=0.1)
-    assert ds.dividing_error.sel(problem=["hardening", "yielding"]).isnull().all()
+    assert ds.dividing_sampled_error.sel(problem=["hardening", "yielding"]).isnull().all()
     # average acceleration balances the energies to round-off, although its error exceeds 1e-3
     blind = ds.sel(scheme="average_acceleration", problem="yielding").isel(steps_per_period=0)
-    assert float(blind.error) > 1e-3 and float(blind.max_energy_imbalance) < 1e-12
+    assert float(blind.sampled_error) > 1e-3 and float(blind.max_energy_imbalance) < 1e-12
     # the energy-momentum method takes its force from a potential, so it is left out if the force dissipates
     left_out = ds.sel(scheme="energy_momentum", problem="yielding")
-    assert np.isnan(left_out.error).all() and (left_out.status == STATUSES_OR_NOT_RUN.index("not_run")).all()
-    assert ((ds.status == 0) == ds.error.notnull()).all()
-    assert np.isfinite(ds.error.sel(scheme="energy_momentum", problem="shaken")).all()
+    assert np.isnan(left_out.sampled_error).all() and (left_out.status == STATUSES_OR_NOT_RUN.index("not_run")).all()
+    assert ((ds.status == 0) == ds.sampled_error.notnull()).all()
+    assert np.isfinite(ds.sampled_error.sel(scheme="energy_momentum", problem="shaken")).all()
     # the hardening spring is stiffest at its start; before yielding, the other oscillators have a period of one second
     np.testing.assert_allclose(ds.highest_frequency, [10 * np.sqrt(1 + 30 * 1.5**2), 2 * np.pi, 2 * np.pi])

@@ -14,7 +14,7 @@ def test_a_solver_that_gives_up_or_takes_too_long_is_left_out(monkeypatch):
     monkeypatch.setattr(work_precision, "SOLVERS", {"heyoka": work_precision.SOLVERS["heyoka"], "kvaerno5": slow})
     ds = work_precision.work_precision(["hardening"], [1e-6, 1e-8], [1, 100, 1000], repeats=2, longest=0.5)
     # a solution of zeros errs by the amplitude, which is reached at the end of a period
-    error = ds.solver_displacement_error.squeeze("problem")
+    error = ds.solver_last_period_error.squeeze("problem")
     assert error.sel(solver="kvaerno5").values[0, :2] == pytest.approx(1.0)
     assert (error.sel(solver="heyoka", periods=1) < 1e-5).all()
     time = ds.median_solver_seconds.squeeze("problem")

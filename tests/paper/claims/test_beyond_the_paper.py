@@ -61,7 +61,7 @@ def _kinks(gain=10.0, order=2.0, imbalance=1e-15, equal=1.0):
     error[:, 2] *= equal
     return xr.Dataset(
         {
-            "error": (("problem", "scheme", "steps_per_period"), error),
+            "sampled_error": (("problem", "scheme", "steps_per_period"), error),
             "force_evaluations_per_step": (
                 ("problem", "scheme", "steps_per_period"),
                 np.broadcast_to([[1.0], [4.0], [1.0]], (3, 3, 2)),
@@ -97,7 +97,7 @@ def test_the_order_does_not_matter_if_neither_order_nor_error_at_equal_forces_do
 )
 def test_a_balance_that_is_kept_by_a_wrong_motion_is_no_verdict(imbalance, error, holds):
     kinks = _kinks(imbalance=imbalance)
-    kinks["error"][:] = error
+    kinks["sampled_error"][:] = error
     assert materials.balance_is_a_verdict(kinks).holds == holds
 
 

@@ -16,7 +16,7 @@ def _later(**parts):
     """A dataset like later_schemes.nc: all values are one, except values given for a variable or for its schemes."""
     along = {
         "largest_stiffening": {"with_model": ["chen_ricles", "chang", "kr_alpha"], "omega_step": [1.0, 10.0]},
-        "trigonometric_error": {"member": MEMBERS, "steps": [16, 32, 64]},
+        "trigonometric_end_error": {"member": MEMBERS, "steps": [16, 32, 64]},
         "wave_error": {"wave_scheme": WAVES, "courant": [0.5, 1.0]},
         "auxiliary_error": {"auxiliary": ["auxiliary_variable", "average_acceleration"], "steps": [16, 32, 64]},
         "auxiliary_peak": {"step_size": [0.5, 8.0]},
@@ -155,11 +155,11 @@ def test_errors_over_all_frequencies():
         ("gautschi", claims.uniform_error_of_gautschi),
         ("garcia_archilla", claims.uniform_error_of_mollified_impulse),
     ):
-        assert check(_later(trigonometric_error={member: uniform})).holds
-        assert not check(_later(trigonometric_error={member: erratic})).holds
+        assert check(_later(trigonometric_end_error={member: uniform})).holds
+        assert not check(_later(trigonometric_end_error={member: erratic})).holds
     cured = {"deuflhard": erratic, "garcia_archilla": uniform}
-    assert claims.resonances_of_impulse(_later(trigonometric_error=cured)).holds
-    assert not claims.resonances_of_impulse(_later(trigonometric_error=cured | {"deuflhard": uniform})).holds
+    assert claims.resonances_of_impulse(_later(trigonometric_end_error=cured)).holds
+    assert not claims.resonances_of_impulse(_later(trigonometric_end_error=cured | {"deuflhard": uniform})).holds
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def _rule(ratio):
     data = filled(1.0, scheme=claims.SCHEMES, problem=claims.CONVEX, amplitude=[1.0, 2.0], omega_step=steps)
     error = data * np.where(steps < 0.18, ratio, 9.0) * steps**2
     error = error * xr.DataArray([1 / 4, 1 / 6], {"scheme": claims.SCHEMES})
-    rule = error.to_dataset(name="energy_error")
+    rule = error.to_dataset(name="max_energy_error")
     described = filled(0.2, problem=claims.CONVEX, amplitude=[1.0, 2.0])
     return rule.assign(described_up_to=described).assign_coords(scheme_title=("scheme", ["A", "B"]))
 

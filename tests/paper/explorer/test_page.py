@@ -51,13 +51,17 @@ def datasets():
         "flag_explanations": "; ".join("meant" for _ in OUTCOME_STYLES),
     }
     outcome = random.integers(0, len(OUTCOME_STYLES), shape).astype(np.int8)
-    scheme_coordinates = {"scheme_title": TITLES, "explicit": EXPLICIT, "forces_per_step": [0, 1, 4, 0, 0, 0]}
+    scheme_coordinates = {
+        "scheme_title": TITLES,
+        "explicit": EXPLICIT,
+        "force_evaluations_per_step": [0, 1, 4, 0, 0, 0],
+    }
     atlas = xr.Dataset(
         {"outcome": (cell, outcome, stated)} | {name: (cell, values) for name, values in errors.items()},
         {name: ("scheme", values) for name, values in scheme_coordinates.items()}
         | {
             "scheme": SCHEMES,
-            "forces_per_iteration": ("scheme", [1, 0, 0, 1, 1, 1]),
+            "force_evaluations_per_iteration": ("scheme", [1, 0, 0, 1, 1, 1]),
             "problem": PROBLEMS,
             "problem_title": ("problem", ["hardening spring", "softening spring", "double well"]),
             "amplitude": AMPLITUDES,

@@ -25,7 +25,7 @@ def test_a_smooth_velocity_is_no_alternating_one():
 def _structures(gauss, bathe):
     errors = (("problem", "scheme", "steps_per_period"), [[gauss, bathe]])
     coordinates = {"problem": ["stiff_soft"], "scheme": ["gauss4", "bathe"], "steps_per_period": [10, 20, 40, 80]}
-    return xr.Dataset({"displacement_error": errors}, coordinates)
+    return xr.Dataset({"sampled_displacement_error": errors}, coordinates)
 
 
 def test_errors_that_no_finer_step_reduces_are_a_range():
