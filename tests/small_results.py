@@ -46,6 +46,7 @@ def assessment() -> xr.Dataset:
             "order": ("scheme", [2, 2]),
             "order_of_loss": ("scheme", [np.inf, np.inf]),
             "quantity": ["displacement", "energy"],
+            "scaled_from": ("quantity", [0.0, 0.0]),
             "allowed_error": [0.1, 0.01],
             "step_size": tried,
         },

@@ -297,7 +297,7 @@ def test_the_step_for_a_period_of_a_frame_serves_up_to_the_next(monkeypatch):
     assert serves.sel(period=between).all()
     assert serves.sel(period=critical).sum("period").to_series().to_dict() == dict(zip(schemes, (0, 3, 3), strict=True))
     step = advised.sel(scheme="central_difference", period=critical[0]).item()
-    error = ds.error.sel(scheme="central_difference", period=critical).sel(step_size=step, method="nearest")
+    error = ds.peak_drift_error.sel(scheme="central_difference", period=critical).sel(step_size=step, method="nearest")
     assert ((error > 0.01).sum(["record", "reduction"]) == 1).all()
     assert error.size == 3 * int(count) and f"{100 * error.max().item():.2f}" == most
     assert f"which errs by up to {most} % just above 0.2 s." in " ".join(README.split())

@@ -33,6 +33,8 @@ CONSTANT = 1e-3
 #: Factor by which the term of (ωΔt)⁴ in the delay may exceed that of a linear oscillator with the frequency ω. It
 #: counts where the term of Δt² nearly cancels.
 NEXT = 2
+#: Round-off of displacement or potential over their changes in a motion, above which it may hide the period.
+HIDDEN = 1e-12
 #: Ratio of neighbouring distances from rest between which a turning point is sought, and their largest number.
 GROWTH, DISTANCES = 1.002, 20_000
 #: Largest number of hills between two such distances that are searched for a turning point.
@@ -300,9 +302,15 @@ def orbit(problem: Problem) -> Orbit:
             f"the tangent of '{problem.title}' is not the slope of its force near u = {unresolved:.6g}, as where one "
             "of them jumps, and no step bound is known there; study.assess finds the step by runs."
         )
+    round_off = np.finfo(float).eps * max(abs(at_start) / (at_start - float(well.rest)), abs(rest) / np.ptp(ends))
     raise ValueError(
-        f"the period of '{problem.title}' does not converge: the motion is too near to a separatrix, where any step "
-        "changes the period by any factor."
+        f"the period of '{problem.title}' does not converge: "
+        + (
+            "the motion is so small beside its displacement or its potential that round-off hides it; count u and the "
+            "potential from rest."
+            if round_off > HIDDEN
+            else "the motion is too near to a separatrix, where any step changes the period by any factor."
+        )
     )
 
 

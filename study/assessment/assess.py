@@ -19,7 +19,14 @@ from study.assessment.certified import KINKS, cases_of, certified, undeclared
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.deadline import Budget, OutOfTime, within
 from study.assessment.errors import DEFAULT
-from study.assessment.periods import highest_frequency_along, length_of, model_of, remark_on_record, slowest_period
+from study.assessment.periods import (
+    has_a_period,
+    highest_frequency_along,
+    length_of,
+    model_of,
+    remark_on_record,
+    slowest_period,
+)
 from study.assessment.program import assess_program, narrowed
 from study.assessment.progress import Progress
 from study.assessment.scales import lack_of_energy, measured, remarks_on_scales, with_reference
@@ -279,7 +286,7 @@ def assess(
         highest,
         {"long_name": "highest circular frequency of small motions about points of the motion", "units": "s-1"},
     )
-    ds = with_reference(ds, measured(reference, with_energy))
+    ds = with_reference(ds, measured(reference, with_energy, equation.conservative))
     titles = {name: quantity.long_name or name for name, quantity in (quantities or DEFAULT).items()}
     titles |= {ENERGY: "balance of energies, relative to the energy that was put in"} | oscillation.TITLES
     described = {"long_name": "description of the quantity"}
@@ -294,7 +301,11 @@ def assess(
         "starts": sentence_on_starts(cases),
         "duration": length,
         "duration_requested": requested,
-        "free_vibration": int(equation.conservative and not equation.kinked),
+        "free_vibration": int(
+            equation.conservative
+            and not equation.kinked
+            and (reference.oscillation is not None or has_a_period(equation, length))
+        ),
         "problem": equation.title,
         "command": f"study.assess(problem, {list(chosen)}, duration={requested:.17g}, "
         f"allowed_errors={allowed}, maps={maps}" + (", quantities=quantities)" if quantities else ")"),

@@ -69,6 +69,12 @@ def _period(problem: Problem) -> float | None:
     return float(np.diff(ds.t.values[crossed]).mean()) if len(crossed) > 1 else None
 
 
+def has_a_period(problem: Problem, duration: float) -> bool:
+    """Whether a free motion lasts for a period, with several unknowns for the slowest one of small motions."""
+    period = slowest_period(problem) if np.ndim(problem.u0) else _period(problem)
+    return period is not None and duration >= period
+
+
 def length_of(problem: Problem, duration: float | None) -> float:
     """Duration of the runs in s: the given one, or by default ten periods of a free undamped oscillator.
 

@@ -10,7 +10,7 @@ import xarray as xr
 
 from study import io
 from study.assessment.dataset import ATTRIBUTES
-from study.assessment.scales import Measured, remark_on_components, with_reference
+from study.assessment.scales import Measured, remark_on_components, scaled_from, with_reference
 from study.assessment.search import COARSEST_KEEPS, FINEST_FAILS, FOUND, OUT_OF_TIME, UNCERTAIN
 from study.assessment.steps import round_step
 from study.io import flags, processor
@@ -122,6 +122,7 @@ def _measured(curve: Curve) -> Measured:
         flat = curve.values.reshape(len(curve.t), -1)
         sizes = np.abs(flat)
         result = Measured("", value=curve.sizes, time=curve.t[sizes.argmax(axis=0)], along=(curve.t, flat))
+        result = result._replace(scaled_from=scaled_from(curve.quantity, curve.t, flat))
     else:
         result = Measured("", value=np.atleast_1d(curve.values))
     result = result._replace(scale=curve.scale)

@@ -15,10 +15,14 @@ from study.assessment.errors import Target
 from study.assessment.search import ENERGY
 from study.assessment.solution import DenseSolution
 from study.mechanics.definition import Problem
+from study.observer.motion import Quantity
 
 #: Largest ratio of the components of a quantity, and of its largest value along time to its final value, without a
 #: remark. Components below ``ROUND_OFF`` of the largest count as zero.
 SPREAD, ROUND_OFF = 100.0, 1e-9
+
+#: Relative difference of two values to which errors are relative that counts as none.
+SAME = 1e-3
 
 #: Number of parts of the duration for each of which the lowest and highest value of a quantity are kept.
 PARTS = 400
@@ -42,6 +46,9 @@ class Measured(NamedTuple):
         and the scale of its errors, each of shape (components,); NaN where there is none.
     along
         Times in s of shape (t,), and the quantity at these times, of shape (t, components); empty where there are none.
+    scaled_from
+        Time in s from which on a longer duration does not change the value to which errors are relative, to ``SAME``;
+        NaN if the quantity is one value of the whole duration.
     """
 
     relative_to: str
@@ -50,6 +57,7 @@ class Measured(NamedTuple):
     time: np.ndarray = np.full(1, np.nan)
     scale: np.ndarray = np.full(1, np.nan)
     along: tuple[np.ndarray, np.ndarray] = (np.empty(0), np.empty((0, 1)))
+    scaled_from: float = np.nan
 
 
 def _band(quantity: Measured, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -96,11 +104,28 @@ def with_reference(ds: xr.Dataset, quantities: dict[str, Measured]) -> xr.Datase
             [quantity.relative_to for quantity in ordered],
             {"long_name": "value that scales the error"},
         ),
+        scaled_from=(
+            "quantity",
+            [quantity.scaled_from for quantity in ordered],
+            {"long_name": "time from which on the value that scales the error does not change", "units": "s"},
+        ),
         quantity_units=("quantity", [quantity.units for quantity in ordered], {"long_name": "unit of the quantity"}),
     )
 
 
-def measured(reference: Certified, with_energy: bool) -> dict[str, Measured]:
+def scaled_from(quantity: Quantity | None, t: np.ndarray, values: np.ndarray) -> float:
+    """``Measured.scaled_from`` of a quantity, None by default, with ``values`` (t, components) along its times."""
+    if quantity is not None and quantity.reduce is not None:
+        return np.nan
+    if quantity is not None and isinstance(quantity.scale, tuple):
+        return 0.0
+    sizes = np.abs(values)
+    peaks = sizes.max(axis=0)
+    times = t[(sizes >= (1 - SAME) * peaks).argmax(axis=0)]
+    return float(np.max(times if quantity is not None and quantity.scale == "each" else times[peaks.argmax()]))
+
+
+def measured(reference: Certified, with_energy: bool, conservative: bool) -> dict[str, Measured]:
     """How each quantity is measured, and its value in the reference."""
     quantities = {
         name: Measured(
@@ -110,12 +135,17 @@ def measured(reference: Certified, with_energy: bool) -> dict[str, Measured]:
             target.reached,
             target.scale,
             (target.times, target.values),
+            scaled_from(target.quantity, target.times, target.values),
         )
         for name, target in reference.targets.items()
     }
-    quantities |= {ENERGY: Measured("relative to the energy that was put in")} if with_energy else {}
+    if with_energy:
+        put_in = 0.0 if conservative else np.nan
+        quantities[ENERGY] = Measured("relative to the energy that was put in", scaled_from=put_in)
     if reference.oscillation:
-        quantities |= {name: Measured(relative_to) for name, relative_to in oscillation.RELATIVE_TO.items()}
+        quantities |= {
+            name: Measured(relative_to, scaled_from=0.0) for name, relative_to in oscillation.RELATIVE_TO.items()
+        }
         period = np.atleast_1d(float(reference.oscillation.period))
         quantities["period"] = quantities["period"]._replace(units="s", value=period, scale=period)
     return quantities

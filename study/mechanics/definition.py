@@ -111,7 +111,8 @@ class Problem(eqx.Module):
     ------
     ValueError, TypeError
         If shapes do not fit each other, a number is not finite, a matrix is not symmetric, the force is not the
-        gradient of the potential, the tangent does not fit its declared form, or an argument is not a function.
+        gradient of the potential near u₀, where alone it is compared, the tangent does not fit its declared form, or an
+        argument is not a function.
     """
 
     force: Callable = None  # type: ignore[assignment]
@@ -265,7 +266,7 @@ class Problem(eqx.Module):
             self.history = getattr(self.force, "history", None)
         if self.history is not None:
             self.history = self._at_rest = as_history(self.history, self.title)
-        check_signature(self.arguments, self.history, self.title)
+        check_signature(self.force, self.arguments, self.history, self.title)
 
     def _without_velocity(self) -> Callable:
         """The force p(u, 0) as a function of u."""

@@ -168,7 +168,10 @@ def _parameters(function: Callable | None) -> list[inspect.Parameter]:
 
 
 def check_arguments(force: Callable, potential: Callable | None, load: Callable | None, title: str) -> None:
-    """Refuse a potential of a force that takes the time, a load that takes the motion, and defaults of the motion."""
+    """Refuse a potential of a force that takes the time, and arguments or kinks of a load that it cannot have.
+
+    Defaults for the motion are refused too.
+    """
     for parameter in _parameters(force):
         if parameter.default is not parameter.empty and parameter.name in NEVER_OPTIONAL:
             raise ValueError(
@@ -186,6 +189,14 @@ def check_arguments(force: Callable, potential: Callable | None, load: Callable 
                 f"load of '{title}' takes '{parameter.name}', and is called as load(t): what depends on the motion "
                 "goes into force=, a function of u, or of u and v, and of t if it takes the time."
             )
+    if not isinstance(load, eqx.Module):  # a ground motion has times of its own
+        declared = getattr(load, "kinks", ())
+        try:
+            are_times = np.isfinite(np.asarray(declared, float)).all()
+        except (TypeError, ValueError):
+            are_times = False
+        if not are_times:
+            raise ValueError(f"load.kinks of '{title}' must hold times in s, not {declared!r}.")
 
 
 def check_functions(problem) -> None:

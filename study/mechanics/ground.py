@@ -118,6 +118,8 @@ class GroundMotion(eqx.Module):
 
     def scaled(self, factor: float) -> "GroundMotion":
         """The motion multiplied by a factor. Motions that differ in the factor share one compiled program."""
+        if not (is_number(factor) or isinstance(factor, np.ndarray | jax.Array)):
+            raise TypeError(f"the factor of '{self.title}' must be a number, not {factor!r}.")
         return GroundMotion(factor * self.acceleration, self.dt, title=self.title, source=self.source)
 
     @staticmethod
@@ -142,6 +144,8 @@ class GroundMotion(eqx.Module):
             between samples (motions,). If the last sample of a shorter motion is not zero, its acceleration falls to
             zero within Δt; that of the motion itself jumps there.
         """
+        if isinstance(motions, GroundMotion) or not len(motions):
+            raise ValueError("padded takes a list of at least one GroundMotion.")
         samples = max(len(motion.acceleration) for motion in motions)
         rows = [np.pad(motion.acceleration, (0, samples - len(motion.acceleration))) for motion in motions]
         return np.stack(rows), np.array([motion.dt for motion in motions])
@@ -260,7 +264,7 @@ class GroundMotion(eqx.Module):
         Raises
         ------
         ValueError
-            If the seed is not a whole number.
+            If the seed is not a whole number, or another argument is no such number as it stands for.
 
         References
         ----------
@@ -275,6 +279,13 @@ class GroundMotion(eqx.Module):
                 "make the records first and run over them, over={'record': [study.GroundMotion.kanai_tajimi(seed)"
                 ".acceleration for seed in range(10)]}."
             )
+        positive = {"duration": duration, "dt": dt, "frequency": frequency, "damping": damping, "rise": rise}
+        for name, value in (positive | {"density": density}).items():
+            if not (is_number(value) and 0 < value < np.inf):
+                raise ValueError(f"{name} must be a number greater than zero, not {value!r}.")
+        for name, value in {"fall": fall, "decay": decay}.items():
+            if not (is_number(value) and 0 <= value < np.inf):
+                raise ValueError(f"{name} must be a number of at least zero, not {value!r}.")
         t = dt * np.arange(round(duration / dt) + 1)
         noise = np.sqrt(2 * np.pi * density / dt) * np.random.default_rng(seed).standard_normal(len(t))
         s = 2j * np.pi * np.fft.rfftfreq(len(t), dt) / frequency

@@ -26,6 +26,8 @@ BRANCHES = {"select_n", "cond"}
 
 #: Names by which a parameter of a force is the time.
 TIME = ("t", "time")
+#: First two parameters of a force whose author takes the velocity for the first one.
+SWAPPED = (["v", "u"], ["velocity", "displacement"])
 
 
 def _needed(force: Callable) -> list[str]:
@@ -50,13 +52,18 @@ def number_of_arguments(force: Callable) -> int:
     return max(len(_needed(force)) - (place_of_time(force) is not None), 1)
 
 
-def check_signature(arguments: int, history: Any, title: str) -> None:
-    """Refuse a number of arguments that does not fit the history."""
+def check_signature(force: Callable, arguments: int, history: Any, title: str) -> None:
+    """Refuse a number of arguments that does not fit the history, and a velocity before the displacement."""
     if arguments > 3 or (arguments == 3) != (history is not None):
         kept = "a history" if history is not None else "no history"
         raise ValueError(
             f"force of '{title}' takes {arguments} arguments, and the problem has {kept}: give force(u), force(u, v), "
             "or force(u, v, history) with Problem(history=...), and a further argument t if the force takes the time."
+        )
+    if _needed(force)[:2] in SWAPPED:
+        raise ValueError(
+            f"force of '{title}' takes {' and '.join(_needed(force)[:2])}: its first argument is the displacement, and "
+            "its second the velocity, whatever their names."
         )
 
 

@@ -33,6 +33,12 @@ _STUCK = re.compile(rf"[+-]?{_POINT}(?:[+-]{_POINT})+")
 #: The name DT of an AT2 file, and the unit that may follow in brackets.
 _DT = r"\bDT\b(?:\s*[(\[]\s*(\w+)\s*[)\]])?"
 
+#: A time between two samples with its unit, and a number of samples in a second, as lines of words state them.
+_SPACING = re.compile(
+    rf"\b(?:dt|(?:time|sampling|sample)[ _-]*(?:step|interval|period))[\s:=]*({_POINT}|\d+)\s*([a-z]*)", re.IGNORECASE
+)
+_RATE = re.compile(rf"\b(?:sampling|sample)[ _-]*(?:rate|freq\w*)[\s:=]*({_POINT}|\d+)", re.IGNORECASE)
+
 #: Accelerations, shape (samples,).
 Samples = Float[np.ndarray, "samples"]
 
@@ -89,6 +95,14 @@ def _stated_unit(header: str) -> str | None:
         if units := {unit for word in words if (unit := _unit_of(word))}:
             return units.pop() if len(units) == 1 else None
     return None
+
+
+def _stated_spacing(heading: str) -> float | None:
+    """The time in s between two samples that lines of words state; None if they state none."""
+    if spacing := _SPACING.search(heading):
+        return float(spacing[1]) * TIMES.get(spacing[2].lower(), 1.0)
+    rate = _RATE.search(heading)
+    return 1 / float(rate[1]) if rate and float(rate[1]) else None
 
 
 def _seconds(path: Path, unit: str) -> float:
@@ -313,7 +327,7 @@ def _read_columns(path: Path, lines: list[str], dt: float | None) -> Record:
         first -= 1  # a row of samples with a word among them, and no heading
     rows, announced = _after_count(_rows(path, lines, first))
     width = len(next(iter(rows.values()), ()))
-    dt = announced if dt is None else dt
+    dt = announced or _stated_spacing(heading) or dt
     if width > 3 and dt is not None and not heading.strip() and _is_continuous([*rows.values()], dt):
         return Record(np.array([value for row in rows.values() for value in row]), dt, None)
     if width not in (1, 2):

@@ -50,8 +50,9 @@ def recommend(
         ``displacement`` if the assessment was given no quantities. For a problem of the study it is the displacement,
         or the peak drift under records.
     duration
-        Duration in s over which the error must be kept, by default that of the runs, which also covers shorter ones.
-        Over a longer duration the step follows from that of the runs by the law
+        Duration in s over which the error must be kept, by default that of the runs. A shorter one keeps the step if
+        the value to which errors are relative stays the same, as it does from the time of the largest value on. Over a
+        longer duration the step follows from that of the runs by the law
 
         .. math::
 
@@ -153,17 +154,27 @@ def recommend(
     if "condition" in dataset.dims:
         table, known = _table_of_needs(dataset, allowed_error, quantity), dataset.duration.item()
         free = bool(dataset.free_vibration)
+        scaled_from = dataset.time_scale.item() if free else np.nan
     else:
         table, known = table_of_assessment(dataset, allowed_error, quantity), dataset.attrs["duration"]
         free = bool(dataset.attrs.get("free_vibration")) and known == dataset.attrs["duration_requested"]
-    if duration is None or duration <= known:
+        # assessments of earlier versions lack it
+        known_from = dataset.get("scaled_from", xr.full_like(dataset.quantity, np.nan, float))
+        scaled_from = known_from.sel(quantity=table.attrs["quantity"]).item()
+    if duration is None or duration == known or scaled_from <= duration < known:
         return table
-    if not free:
-        raise ValueError(
-            f"the runs last {known:.4g} s, and steps are extrapolated to {duration:.4g} s only for {FREE} that is not "
-            "chaotic: assess the problem with this duration."
-        )
     quantity, schemes = table.attrs["quantity"], dataset.scheme_title.to_series()
+    if duration < known:
+        raise ValueError(
+            f"the runs last {known:.4g} s, and errors of '{quantity}' are relative to a value that a run of "
+            f"{duration:.4g} s need not reach: assess the problem with this duration."
+        )
+    if not free or np.isnan(scaled_from):
+        raise ValueError(
+            f"the runs last {known:.4g} s, and steps are extrapolated to {duration:.4g} s only for quantities along "
+            f"time and for runs of at least a period of {FREE} that is not chaotic: assess the problem with this "
+            "duration."
+        )
     if "condition" in dataset.dims:
         law = dataset.exponent.sel(quantity=quantity).to_series()
         finer = (duration / known) ** dataset.exponent

@@ -6,7 +6,7 @@ import pytest
 import study
 from study.assessment import errors
 from study.assessment.reference import Reference
-from study.assessment.scales import remark_on_components, remarks_on_scales
+from study.assessment.scales import remark_on_components, remarks_on_scales, scaled_from
 from study.assessment.search import Case
 from study.assessment.steps import StepSearch
 
@@ -112,6 +112,22 @@ def test_a_component_of_round_off_neither_dominates_nor_gets_a_remark():
     assert quantity.scales(np.array([1.0, 1e-14]), np.ones(2)).tolist() == [1.0, 1e-6]
     assert remark_on_components("u", np.array([1.0, 0.02, 1e-14, 0.0]), "") == []
     assert "1 of 3 components" in remark_on_components("u", np.array([1.0, 0.005, 0.0]), "")[0]
+
+
+@pytest.mark.parametrize(
+    "quantity, begin",
+    [
+        (None, 3.0),
+        (study.Quantity(lambda u: u, scale="each"), 5.0),
+        (study.Quantity(lambda u: u, scale=[1.0, 2.0]), 0.0),
+        (study.Quantity(lambda u: u, reduce="peak"), np.nan),
+    ],
+)
+def test_the_value_to_which_errors_are_relative_is_reached_at_a_time(quantity, begin):
+    """A first component with its largest size at 3 s, and to round-off again at 6 s, and a smaller one that grows."""
+    first, second = [0.0, 1.0, 2.0, -4.0, 1.0, 0.0, 4.0 + 1e-12], [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.5]
+    found = scaled_from(quantity, np.arange(7.0), np.stack([first, second], axis=1))
+    np.testing.assert_equal(found, begin)
 
 
 def test_unfit_scales_are_refused():

@@ -35,7 +35,8 @@ def test_control_reaches_the_exact_motion_of_a_bouncing_mass(reference, monkeypa
     # the start takes one more, and the estimate evaluates the force at the end of a step, because its slope may jump
     _check_forces(controlled, 5 + 1)
     np.testing.assert_array_equal(controlled.equal_force_evaluations, 1 + 5 * 16 * ds.steps_per_sample)
-    assert (controlled.equal_sampled_error.diff("steps_per_sample") < 0).all()
+    # with impacts, the error does not fall at each refinement
+    assert (controlled.equal_sampled_error[1:] < controlled.equal_sampled_error[0] / 4).all()
     assert (multistep.status == NOT_RUN).all() and np.isfinite(multistep.equal_sampled_error).all()
     needed = fewest(controlled.sampled_error, controlled.force_evaluations, 1e-3, "tolerance")
     assert needed < fewest(controlled.equal_sampled_error, controlled.equal_force_evaluations, 1e-3, "steps_per_sample")
@@ -70,4 +71,4 @@ def test_rules_of_codes_on_the_hardening_spring(monkeypatch):
     assert (steps.sel(code="Abaqus").diff("class") < 0).all() and steps.sel(code="Abaqus").max() < 20
     assert ds.halved_energy_error == pytest.approx(1, abs=0.01)
     # the tests of SciML's package OrdinaryDiffEqNewmark require a ratio of error to tolerance between 0.2 and 3
-    assert (ds.sampled_error_in_tolerances > 0.2).all() and (ds.sampled_error_in_tolerances < 3).all()
+    assert (ds.error_in_tolerances > 0.2).all() and (ds.error_in_tolerances < 3).all()

@@ -142,6 +142,16 @@ def test_a_load_as_a_list_keeps_its_kinks():
     assert getattr(study.Problem(lambda u: u, u0=np.zeros(2), load=_Switched()).load, "kinks", None) == (0.5,)
 
 
+@pytest.mark.parametrize("kinks", [lambda: [1.0], [np.nan], "soon"])
+def test_kinks_of_a_load_are_times(kinks):
+    def load(t):
+        return 0.0 * t
+
+    load.kinks = kinks
+    with pytest.raises(ValueError, match=r"load\.kinks of 'unnamed problem' must hold times in s, not "):
+        study.Problem(lambda u: u, u0=1.0, load=load)
+
+
 def test_an_array_is_no_load():
     with pytest.raises(TypeError, match="load must be a function, not an array: use jnp.interp for samples."):
         study.Problem(lambda u: u, u0=0.0, load=np.ones(100))
@@ -254,6 +264,7 @@ def test_rayleigh_damping_takes_finite_numbers(damping):
         (lambda u: jnp.dot(jnp.ones((3, 3)), u), "fails for the displacement alone: TypeError: "),
         (lambda u, v, w: u, "takes 3 arguments, and the problem has no history: give force\\(u\\), force\\(u, v\\)"),
         (lambda u, v: v[0], r"force must return the shape \(5,\), not \(\)"),
+        (lambda v, u: u, "takes v and u: its first argument is the displacement, and its second the velocity"),
         (lambda u: [u], "force must return the shape"),
     ],
 )

@@ -142,6 +142,41 @@ def test_one_column_begins_at_zero_and_needs_the_time_between_samples(tmp_path):
         study.GroundMotion.read(path, unit="g", dt=0)
 
 
+@pytest.mark.parametrize(
+    "heading", ["dt = 0.005 s", "DT=5 ms", "# time step 0.005 s, unit g", "sampling rate: 200 Hz", "3 .005"]
+)
+def test_a_time_between_samples_that_a_file_states_is_that_of_the_record(tmp_path, heading):
+    """A time that the user gives in place of the one that the file states."""
+    path = tmp_path / "record.txt"
+    path.write_text(f"{heading}\n.1\n-.2\n.3\n")
+    assert study.GroundMotion.read(path, unit="g").dt == pytest.approx(0.005)
+    with pytest.raises(ValueError, match="are 0.005 s apart, not dt=0.02"):
+        study.GroundMotion.read(path, unit="g", dt=0.02)
+
+
+@pytest.mark.parametrize(
+    "wrong, sentence",
+    [
+        ({"duration": -1}, "duration must be a number greater than zero, not -1"),
+        ({"dt": 0}, "dt must be a number greater than zero, not 0"),
+        ({"rise": 0}, "rise must be a number greater than zero, not 0"),
+        ({"decay": -1}, "decay must be a number of at least zero, not -1"),
+    ],
+)
+def test_a_stochastic_record_has_times_greater_than_zero(wrong, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        study.GroundMotion.kanai_tajimi(1, **wrong)
+
+
+def test_motions_are_scaled_by_numbers_and_padded_in_a_list():
+    motion = study.GroundMotion([0.1, 0.2], 0.01)
+    with pytest.raises(TypeError, match="the factor of .* must be a number, not '2'"):
+        motion.scaled("2")
+    for motions in ([], motion):
+        with pytest.raises(ValueError, match="padded takes a list of at least one GroundMotion"):
+            study.GroundMotion.padded(motions)
+
+
 KNET = """Origin Time       2011/03/11 14:46:00
 Lat.              38.103
 Long.             142.861

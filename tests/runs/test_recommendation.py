@@ -189,6 +189,23 @@ def test_a_longer_duration_extrapolates_the_steps_of_a_free_vibration(assessed):
     assert energy.step_size.to_dict() == energy.step_size_of_runs.to_dict()
 
 
+def test_another_duration_keeps_the_value_to_which_errors_are_relative(assessed):
+    """A step of 40 % error: over the first seconds the motion is far smaller than over the run that was assessed."""
+    assessed.attrs |= {"free_vibration": 1, "duration_requested": 10.0}
+    later = assessed.assign_coords(scaled_from=("quantity", [6.0, 0.0]))
+    for duration, quantity in ((6.0, "displacement"), (2.0, "energy")):
+        known = study.recommend(later, allowed_error=0.1, quantity=quantity)
+        shorter = study.recommend(later, allowed_error=0.1, quantity=quantity, duration=duration)
+        pd.testing.assert_frame_equal(shorter, known)
+    with pytest.raises(ValueError, match="'displacement' are relative to a value that a run of 5 s need not reach"):
+        study.recommend(later, allowed_error=0.1, duration=5)
+    final = assessed.assign_coords(scaled_from=("quantity", [np.nan, 0.0]))
+    for without in (final, assessed.drop_vars("scaled_from")):
+        for duration, sentence in ((5, "need not reach"), (90, "only for quantities along time")):
+            with pytest.raises(ValueError, match=sentence):
+                study.recommend(without, allowed_error=0.1, duration=duration)
+
+
 def test_a_problem_of_the_study_is_extrapolated_if_it_is_a_spring():
     needed = small_results.needed().sel(problem="softening")
     table = study.recommend(needed, allowed_error=0.1, duration=80)
@@ -198,8 +215,13 @@ def test_a_problem_of_the_study_is_extrapolated_if_it_is_a_spring():
     for name, a in exponents.items():
         assert table.step_size[name] == pytest.approx(scale / np.ceil(scale / known[name] * 4**a))
     assert set(table.index) == {*exponents}
-    with pytest.raises(ValueError, match="the runs last 20 s, and steps are extrapolated to 80 s only for free vib"):
+    with pytest.raises(ValueError, match="the runs last 20 s, and steps are extrapolated to 80 s only for .* free vib"):
         study.recommend(needed.assign_coords(free_vibration=0), allowed_error=0.1, duration=80)
+    pd.testing.assert_frame_equal(
+        study.recommend(needed, allowed_error=0.1, duration=scale), study.recommend(needed, allowed_error=0.1)
+    )
+    with pytest.raises(ValueError, match="a value that a run of 1 s need not reach"):
+        study.recommend(needed, allowed_error=0.1, duration=1)
 
 
 def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):

@@ -45,7 +45,7 @@ def _structures(error=0.01, imbalance=0.01):
     """Runs on two structures, all with the given displacement error and the given imbalance of energies."""
     schemes = ["average_acceleration", "central_difference", "newmark_dissipative", "wilson_theta", "houbolt", "rk4"]
     along = {"problem": ["stiff_soft", "fpu_chain"], "scheme": schemes, "steps_per_period": [20]}
-    runs = xr.Dataset({"status": filled(0, **along), "displacement_error": filled(error, **along)})
+    runs = xr.Dataset({"status": filled(0, **along), "sampled_displacement_error": filled(error, **along)})
     return runs.assign(max_energy_imbalance=filled(imbalance, **along))
 
 
