@@ -66,7 +66,7 @@ def energy_error() -> xr.Dataset:
 def decisions() -> xr.Dataset:
     """The decision on one spring, one quantity and one error."""
     dims, shape = ("problem", "quantity", "allowed_error", "kind", "filter"), (1, 1, 1, 1, 2)
-    numbers = {name: (dims, np.ones(shape)) for name in ("step_size", "force_evaluations", "error")}
+    numbers = {name: (dims, np.ones(shape)) for name in ("step_size", "force_evaluations", "largest_error")}
     return xr.Dataset(
         {"scheme": (dims, np.full(shape, "bathe")), **numbers},
         {

@@ -249,7 +249,7 @@ def test_a_name_that_is_neither_an_assessment_nor_a_problem_is_told(tmp_path):
         (
             {"duration": 11},
             ValueError,
-            "the runs last 10 s, and steps are extrapolated to 11 s only for free vibration",
+            "the runs last 10 s, and steps are extrapolated to 11 s only for",
         ),
         ({"quantity": 3}, TypeError, "quantity must be a name, not 3."),
         ({"what": small_results.needed()}, ValueError, "the needs of all problems: give the name of one, of softening"),
