@@ -90,7 +90,8 @@ class Refinement:
             self.run((s, step) for s in refined for step in steps if (s, step) not in self._runs.by_job)
             estimated = [*(s for s in refined if not self._ignores(s)), *done]
             estimates = {s: estimate(self.last_completed(s), self._program.quantities) for s in estimated}
-            known = {s: value for s, value in estimates.items() if value}
+            completed = {s: value for s, value in estimates.items() if value}
+            known = {s: value for s, value in completed.items() if not self._repeats(s, completed)}
             truth = agreed(known.values())
             if truth:
                 self._check_sizes(truth)
@@ -101,7 +102,7 @@ class Refinement:
                 # only the two schemes that need the least work are refined, unless they converge to different motions
                 pair = sorted(work, key=work.__getitem__)[:2]
                 pair_truth = agreed(known[s] for s in pair)
-                done = set() if truth.apart or (pair_truth and pair_truth.apart) else known.keys() - pair
+                done = set() if truth.apart or (pair_truth and pair_truth.apart) else completed.keys() - pair
             steps.append(steps[-1] / 2)
             if not refined or self._runs.late or steps[-1] < self._program.smallest * (1 - 1e-9):
                 break
@@ -119,7 +120,7 @@ class Refinement:
             ]
             reasons = "; ".join(self.remarks + ends)
             raise NoTruth(
-                f"there is no reference for '{self._program.title}', as fewer than two schemes complete "
+                f"there is no reference for '{self._program.title}', as fewer than two different schemes complete "
                 f"{FEWEST_RUNS} runs at successively halved steps{' in the given time' * self._runs.late}: {reasons}."
             )
         self._judge(truth, target, apart > 1)
@@ -172,6 +173,23 @@ class Refinement:
                 "last digit"
             )
         return bool(self.noise[scheme])
+
+    def _repeats(self, scheme: str, others: Iterable[str]) -> bool:
+        """Whether the finest run of a scheme is that of an earlier one to the last digit. If so, add a remark."""
+        run = self.last_completed(scheme)[-1]
+        moving = [name for name, values in run.values.items() if values.any()]
+        for other in others:
+            if other == scheme:
+                return False
+            same = self._runs.by_job.get((other, run.dt))
+            if moving and same and same.completed and all(_same(run, same, name, 1) for name in moving):
+                remark = (
+                    f"'{scheme}' returns the results of '{other}' to the last digit, and is no second witness: the "
+                    "program may ignore its scheme"
+                )
+                self.remarks += [remark] if remark not in self.remarks else []
+                return True
+        return False
 
     def _judge(self, truth: Truth, target: float, apart: bool) -> None:
         """Add a remark if the reference is not accurate enough for the smallest error, or holds at few times only."""

@@ -302,6 +302,23 @@ def test_what_is_wrong_with_all_runs_is_said(run, schemes, sentence, tmp_path):
     )
 
 
+@pytest.mark.parametrize("others", [[], ["central_difference"]])
+def test_a_program_that_ignores_its_scheme_is_no_second_witness(others, tmp_path):
+    """One scheme under two names that agrees with itself: the reference would be as certain as it is wrong."""
+
+    def run(scheme, dt):
+        return models.linear("central_difference" if scheme == "central_difference" else "average_acceleration", dt)
+
+    model, words = program(run, tmp_path, ["newmark", "hht", *others]), "'hht' returns the results of 'newmark' to the"
+    if not others:
+        with pytest.raises(NoTruth, match=f"fewer than two different schemes complete .* {words}"):
+            study.assess(model, allowed_errors=[0.01])
+        return
+    with pytest.warns(RuntimeWarning, match=words):
+        ds = study.assess(model, allowed_errors=[0.01])
+    assert {"central_difference", "newmark"} == {ds.reference.split()[0], ds.witness.split()[0]}
+
+
 def _largest_error(run, scheme, dt):
     """Error of the linear oscillator's displacement at the times of a run, from the closed form cos t."""
     result = run(scheme, dt)
@@ -447,7 +464,7 @@ def test_no_run_begins_that_would_end_late_on_its_own_worker(tmp_path, monkeypat
 
 def _scattered(scheme, dt):
     """A number whose error scatters from one step size to the next, as with forces that have kinks."""
-    return {"drift": 1 + (dt if scheme == "a" else -dt) ** 2 * (1 + 0.9 * np.sin(1e3 * dt))}
+    return {"drift": 1 + (1 if scheme == "a" else -1) * dt**2 * (1 + 0.9 * np.sin(1e3 * dt))}
 
 
 @pytest.mark.slow
