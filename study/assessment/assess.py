@@ -130,8 +130,8 @@ def assess(
         ``largest_step_size`` and ``recommended_step_size``; ``recommended_error``, ``seconds``, ``seconds_spread`` and
         ``force_evaluations`` of the run with the recommended step; ``steps_tried``, the number of steps tried from a
         twentieth of the recommended step up to it, and ``largest_error``, their largest error. Over ``quantity``:
-        ``reference_uncertainty``, and the coordinates ``relative_to``, the value to which errors are relative, and
-        ``quantity_units``. Over ``quantity`` and ``component``: ``reference_value``, the reduced value of the reference
+        ``reference_uncertainty``, and the coordinates ``relative_to``, the value to which errors are relative,
+        ``scaled_from``, the time from which on a longer run does not change it, and ``quantity_units``. Over ``quantity`` and ``component``: ``reference_value``, the reduced value of the reference
         or its largest value along time, ``reference_value_uncertainty`` in the same unit, and ``reference_time``, at
         which the value is reached. Over ``quantity`` and ``reference_t``, parts of the duration: ``reference_low`` and
         ``reference_high``, the lowest and highest value of the reference in the part, of the component with the largest
