@@ -131,11 +131,12 @@ def assess(
         ``force_evaluations`` of the run with the recommended step; ``steps_tried``, the number of steps tried from a
         twentieth of the recommended step up to it, and ``largest_error``, their largest error. Over ``quantity``:
         ``reference_uncertainty``, and the coordinates ``relative_to``, the value to which errors are relative,
-        ``scaled_from``, the time from which on a longer run does not change it, and ``quantity_units``. Over ``quantity`` and ``component``: ``reference_value``, the reduced value of the reference
-        or its largest value along time, ``reference_value_uncertainty`` in the same unit, and ``reference_time``, at
-        which the value is reached. Over ``quantity`` and ``reference_t``, parts of the duration: ``reference_low`` and
-        ``reference_high``, the lowest and highest value of the reference in the part, of the component with the largest
-        value. ``highest_frequency`` is the highest circular frequency of small motions about points of the reference.
+        ``scaled_from``, the time from which on a longer run does not change it, and ``quantity_units``. Over
+        ``quantity`` and ``component``: ``reference_value``, the reduced value of the reference or its largest value
+        along time, ``reference_value_uncertainty`` in the same unit, and ``reference_time``, at which the value is
+        reached. Over ``quantity`` and ``reference_t``, parts of the duration: ``reference_low`` and ``reference_high``,
+        the lowest and highest value of the reference in the part, of the component with the largest value.
+        ``highest_frequency`` is the highest circular frequency of small motions about points of the reference.
 
         With a controller: ``tolerance``, the largest round tolerance (1, 2 or 5 times a power of ten) that keeps the
         error, as all smaller tolerances tried do, down to a hundredth of it; ``tolerance_error``, ``controlled_steps``
