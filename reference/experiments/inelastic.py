@@ -11,7 +11,7 @@ from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Kinked
 from study.declaration.samples import KINKED
 from study.mechanics.definition import Problem
-from study.problem.inelastic import SCALES
+from study.problem.inelastic import PERIOD
 from study.problem.named import approximate_periods
 from study.problem.named import problems as problems_by_name
 
@@ -75,8 +75,8 @@ def inelastic(problems: Kinked, periods: int, samples_per_period: int) -> xr.Dat
     u, uncertainty, route, scale = [], [], [], []
     for name in problems:
         progress(f"motion of {name}")
-        problem = problems_by_name[name]
-        period = SCALES[name] if name in SCALES else float(exact.period(problem, approximate_periods[name])[0])
+        # not the period of the motion itself: a run with a whole number of steps in it may be right by accident
+        problem, period = problems_by_name[name], approximate_periods.get(name, PERIOD)
         t = np.arange(1, periods * samples_per_period + 1) * period / samples_per_period
         if name in _WAYS:
             way, first, check = _WAYS[name](problem, t)

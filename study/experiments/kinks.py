@@ -140,7 +140,7 @@ def kinks(
             "time_scale": (
                 "problem",
                 reference.time_scale.sel(problem=problems).values,
-                {"long_name": "time by which steps are counted", "units": "s"},
+                {"long_name": "time by which steps are counted here", "units": "s"},
             ),
             "spacing": (
                 "problem",
