@@ -33,11 +33,14 @@ _STUCK = re.compile(rf"[+-]?{_POINT}(?:[+-]{_POINT})+")
 #: The name DT of an AT2 file, and the unit that may follow in brackets.
 _DT = r"\bDT\b(?:\s*[(\[]\s*(\w+)\s*[)\]])?"
 
-#: A time between two samples with its unit, and a number of samples in a second, as lines of words state them.
+#: A time between two samples, or a number of samples in a second, with its unit, at the end of a part of a line.
 _SPACING = re.compile(
-    rf"\b(?:dt|(?:time|sampling|sample)[ _-]*(?:step|interval|period))[\s:=]*({_POINT}|\d+)\s*([a-z]*)", re.IGNORECASE
+    r"\b(?:dt|(?:time|sampling|sample)[ _-]*(?:step|interval|period)|(?:sampling|sample)[ _-]*(rate|freq\w*))[\s:=]+"
+    r"((?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*[(\[]?([a-z]*)[)\]]?\s*(?:[,;]\s*\D|$)",
+    re.IGNORECASE,
 )
-_RATE = re.compile(rf"\b(?:sampling|sample)[ _-]*(?:rate|freq\w*)[\s:=]*({_POINT}|\d+)", re.IGNORECASE)
+#: Size of each unit of a rate in samples per second.
+RATES = {"": 1.0, "hz": 1.0, "sps": 1.0, "khz": 1e3}
 
 #: Accelerations, shape (samples,).
 Samples = Float[np.ndarray, "samples"]
@@ -97,12 +100,14 @@ def _stated_unit(header: str) -> str | None:
     return None
 
 
-def _stated_spacing(heading: str) -> float | None:
-    """The time in s between two samples that lines of words state; None if they state none."""
-    if spacing := _SPACING.search(heading):
-        return float(spacing[1]) * TIMES.get(spacing[2].lower(), 1.0)
-    rate = _RATE.search(heading)
-    return 1 / float(rate[1]) if rate and float(rate[1]) else None
+def _check_spacing(path: Path, heading: list[str], dt: float) -> None:
+    """Refuse a time between samples that differs from all that lines of words clearly state."""
+    stated = list[float]()
+    for is_rate, number, unit in (match for line in heading for match in _SPACING.findall(line)):
+        size = (RATES if is_rate else TIMES | {"": 1.0}).get(unit.lower(), 0.0) * float(number)
+        stated += [1 / size if is_rate else size] if size else []
+    if stated and all(abs(value - dt) > UNIFORM * dt for value in stated):
+        raise ValueError(f"the header of '{path}' states samples {stated[0]:g} s apart, and they are {dt:g} s apart.")
 
 
 def _seconds(path: Path, unit: str) -> float:
@@ -182,7 +187,7 @@ def _count_and_spacing(path: Path, lines: list[str]) -> tuple[int, float, int]:
     names = re.findall(r"\b(NPTS|DT)\b", line)
     count_after = re.search(r"\bNPTS\s*[=:]\s*([^\s,;]+)", line)
     dt_after = re.search(
-        rf"{_DT}\s*[=:]\s*((?:{_POINT}|\d+)(?:[ED][+-]?\d+)?)(?![\d.])\s*[(\[]?((?!NPTS\b)[A-Z]*)", line
+        rf"{_DT}\s*[=:]\s*((?:{_POINT}|\d+)(?:[ED][+-]?\d+)?)(?![\d./])\s*[(\[]?((?!NPTS\b)[A-Z]*)", line
     )
     if count_after or re.search(rf"{_DT}\s*[=:]", line):
         header = {"NPTS": _number(count_after[1]) if count_after else None}
@@ -327,7 +332,7 @@ def _read_columns(path: Path, lines: list[str], dt: float | None) -> Record:
         first -= 1  # a row of samples with a word among them, and no heading
     rows, announced = _after_count(_rows(path, lines, first))
     width = len(next(iter(rows.values()), ()))
-    dt = announced or _stated_spacing(heading) or dt
+    dt = announced or dt
     if width > 3 and dt is not None and not heading.strip() and _is_continuous([*rows.values()], dt):
         return Record(np.array([value for row in rows.values() for value in row]), dt, None)
     if width not in (1, 2):
@@ -341,6 +346,7 @@ def _read_columns(path: Path, lines: list[str], dt: float | None) -> Record:
     if width == 1:
         if dt is None:
             raise ValueError(f"'{path}' has one column: give the time between its samples in s, such as dt=0.01.")
+        _check_spacing(path, lines[:first], dt)
         return Record(np.array([row[0] for row in rows.values()]), dt, unit)
     if len(rows) < 2:
         raise ValueError(f"'{path}' has one row, and a record needs at least two samples.")
@@ -360,6 +366,7 @@ def _read_columns(path: Path, lines: list[str], dt: float | None) -> Record:
     if t[0] < -UNIFORM * spacing:
         raise ValueError(f"the times of '{path}' must begin at zero or later, and begin at {t[0]:g}: shift them.")
     spacing = float(t[-1] - t[0]) / (len(t) - 1)
+    _check_spacing(path, lines[:first], spacing)
     begin = round(t[0] / spacing)
     if abs(t[0] - begin * spacing) > UNIFORM * spacing:
         raise ValueError(f"the times of '{path}' must be multiples of {spacing:g}, and the first is {t[0]:g}.")

@@ -143,15 +143,50 @@ def test_one_column_begins_at_zero_and_needs_the_time_between_samples(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "heading", ["dt = 0.005 s", "DT=5 ms", "# time step 0.005 s, unit g", "sampling rate: 200 Hz", "3 .005"]
+    "heading",
+    [
+        *("dt = 0.005 s", "dt is DT=5 ms", "step dt: 5e-3", "# time step 0.005 s, unit g", "sampling rate: 200 Hz"),
+        *("sampling rate = 2e2 Hz", "sampling frequency = 0.2 kHz", "sampling period (dt) and dt 0.005 (s)"),
+    ],
 )
-def test_a_time_between_samples_that_a_file_states_is_that_of_the_record(tmp_path, heading):
-    """A time that the user gives in place of the one that the file states."""
+def test_a_time_between_samples_is_not_another_one_than_the_file_states(tmp_path, heading):
     path = tmp_path / "record.txt"
+    for rows in (".1\n-.2\n.3\n", "0 .1\n.02 -.2\n.04 .3\n"):
+        path.write_text(f"{heading}\n{rows}")
+        with pytest.raises(ValueError, match=r"states samples 0\.005 s apart, and they are 0\.02 s apart"):
+            study.GroundMotion.read(path, unit="g", dt=0.02)
     path.write_text(f"{heading}\n.1\n-.2\n.3\n")
-    assert study.GroundMotion.read(path, unit="g").dt == pytest.approx(0.005)
+    assert study.GroundMotion.read(path, unit="g", dt=0.005).dt == pytest.approx(0.005)
+
+
+def test_a_number_of_samples_and_their_spacing_may_precede_them(tmp_path):
+    path = tmp_path / "record.txt"
+    path.write_text("3 .005\n.1\n-.2\n.3\n")
+    assert study.GroundMotion.read(path, unit="g").dt == 0.005
     with pytest.raises(ValueError, match="are 0.005 s apart, not dt=0.02"):
         study.GroundMotion.read(path, unit="g", dt=0.02)
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [
+        *("dt=5 us", "sampling interval: 5 min", "dt = 1,5 ms", "dt=1/200", "sample rate 1/200", "time step 1 of 3"),
+        *(
+            "time interval 10-30 s",
+            "time step = 10 -3 s",
+            "sampling rate = 0.005 s",
+            "period 0.3 s",
+            "band 0.1 to 25 Hz",
+        ),
+        "original sampling rate 100 Hz, resampled to sampling rate 200 Hz",
+    ],
+)
+def test_words_that_state_no_clear_time_between_samples_are_no_reason_to_refuse(tmp_path, heading):
+    path = tmp_path / "record.txt"
+    path.write_text(f"{heading}\n.1\n-.2\n.3\n")
+    assert study.GroundMotion.read(path, unit="g", dt=0.005).dt == 0.005
+    with pytest.raises(ValueError, match="has one column: give the time between its samples"):
+        study.GroundMotion.read(path, unit="g")
 
 
 @pytest.mark.parametrize(
