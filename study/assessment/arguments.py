@@ -30,6 +30,9 @@ USUAL = (
 
 #: Ratios of step to period at which the stability of your own scheme is examined.
 FINE = np.logspace(-3, 0, 31)
+#: Largest difference of a stated order from that of linear theory, and largest loss of amplitude in a period at steps
+#: below ``COARSE`` over the period with which a scheme keeps the energy.
+OFF_ORDER, COARSE, KEPT = 0.5, 0.05, 1e-8
 
 #: Least allowed error.
 LEAST_ERROR = 1e-10
@@ -61,13 +64,22 @@ def chosen_schemes(schemes: str | Scheme | Mapping[str, Scheme] | Iterable[str |
     return chosen
 
 
-def remarks_on_stability(schemes: Iterable[Scheme]) -> list[str]:
-    """Remarks on your own explicit schemes that are unstable without damping at every step."""
-    return [
-        f"{scheme.title} is unstable without damping at every step"
-        for scheme in schemes
-        if scheme.explicit and not LinearTheory(scheme, FINE).stability_limit() > 0
-    ]
+def remarks_on_own(schemes: Iterable[Scheme]) -> list[str]:
+    """Remarks on your own schemes that linear theory contradicts, or that are unstable at every step without damping.
+
+    Steps for longer durations follow from the order and from ``keeps_energy``.
+    """
+    remarks = []
+    for scheme in schemes:
+        theory = LinearTheory(scheme, FINE)
+        if scheme.explicit and not theory.stability_limit() > 0:
+            remarks.append(f"{scheme.title} is unstable without damping at every step")
+        if (order := theory.order()) < scheme.order - OFF_ORDER:
+            remarks.append(f"{scheme.title} has the order {order:.1f} in linear theory, and states {scheme.order}")
+        decay = np.abs(theory.motion().amplitude_decay[FINE < COARSE])
+        if scheme.keeps_energy and decay.max() > KEPT:
+            remarks.append(f"{scheme.title} does not keep the energy in linear theory, and states keeps_energy")
+    return remarks
 
 
 def checked_errors(allowed: Sequence[float]) -> list[float]:

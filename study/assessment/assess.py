@@ -14,7 +14,7 @@ from study.algebra.deadline import until
 from study.algebra.reads import reading
 from study.algebra.scalars import is_number
 from study.assessment import failures, large, oscillation, steps
-from study.assessment.arguments import checked_errors, chosen_schemes, refusal, remarks_on_stability, wanted_quantities
+from study.assessment.arguments import checked_errors, chosen_schemes, refusal, remarks_on_own, wanted_quantities
 from study.assessment.certified import KINKS, cases_of, certified, undeclared
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.deadline import Budget, OutOfTime, within
@@ -193,7 +193,7 @@ def assess(
     spacing, progress, budget = steps.spacing(equation, length), Progress(len(fit)), Budget(time.monotonic() + seconds)
     model = model_of(equation, length, spacing)
     progress.say(f"{equation.title}: {'; '.join(model)}")
-    remarks = remark_on_record(equation, spacing) + remarks_on_stability(own_schemes.values())
+    remarks = remark_on_record(equation, spacing) + remarks_on_own(own_schemes.values())
     if np.size(equation.u0) > large.MOST or equation.massless:
         if control is not None:
             raise ValueError(

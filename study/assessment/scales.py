@@ -47,8 +47,9 @@ class Measured(NamedTuple):
     along
         Times in s of shape (t,), and the quantity at these times, of shape (t, components); empty where there are none.
     scaled_from
-        Time in s from which on a longer duration does not change the value to which errors are relative, to ``SAME``;
-        NaN if the quantity is one value of the whole duration.
+        Time in s from which on a longer duration does not change the value to which errors are relative, to ``SAME``.
+        It is infinite if a shorter run may have a larger error, and NaN if no law extends the error to longer runs, as
+        of a quantity that is one value of the whole duration.
     """
 
     relative_to: str
@@ -144,7 +145,7 @@ def measured(reference: Certified, with_energy: bool, conservative: bool) -> dic
         quantities[ENERGY] = Measured("relative to the energy that was put in", scaled_from=put_in)
     if reference.oscillation:
         quantities |= {
-            name: Measured(relative_to, scaled_from=0.0) for name, relative_to in oscillation.RELATIVE_TO.items()
+            name: Measured(relative_to, scaled_from=np.inf) for name, relative_to in oscillation.RELATIVE_TO.items()
         }
         period = np.atleast_1d(float(reference.oscillation.period))
         quantities["period"] = quantities["period"]._replace(units="s", value=period, scale=period)

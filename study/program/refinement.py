@@ -16,6 +16,10 @@ from study.words import listed, percent
 #: with these statuses after which a scheme is not run at finer steps.
 FRUITLESS, WITHOUT_USE = 4, ("nothing", "unusable")
 
+#: Relative difference of two runs that round-off explains, and the ratio of two such differences, one after the other,
+#: that the order of no scheme explains.
+ROUND_OFF, SUDDEN = 1e-11, 1e6
+
 
 class NoTruth(ValueError):
     """The runs of a program give no reference; the message states why, in one sentence."""
@@ -159,33 +163,35 @@ class Refinement:
         return f"at Δt = {failed[-1].dt:.4g} s: {failed[-1].reason}" if failed else "with too few steps to halve"
 
     def _ignores(self, scheme: str) -> bool:
-        """Whether a scheme ignores the step: its two finest runs agree to the last digit. If so, add a remark."""
-        runs = self.last_completed(scheme)[-2:]
+        """Whether a scheme ignores the step. If so, add a remark.
+
+        Its two finest runs then agree to the last digit; or to round-off, although the runs before them are far apart,
+        as where a program has a finest step of its own.
+        """
+        runs = self.last_completed(scheme)[-3:]
         if self.noise[scheme] or len(runs) < 2:
             return bool(self.noise[scheme])
-        coarse, fine = runs
-        ratio = round(coarse.dt / fine.dt)
-        moving = [name for name, values in coarse.values.items() if values.any()]
-        if moving and all(_same(coarse, fine, name, ratio) for name in moving):
+        *before, coarse, fine = runs
+        apart = _apart(coarse, fine)
+        if apart == 0 or (apart < ROUND_OFF and any(_apart(run, coarse) > SUDDEN * apart for run in before)):
             self.noise[scheme] = math.inf
             self.remarks.append(
-                f"'{scheme}' ignores the step: its runs at {coarse.dt:.4g} s and {fine.dt:.4g} s are the same to the "
-                "last digit"
+                f"'{scheme}' ignores the step: its runs at {coarse.dt:.4g} s and {fine.dt:.4g} s are the same to "
+                f"{'round-off' if apart else 'the last digit'}"
             )
         return bool(self.noise[scheme])
 
     def _repeats(self, scheme: str, others: Iterable[str]) -> bool:
-        """Whether the finest run of a scheme is that of an earlier one to the last digit. If so, add a remark."""
-        run = self.last_completed(scheme)[-1]
-        moving = [name for name, values in run.values.items() if values.any()]
+        """Whether all runs of a scheme are those of an earlier one to round-off. If so, add a remark."""
+        runs = {run.dt: run for run in self.last_completed(scheme)}
         for other in others:
             if other == scheme:
                 return False
-            same = self._runs.by_job.get((other, run.dt))
-            if moving and same and same.completed and all(_same(run, same, name, 1) for name in moving):
+            common = [(runs[run.dt], run) for run in self.last_completed(other) if run.dt in runs]
+            if common and all(_apart(*pair) < ROUND_OFF for pair in common):
                 remark = (
-                    f"'{scheme}' returns the results of '{other}' to the last digit, and is no second witness: the "
-                    "program may ignore its scheme"
+                    f"'{scheme}' returns the results of '{other}' to round-off, and is no second witness: the program "
+                    "may ignore its scheme"
                 )
                 self.remarks += [remark] if remark not in self.remarks else []
                 return True
@@ -265,10 +271,16 @@ def _listed(shapes: dict[str, tuple]) -> str:
     return ", ".join(f"'{name}'" + (f" of {len(shape)} axes" if shape else "") for name, shape in shapes.items())
 
 
-def _same(coarse: Run, fine: Run, name: str, ratio: int) -> bool:
-    """Whether a quantity is the same in two runs at their common times."""
-    coarse_values, fine_values = coarse.values[name], fine.values[name]
-    if coarse_values.ndim and len(coarse.t) != len(fine.t):
-        fine_values = fine_values[(ratio - 1) * (fine.t[0] > 0) :: ratio]
-        coarse_values, fine_values = coarse_values[: len(fine_values)], fine_values[: len(coarse_values)]
-    return bool(np.array_equal(coarse_values, fine_values))
+def _apart(coarse: Run, fine: Run) -> float:
+    """Largest difference of two runs at their common times, over the largest value of the quantity; ∞ if none moves."""
+    ratio, apart = round(coarse.dt / fine.dt), []
+    for name, coarse_values in coarse.values.items():
+        if not coarse_values.any():
+            continue
+        fine_values = fine.values[name]
+        if coarse_values.ndim and len(coarse.t) != len(fine.t):
+            fine_values = fine_values[(ratio - 1) * (fine.t[0] > 0) :: ratio]
+            coarse_values, fine_values = coarse_values[: len(fine_values)], fine_values[: len(coarse_values)]
+        is_one = coarse_values.shape == fine_values.shape
+        apart.append(np.abs(coarse_values - fine_values).max() / np.abs(coarse_values).max() if is_one else math.inf)
+    return float(max(apart, default=math.inf))

@@ -50,9 +50,9 @@ def recommend(
         ``displacement`` if the assessment was given no quantities. For a problem of the study it is the displacement,
         or the peak drift under records.
     duration
-        Duration in s over which the error must be kept, by default that of the runs. A shorter one keeps the step if
-        the value to which errors are relative stays the same, as it does from the time of the largest value on. Over a
-        longer duration the step follows from that of the runs by the law
+        Duration in s over which the error must be kept, by default that of the runs. A shorter one keeps the step for
+        a quantity along time from the time on at which its largest value is reached, to which errors are relative; for
+        others it is refused. Over a longer duration the step follows from that of the runs by the law
 
         .. math::
 
@@ -166,8 +166,8 @@ def recommend(
     quantity, schemes = table.attrs["quantity"], dataset.scheme_title.to_series()
     if duration < known:
         raise ValueError(
-            f"the runs last {known:.4g} s, and errors of '{quantity}' are relative to a value that a run of "
-            f"{duration:.4g} s need not reach: assess the problem with this duration."
+            f"the runs last {known:.4g} s, and their errors of '{quantity}' do not bound those of a run of "
+            f"{duration:.4g} s: assess the problem with this duration."
         )
     if not free or np.isnan(scaled_from):
         raise ValueError(

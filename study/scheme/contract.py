@@ -4,6 +4,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from study.algebra.counting import counting
 from study.algebra.scalars import is_number, is_whole
@@ -29,6 +30,9 @@ def check_attributes(scheme: Any) -> None:
             raise TypeError(f"{name} of {class_name} raises {type(error).__name__}: {error}") from error
         if not is_whole(value, 1):
             raise TypeError(f"{name} of {class_name} must be a whole number of at least 1, not {value!r}.")
+    for name in ("explicit", "keeps_energy"):
+        if not isinstance(value := getattr(scheme, name), bool | np.bool_):
+            raise TypeError(f"{name} of {class_name} must be True or False, not {value!r}.")
     limit = scheme.stability_limit
     if limit is not None and not (is_number(limit) and limit >= 0):
         raise TypeError(f"stability_limit of {class_name} must be a number of at least 0 or None, not {limit!r}.")

@@ -9,6 +9,7 @@ import pytest
 import study
 from reference.experiments.amplitudes import amplitudes
 from study.__main__ import main
+from study.assessment.arguments import remarks_on_own
 from study.building import Effort, Motion, Phase, acceleration
 from study.experiments.atlas import atlas
 from study.user_files import load
@@ -34,6 +35,21 @@ def test_a_registered_scheme_goes_where_a_name_goes(heun, tmp_path, monkeypatch)
     options = {"step_size_over_period": {"first": -2.0, "last": -1.0, "count": 3}, "periods": 5, "tile": 0, "tiles": 1}
     maps = atlas("heun", ["hardening"], **options)
     assert maps.scheme_title.item() == "Heun" and maps.outcome.size == 9
+
+
+def test_what_linear_theory_contradicts_is_remarked(heun):
+    """Attributes that steer extrapolation to longer durations."""
+    assert remarks_on_own([heun]) == ["Heun is unstable without damping at every step"]
+
+    class Boastful(type(heun)):
+        order, keeps_energy = 4, True
+
+    words = "; ".join(remarks_on_own([Boastful(title="Boastful")]))
+    assert "Boastful has the order 2.0 in linear theory, and states 4" in words
+    assert "Boastful does not keep the energy in linear theory, and states keeps_energy" in words
+    Boastful.keeps_energy = "maybe"
+    with pytest.raises(TypeError, match="keeps_energy of Boastful must be True or False, not 'maybe'"):
+        study.assess("hardening", Boastful())
 
 
 def test_unfit_names_are_refused(heun):

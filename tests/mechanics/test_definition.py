@@ -147,7 +147,7 @@ def test_kinks_of_a_load_are_times(kinks):
     def load(t):
         return 0.0 * t
 
-    load.kinks = kinks
+    load.kinks = kinks  # type: ignore[attr-defined]
     with pytest.raises(ValueError, match=r"load\.kinks of 'unnamed problem' must hold times in s, not "):
         study.Problem(lambda u: u, u0=1.0, load=load)
 

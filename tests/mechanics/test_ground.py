@@ -207,7 +207,7 @@ def test_motions_are_scaled_by_numbers_and_padded_in_a_list():
     motion = study.GroundMotion([0.1, 0.2], 0.01)
     with pytest.raises(TypeError, match="the factor of .* must be a number, not '2'"):
         motion.scaled("2")
-    for motions in ([], motion):
+    for motions in ((), motion):
         with pytest.raises(ValueError, match="padded takes a list of at least one GroundMotion"):
             study.GroundMotion.padded(motions)
 

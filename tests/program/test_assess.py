@@ -307,9 +307,13 @@ def test_a_program_that_ignores_its_scheme_is_no_second_witness(others, tmp_path
     """One scheme under two names that agrees with itself: the reference would be as certain as it is wrong."""
 
     def run(scheme, dt):
-        return models.linear("central_difference" if scheme == "central_difference" else "average_acceleration", dt)
+        right = models.linear("central_difference" if scheme == "central_difference" else "average_acceleration", dt)
+        return right if scheme != "hht" else right | {"displacement": right["displacement"] * (1 + 1e-15)}
 
-    model, words = program(run, tmp_path, ["newmark", "hht", *others]), "'hht' returns the results of 'newmark' to the"
+    model, words = (
+        program(run, tmp_path, ["newmark", "hht", *others]),
+        "'hht' returns the results of 'newmark' to round-off",
+    )
     if not others:
         with pytest.raises(NoTruth, match=f"fewer than two different schemes complete .* {words}"):
             study.assess(model, allowed_errors=[0.01])
@@ -317,6 +321,19 @@ def test_a_program_that_ignores_its_scheme_is_no_second_witness(others, tmp_path
     with pytest.warns(RuntimeWarning, match=words):
         ds = study.assess(model, allowed_errors=[0.01])
     assert {"central_difference", "newmark"} == {ds.reference.split()[0], ds.witness.split()[0]}
+
+
+def test_a_program_with_a_finest_step_of_its_own_ignores_the_step(tmp_path):
+    """A coarse motion that seems to converge at once, since a spline gives the output at every time."""
+
+    def run(scheme, dt):
+        right = models.linear(scheme, max(dt, 0.2))
+        return right | {"displacement": right["displacement"] * (1 + 1e-15 * dt)}
+
+    with pytest.raises(
+        NoTruth, match=r"'average_acceleration' ignores the step: .* are the same to (round-off|the last)"
+    ):
+        study.assess(program(run, tmp_path), allowed_errors=[0.001])
 
 
 def _largest_error(run, scheme, dt):

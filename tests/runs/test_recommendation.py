@@ -197,11 +197,11 @@ def test_another_duration_keeps_the_value_to_which_errors_are_relative(assessed)
         known = study.recommend(later, allowed_error=0.1, quantity=quantity)
         shorter = study.recommend(later, allowed_error=0.1, quantity=quantity, duration=duration)
         pd.testing.assert_frame_equal(shorter, known)
-    with pytest.raises(ValueError, match="'displacement' are relative to a value that a run of 5 s need not reach"):
+    with pytest.raises(ValueError, match="their errors of 'displacement' do not bound those of a run of 5 s"):
         study.recommend(later, allowed_error=0.1, duration=5)
     final = assessed.assign_coords(scaled_from=("quantity", [np.nan, 0.0]))
     for without in (final, assessed.drop_vars("scaled_from")):
-        for duration, sentence in ((5, "need not reach"), (90, "only for quantities along time")):
+        for duration, sentence in ((5, "do not bound those"), (90, "only for quantities along time")):
             with pytest.raises(ValueError, match=sentence):
                 study.recommend(without, allowed_error=0.1, duration=duration)
 
@@ -220,7 +220,7 @@ def test_a_problem_of_the_study_is_extrapolated_if_it_is_a_spring():
     pd.testing.assert_frame_equal(
         study.recommend(needed, allowed_error=0.1, duration=scale), study.recommend(needed, allowed_error=0.1)
     )
-    with pytest.raises(ValueError, match="a value that a run of 1 s need not reach"):
+    with pytest.raises(ValueError, match="do not bound those of a run of 1 s"):
         study.recommend(needed, allowed_error=0.1, duration=1)
 
 
