@@ -200,6 +200,11 @@ def assess(
                 f"controlled steps are assessed for up to {large.MOST:,} unknowns, all with a mass; leave controller "
                 "out."
             )
+        if any(quantity.reduce for quantity in selected.values()):
+            remarks.append(
+                "reduced quantities are compared with those of the whole duration, also if the last step of a run ends "
+                "before it"
+            )
         program = large.program_of(equation, fit, length, quantities, spacing)
         ds = assess_program(program, allowed, seconds, progress.report)
         ds.attrs |= {"model": "\n".join(model), "asked_for": asked} | record_of(equation.load)

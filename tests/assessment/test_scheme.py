@@ -47,7 +47,7 @@ def test_what_linear_theory_contradicts_is_remarked(heun):
     words = "; ".join(remarks_on_own([Boastful(title="Boastful")]))
     assert "Boastful has the order 2.0 in linear theory, and states 4" in words
     assert "Boastful does not keep the energy in linear theory, and states keeps_energy" in words
-    Boastful.keeps_energy = "maybe"
+    Boastful.keeps_energy = "maybe"  # type: ignore[assignment]
     with pytest.raises(TypeError, match="keeps_energy of Boastful must be True or False, not 'maybe'"):
         study.assess("hardening", Boastful())
 
