@@ -49,6 +49,7 @@ def test_quantities_that_are_reduced_are_single_numbers(damped_chain, like_progr
     }
     ds = study.assess(damped_chain(), SCHEMES, quantities=peak, **OPTIONS)
     assert list(ds.quantity.values) == ["peak", "both"] and (ds.recommended_step_size > 0).all()
+    assert "reduced quantities are compared with those of the whole duration" in ds.attrs["remarks"]
 
 
 def test_what_there_is_no_time_for_is_said(damped_chain, like_programs):

@@ -362,6 +362,7 @@ def test_rows_without_a_heading_are_read_one_after_the_other_if_they_hold_no_tim
         (HEADER.format(2).replace("SEC", "MIN") + "0.1 0.2\n", "g", "states times in 'MIN', and they must be in s"),
         (HEADER.format(0), "g", "announces no samples"),
         (HEADER.format(2).replace("DT= .02000", "DT= .") + "0.1 0.2\n", "g", "must state both NPTS and DT"),
+        (HEADER.format(2).replace("DT= .02000", "DT= 1/200") + "0.1 0.2\n", "g", "must state both NPTS and DT"),
         ("0 300\n1 -1\n", "g", "the peak of '.*' would be 300 g in the unit 'g'"),
         ("0 1\n1 2\n3 4\n4 5\n", "g", "must be a constant time apart, and are not after t = 1"),
         ("1 2 3\n4 5 6\n", "g", "is no file of PEER, ESM or K-NET and has"),

@@ -199,6 +199,10 @@ def test_another_duration_keeps_the_value_to_which_errors_are_relative(assessed)
         pd.testing.assert_frame_equal(shorter, known)
     with pytest.raises(ValueError, match="their errors of 'displacement' do not bound those of a run of 5 s"):
         study.recommend(later, allowed_error=0.1, duration=5)
+    phase = assessed.assign_coords(scaled_from=("quantity", [np.inf, 0.0]))  # may be larger in a shorter run
+    with pytest.raises(ValueError, match="do not bound those of a run of 9.9 s"):
+        study.recommend(phase, allowed_error=0.1, duration=9.9)
+    assert set(study.recommend(phase, allowed_error=0.1, duration=90).verdict) == {"extrapolated"}
     final = assessed.assign_coords(scaled_from=("quantity", [np.nan, 0.0]))
     for without in (final, assessed.drop_vars("scaled_from")):
         for duration, sentence in ((5, "do not bound those"), (90, "only for quantities along time")):
