@@ -306,7 +306,7 @@ def orbit(problem: Problem) -> Orbit:
     raise ValueError(
         f"the period of '{problem.title}' does not converge: "
         + (
-            "the motion is so small beside its displacement or its potential that round-off hides it; count u and the "
+            "the motion is so small against its displacement or its potential that round-off hides it; count u and the "
             "potential from rest."
             if round_off > HIDDEN
             else "the motion is too near to a separatrix, where any step changes the period by any factor."

@@ -26,8 +26,8 @@ BRANCHES = {"select_n", "cond"}
 
 #: Names by which a parameter of a force is the time.
 TIME = ("t", "time")
-#: First two parameters of a force whose author takes the velocity for the first one.
-SWAPPED = (["v", "u"], ["velocity", "displacement"])
+#: Names by which the author of a force means the displacement, and the velocity.
+DISPLACEMENT, VELOCITY = ("u", "disp", "displacement"), ("v", "vel", "velocity", "du", "udot", "u_dot")
 
 
 def _needed(force: Callable) -> list[str]:
@@ -60,10 +60,11 @@ def check_signature(force: Callable, arguments: int, history: Any, title: str) -
             f"force of '{title}' takes {arguments} arguments, and the problem has {kept}: give force(u), force(u, v), "
             "or force(u, v, history) with Problem(history=...), and a further argument t if the force takes the time."
         )
-    if _needed(force)[:2] in SWAPPED:
+    first, second, *_ = [*_needed(force), "", ""]
+    if first in VELOCITY and second in DISPLACEMENT:
         raise ValueError(
-            f"force of '{title}' takes {' and '.join(_needed(force)[:2])}: its first argument is the displacement, and "
-            "its second the velocity, whatever their names."
+            f"force of '{title}' takes {first} and {second}: its first argument is the displacement, and its second "
+            "the velocity, whatever their names."
         )
 
 

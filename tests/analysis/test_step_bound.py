@@ -234,7 +234,7 @@ def test_the_distance_to_a_separatrix(potential, u0, distance):
         ),
         (
             (study.Problem(potential=lambda u: (u - 1000) ** 2 / 2, u0=1000.0, v0=1e-3), "central_difference"),
-            "so small beside its displacement or its potential that round-off hides it",
+            "so small against its displacement or its potential that round-off hides it",
         ),
         ((PENDULUM, "central_difference", 0.01, 0), "periods must be a positive number, not 0"),
         ((study.Problem(potential=lambda u: u**2, u0=0.0, title="own"), "central_difference"), "'own' rests"),
