@@ -24,11 +24,12 @@ import os
 import platform
 import sys
 import time
-import warnings
 from contextlib import suppress
 from pathlib import Path
 
 import platformdirs
+
+from study.warn import warn
 
 _OPTION = "xla_cpu_small_while_loop_byte_threshold"
 
@@ -100,11 +101,9 @@ def _has_computed() -> bool:
 def _set_compiler() -> None:
     flags = _with_option(os.environ.get("XLA_FLAGS", ""))
     if flags != os.environ.get("XLA_FLAGS") and _has_computed():
-        warnings.warn(
+        warn(
             "JAX has computed something before study was imported, and ignores the option that makes a march one "
-            f"native loop: runs take up to ten times longer. Import study first, or set XLA_FLAGS='{flags}'.",
-            RuntimeWarning,
-            stacklevel=4,  # where study is imported
+            f"native loop: runs take up to ten times longer. Import study first, or set XLA_FLAGS='{flags}'."
         )
     os.environ["XLA_FLAGS"] = flags
 

@@ -22,6 +22,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from tests.pipeline.pipeline import copied
 
+#: The environment of the project, in which the tests run. cosmic-ray need not be in it.
+PYTHON = Path(__file__).parents[1] / ".venv" / "bin" / "python"
 #: Packages whose files are changed.
 PACKAGES = ("study", "reference")
 #: Operators of cosmic-ray that are not used: the first one mostly removes caches, the others need a configuration.
@@ -86,7 +88,7 @@ def mirror(file: Path) -> str:
 
 def caught_by(project: Path, *arguments: str) -> str:
     """First test that fails, or an empty string."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *arguments]
+    command = [str(PYTHON), "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *arguments]
     environment = os.environ | {"PYTHONPATH": str(project), "XDG_CACHE_HOME": str(project / "cache")}
     try:
         process = subprocess.run(command, cwd=project, env=environment, capture_output=True, text=True, timeout=LONGEST)

@@ -1,6 +1,5 @@
 """A warning where JAX computes a derivative that is NaN."""
 
-import warnings
 from functools import partial
 from typing import Any
 
@@ -9,10 +8,12 @@ import jax.numpy as jnp
 from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 
+from study.warn import warn
+
 
 def _warn(is_nan, *, message: str) -> None:
     if is_nan.any():  # lanes of a ``vmap`` are reported together
-        warnings.warn(message, RuntimeWarning, stacklevel=2)
+        warn(message)
 
 
 def _checked(x, *, message: str):

@@ -1,15 +1,23 @@
-"""Checks of the arguments of an assessment."""
+"""What an assessment of a problem is asked: its arguments, checked."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from study.analysis.linear_theory import LinearTheory
+from study.assessment import steps
 from study.assessment.errors import DEFAULT, named
+from study.assessment.periods import length_of, model_of, remark_on_record
 from study.assessment.search import ENERGY
+from study.control.controllers import Controller
+from study.control.named import controllers
 from study.marching.arguments import resolve
 from study.mechanics.definition import Problem
+from study.mechanics.loads import excited
+from study.mechanics.tangent import FINDABLE
 from study.observer.motion import Quantity
+from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.contract import check_attributes
 from study.scheme.named import schemes as schemes_by_name
@@ -115,3 +123,99 @@ def wanted_quantities(quantities: Mapping[str, Quantity] | None, problem: Proble
     if ENERGY in chosen:
         raise ValueError(f"the name '{ENERGY}' is reserved for the balance of energies; give the quantity another one.")
     return chosen
+
+
+@dataclass(frozen=True)
+class Question:
+    """What an assessment of a problem is asked.
+
+    Attributes
+    ----------
+    problem
+        The problem, scaled by one: it shares a compiled program with the same problem scaled by 0.99 and 1.01.
+    schemes, fit
+        The chosen schemes, and those of them that can step the problem, by name.
+    duration
+        Simulated time of the runs, in s.
+    given, quantities
+        The quantities as they were given, or None, and those that are assessed, by name.
+    allowed
+        Allowed errors, the largest first.
+    maps, controller, seconds
+        As in :func:`study.assess`.
+    spacing
+        Time between the samples of the load, in s; None if it is no record with equal spacing.
+    model
+        The model in two lines.
+    own_schemes
+        Names of your own schemes among those that can step the problem.
+    remarks
+        Remarks on the record and on your own schemes.
+    """
+
+    problem: Problem
+    schemes: dict[str, Scheme]
+    fit: dict[str, Scheme]
+    duration: float
+    given: Mapping[str, Quantity] | None
+    quantities: dict[str, Quantity]
+    allowed: list[float]
+    maps: bool
+    controller: Controller | None
+    seconds: float
+    spacing: float | None
+    model: list[str]
+    own_schemes: list[str]
+    remarks: list[str]
+
+    @property
+    def is_large(self) -> bool:
+        """Whether the problem is assessed like a program: its unknowns are many, or one of them has no mass."""
+        return np.size(self.problem.u0) > FINDABLE or self.problem.massless
+
+
+def question_of(
+    problem: str | Problem,
+    schemes: str | Scheme | Mapping[str, Scheme] | Iterable[str | Scheme] | None,
+    duration: float | None,
+    quantities: Mapping[str, Quantity] | None,
+    allowed: list[float],
+    maps: bool,
+    controller: str | Controller | None,
+    seconds: float,
+) -> Question:
+    """The arguments of :func:`study.assess` for a problem, checked.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        As :func:`study.assess`.
+    """
+    scaled = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
+    chosen, selected = chosen_schemes(schemes), wanted_quantities(quantities, scaled)
+    length = length_of(scaled, duration)
+    for name, quantity in selected.items():
+        if reason := refusal(replace(quantity, name=name), scaled):
+            raise ValueError(reason)
+    control = None if controller is None else resolve(controller, controllers, Controller)  # type: ignore[type-abstract]
+    fit = {name: scheme for name, scheme in chosen.items() if not scheme.refusal(scaled)}
+    if not fit:
+        raise ValueError(next(iter(chosen.values())).refusal(scaled))
+    own = {name: scheme for name, scheme in fit.items() if scheme not in schemes_by_name.values()}
+    spacing = steps.spacing(scaled, length)
+    return Question(
+        problem=scaled,
+        schemes=chosen,
+        fit=fit,
+        duration=length,
+        given=quantities,
+        quantities=selected,
+        allowed=allowed,
+        maps=maps,
+        controller=control,
+        seconds=seconds,
+        spacing=spacing,
+        model=model_of(scaled, length, spacing),
+        own_schemes=list(own),
+        remarks=remark_on_record(scaled, spacing) + remarks_on_own(own.values()),
+    )

@@ -1,6 +1,5 @@
 """The certified reference of a problem, by two solvers whose tolerance is tightened until they agree."""
 
-import warnings
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -15,6 +14,7 @@ from study.assessment.solution import DenseSolution
 from study.mechanics.definition import Problem
 from study.mechanics.loads import excited, times_of
 from study.observer.motion import Quantity
+from study.warn import warn
 
 #: Target and maximum of the uncertainty of the reference, as fractions of the smallest allowed error.
 AIMED, ACCEPTED = 1 / 100, 1 / 10
@@ -79,11 +79,9 @@ def _check_shortest(reference: Reference) -> None:
         return
     gaps = np.diff(times_of(load, duration, FINE))
     if gaps.size and (shortest := gaps.min()) < duration / FINE:
-        warnings.warn(
+        warn(
             f"the load of '{reference.problem.title}' has a pulse of about {shortest:.1g} s; another one shorter "
-            f"than {2 * duration / FINE:.1g} s may have been missed: {KINKS}.",
-            RuntimeWarning,
-            stacklevel=4,
+            f"than {2 * duration / FINE:.1g} s may have been missed: {KINKS}."
         )
 
 

@@ -3,7 +3,6 @@
 import itertools
 import math
 import time
-import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +17,7 @@ from study.marching.timing import Timed
 from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 from study.sizes import Limit
+from study.warn import warn
 
 #: Timing of a recommended step: number of turns in which all schemes are timed, least number of timed runs in a turn,
 #: time in s that a timed run should take, and largest number of steps of a timed run.
@@ -136,7 +136,7 @@ def _times(
             turn = times_of_steps(timed[name], steps_by_dt) if steps_by_dt else {}
         except KeyboardInterrupt:
             if untimed := [other for other in results if other not in times]:
-                warnings.warn(f"interrupted: {', '.join(untimed)} have no times.", RuntimeWarning, stacklevel=4)
+                warn(f"interrupted: {', '.join(untimed)} have no times.")
             break
         times[name] = {dt: min(turn[dt], times.get(name, turn)[dt]) for dt in turn}
         longest = max(longest, time.monotonic() - begin)

@@ -8,19 +8,21 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+import xarray as xr
 
 from study.algebra.matrices import diagonal, times
+from study.assessment.arguments import Question
+from study.assessment.program import assess_program
+from study.assessment.progress import Progress
 from study.marching.run import run, sweep
 from study.mechanics.balance import load
 from study.mechanics.definition import Problem
+from study.mechanics.loads import record_of
 from study.mechanics.tangent import FINDABLE
 from study.observer.motion import Quantity
 from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
-
-#: Largest number of unknowns of a problem whose reference comes from two solvers with a tolerance.
-MOST = FINDABLE
 
 #: Largest number of unknowns at which displacement and velocity are compared if no quantities are given.
 SHOWN = 256
@@ -146,7 +148,7 @@ def program_of(
     for name, quantity in quantities.items():
         if quantity.scale == "peak" and quantity.reduce in ("final", "rms"):
             raise ValueError(
-                f"the quantity '{name}' needs a number as scale, because '{problem.title}' has more than {MOST:,} "
+                f"the quantity '{name}' needs a number as scale, because '{problem.title}' has more than {FINDABLE:,} "
                 "unknowns or one without mass, and its runs do not return the peak of a final value."
             )
     titles = {scheme.title for scheme in schemes.values()}
@@ -160,3 +162,34 @@ def program_of(
     named = [replace(quantity, name=name, long_name=name) for name, quantity in quantities.items()]
     runs = _Runs(problem, witnesses | dict(schemes), duration, named)
     return Program(runs, list(schemes), duration, spacing=spacing, witnesses=list(witnesses))
+
+
+def assess_large(question: Question, progress: Progress) -> xr.Dataset:
+    """Result of :func:`study.assess` for a problem that is assessed like a program.
+
+    Raises
+    ------
+    ValueError
+        If controlled steps are asked for; also as :func:`program_of` and
+        :func:`study.assessment.program.assess_program`.
+    """
+    problem = question.problem
+    if question.controller is not None:
+        raise ValueError(
+            f"controlled steps are assessed for up to {FINDABLE:,} unknowns, all with a mass; leave controller out."
+        )
+    program = program_of(problem, question.fit, question.duration, question.given, question.spacing)
+    ds = assess_program(program, question.allowed, question.seconds, progress.report)
+    remarks = [*question.remarks]
+    if any(quantity.reduce for quantity in question.quantities.values()):
+        remarks.append(
+            "reduced quantities are compared with those of the whole duration, also if the last step of a run ends "
+            "before it"
+        )
+    remarks += [ds.attrs["remarks"]] if ds.attrs["remarks"] else []
+    ds.attrs |= {"model": "\n".join(question.model), "asked_for": "; ".join(question.own_schemes)}
+    ds.attrs |= {"remarks": "; ".join(remarks)} | record_of(problem.load)
+    if question.given is None and np.size(problem.u0) > SHOWN:
+        compared_unknowns = f"{SHOWN} of {np.size(problem.u0):,} unknowns"
+        ds.attrs["starts"] += f" Errors were compared at {compared_unknowns}; others may have larger ones."
+    return ds

@@ -1,6 +1,5 @@
 """Slow periods and high frequencies of a problem, which set the scales of duration and steps."""
 
-import warnings
 from functools import partial
 
 import equinox as eqx
@@ -16,6 +15,7 @@ from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.frequencies import frequencies, highest_frequency
 from study.mechanics.loads import record_of
+from study.warn import warn
 from study.words import span
 
 #: Default duration of a free oscillation, in periods.
@@ -147,7 +147,7 @@ def remark_on_record(problem: Problem, spacing: float | None) -> list[str]:
         f"the slowest period of small motion of '{problem.title}', {periods.max():.3g} s, is below the spacing of the "
         f"record, {spacing:.6g} s: check the units of mass and stiffness"
     )
-    warnings.warn(f"{remark}.", RuntimeWarning, stacklevel=3)
+    warn(f"{remark}.")
     return [remark]
 
 

@@ -1,6 +1,5 @@
 """``study.assess`` for a model in another program."""
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -22,6 +21,7 @@ from study.program.truth import Estimate
 from study.registry import UnknownName, did_you_mean
 from study.scheme.named import schemes as schemes_by_name
 from study.sizes import Limit
+from study.warn import warn
 from study.words import relative_to
 
 #: Attributes of variables in the dataset of a program. The dataset of a problem lacks these variables or describes them
@@ -78,7 +78,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
     search = Search(program, allowed, round_step, seconds, report)
     remarks = "; ".join([*search.refinement.remarks, *_remarks_on_components(search)])
     if remarks:
-        warnings.warn(f"{remarks}.", RuntimeWarning, stacklevel=3)
+        warn(f"{remarks}.")
     names = list(search.truth.uncertainty)
     dts = sorted({dt for name, dt in search.errors if name in program.schemes}, reverse=True)
     ds = _verdicts(search, names, allowed).merge(_runs(search, names, dts))

@@ -1,6 +1,5 @@
 """Scales of errors: the values to which errors are relative, values of the reference, and remarks on scales."""
 
-import warnings
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -16,6 +15,7 @@ from study.assessment.search import ENERGY
 from study.assessment.solution import DenseSolution
 from study.mechanics.definition import Problem
 from study.observer.motion import Quantity
+from study.warn import warn
 
 #: Largest ratio of the components of a quantity, and of its largest value along time to its final value, without a
 #: remark. Components below ``ROUND_OFF`` of the largest count as zero.
@@ -186,7 +186,7 @@ def remarks_on_scales(targets: Mapping[str, Target]) -> list[str]:
                     "relates them to the largest value"
                 )
     for remark in remarks:
-        warnings.warn(f"{remark}.", RuntimeWarning, stacklevel=3)
+        warn(f"{remark}.")
     return remarks
 
 

@@ -1,6 +1,5 @@
 """A run with a controlled step size, as a labelled dataset."""
 
-import warnings
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -42,6 +41,7 @@ from study.scheme.bathe import bathe
 from study.scheme.contract import started, stepped
 from study.scheme.wrapper.unequal_steps import UnequalSteps
 from study.scheme.wrapper.with_history import WithHistory
+from study.warn import warn
 from study.words import percent
 
 #: Maximum number of samples of one run that are stored by one call of the compiled program.
@@ -299,12 +299,10 @@ class Adaptive:
         tolerance = float(np.broadcast_to(control.tolerance, part.shape)[worst])
         lane = f" in lane {worst}" if self._lanes else ""
         smaller = f"a tolerance below {tolerance:g}" if control.controller.needs_tolerance else "smaller steps"
-        warnings.warn(
+        warn(
             f"'{self._scheme.title}' has {'gained' if part[worst] > 0 else 'lost'} energy of "
             f"'{self._problem.title}'{lane}, where nothing supplies or dissipates any: "
-            f"{percent(abs(part[worst]))} of the largest kinetic energy; take {smaller}, or another scheme.",
-            RuntimeWarning,
-            stacklevel=4,
+            f"{percent(abs(part[worst]))} of the largest kinetic energy; take {smaller}, or another scheme."
         )
 
     def _report_failures(self, trial: Trial, on_failure: str) -> None:
@@ -327,4 +325,4 @@ class Adaptive:
         )
         if on_failure == "raise":
             raise RuntimeError(message)
-        warnings.warn(message, RunFailedWarning, stacklevel=4)
+        warn(message, RunFailedWarning)

@@ -1,7 +1,6 @@
 """``study.run``: one scheme on one problem, or an ensemble of such runs, as a labelled dataset."""
 
 import math
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -47,6 +46,7 @@ from study.observer.energy import ChangeOfEnergy
 from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
+from study.warn import warn
 
 #: Largest number of samples × lanes × unknowns whose records fit into the memory of any machine.
 ANY_MEMORY = 10_000_000
@@ -407,7 +407,7 @@ def _report_failures(
         message = failure.sentence(result, problem, scheme, begin, dt, motion, first_lane)
         if on_failure == "raise":
             raise RuntimeError(message)
-        warnings.warn(message, failure.RunFailedWarning, stacklevel=4)
+        warn(message, failure.RunFailedWarning)
 
 
 def _report_excess(
@@ -420,7 +420,7 @@ def _report_excess(
         step_size = float(np.broadcast_to(dt, excess.shape).ravel()[lane])
         where = f" in lane {first_lane + lane}" if np.ndim(excess) else ""
         message = stability.sentence(scheme, motion.matrices_of_lane(lane), step_size, where)
-        warnings.warn(f"{message}; the run has completed, but its results may be wrong.", RuntimeWarning, stacklevel=4)
+        warn(f"{message}; the run has completed, but its results may be wrong.")
 
 
 #: ``run`` for maps and searches, whose runs may fail, or exceed the stability limit, on purpose; neither is reported.

@@ -12,7 +12,6 @@ import os
 import pickle
 import shutil
 import time
-import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -28,6 +27,7 @@ from study.io import NotRead, write
 from study.program.attempt import Run, attempt, difference
 from study.program.definition import Program, data_read
 from study.settings import cores
+from study.warn import warn
 from study.words import listed, percent
 
 #: Version of the format of files; a run in a file of another version is made again.
@@ -120,11 +120,9 @@ class Runs:
                 return pool
         pool.shutdown()
         if names := [f"'{name}'" for name in data if worker_data and data[name] != worker_data.get(name)]:
-            warnings.warn(
+            warn(
                 f"the runs of '{self.program.title}' are made one after the other, because other processes would read "
-                f"another value of {listed(names)}: pass it to the function by functools.partial.",
-                RuntimeWarning,
-                stacklevel=5,
+                f"another value of {listed(names)}: pass it to the function by functools.partial."
             )
         return None
 
@@ -170,11 +168,9 @@ class Runs:
             discarded = self._folder.with_suffix(f".{os.getpid()}")
             self._folder.rename(discarded)
             shutil.rmtree(discarded)
-            warnings.warn(
+            warn(
                 f"the kept runs of '{self.program.title}' are discarded, because the program has changed or gives "
-                f"other results each time: {changes[0]}.",
-                RuntimeWarning,
-                stacklevel=7,
+                f"other results each time: {changes[0]}."
             )
         for run in repetitions.values():
             _keep(run, self._path(run.scheme, run.dt))

@@ -13,8 +13,7 @@ from scipy.integrate import solve_ivp
 
 import study
 from reference import taylor
-from study.assessment import assess as assessing
-from study.assessment import errors, search
+from study.assessment import errors, search, small
 from study.assessment.certified import certified
 from study.assessment.dataset import Assessed
 from study.assessment.deadline import OutOfTime
@@ -168,12 +167,12 @@ def test_a_reference_that_takes_too_long_is_given_up(driven):
 def test_schemes_for_which_there_is_no_time_are_named():
     progress, schemes = Progress(2), dict[str, Any](one=1, late=2)
     with pytest.warns(RuntimeWarning, match="out of time: late were not assessed"):
-        results = assessing._assess_each(
+        results = small._assess_each(
             schemes, lambda scheme: Assessed(None, {}, None) if scheme == 1 else None, progress, ""
         )
     assert list(results) == ["one"]
     with pytest.raises(OutOfTime, match="no scheme was run"):
-        assessing._assess_each(schemes, lambda scheme: None, Progress(2), "no scheme was run")
+        small._assess_each(schemes, lambda scheme: None, Progress(2), "no scheme was run")
 
 
 def test_an_assessment_is_dated_by_its_time(assessed, monkeypatch):

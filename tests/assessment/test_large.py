@@ -8,7 +8,7 @@ import pytest
 from scipy import sparse
 
 import study
-from study.assessment import errors, large
+from study.assessment import arguments, errors, large
 from study.program import search
 from study.program.refinement import NoTruth
 
@@ -20,7 +20,7 @@ SCHEMES = ["average_acceleration", "central_difference"]
 @pytest.fixture
 def like_programs(monkeypatch, tmp_path):
     """Treat several unknowns as many, keep runs in a temporary folder, and confirm steps by the fewest runs."""
-    monkeypatch.setattr(large, "MOST", 1)
+    monkeypatch.setattr(arguments, "FINDABLE", 1)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
 
