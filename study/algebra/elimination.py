@@ -1,5 +1,7 @@
 """Solution of linear systems: by elimination that suits the form of the matrix, by iteration if it is matrix-free."""
 
+from collections.abc import Callable
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -24,29 +26,35 @@ UNROLL = 4
 ITERATIVE_TOLERANCE, ITERATIVE_STEPS = 1e-10, 10_000
 
 
-def eliminate(matrix: Full, rhs: RightSides) -> RightSides:
+def eliminate(matrix: Full, *right_sides: RightSides) -> list[RightSides]:
     """Solve a small system by Gaussian elimination with partial pivoting, written out without a loop.
+
+    Right sides that stay apart have solutions that are linear in each of them for JAX too.
 
     Parameters
     ----------
     matrix
         Matrix of the system, (n, n).
-    rhs
-        One or several right sides, (n,) or (n, m).
+    right_sides
+        Right sides, each (n,) or (n, m).
     """
-    left, right, rows = matrix, rhs.reshape(len(rhs), -1), []
-    for k in range(len(rhs)):
-        is_pivot = (jnp.arange(len(rhs) - k) == jnp.argmax(jnp.abs(left[:, 0])))[:, None]
-        # the right side stays apart, so that the solution is linear in it for JAX too
-        (a, b), (left, right) = zip(*(_pivot_and_others(part, is_pivot) for part in (left, right)), strict=True)
-        factor = left[:, 0] / a[0]
-        left, right = left[:, 1:] - jnp.multiply.outer(factor, a[1:]), right - jnp.multiply.outer(factor, b)
-        rows.append((a, b))
-    x: list = []
-    for a, b in reversed(rows):
-        known = sum(a[1 + i] * value for i, value in enumerate(reversed(x)))
-        x.append((b - known) / a[0])
-    return jnp.stack(x[::-1]).reshape(rhs.shape)
+    left, rights, rows = matrix, [rhs.reshape(len(rhs), -1) for rhs in right_sides], []
+    for k in range(len(matrix)):
+        is_pivot = (jnp.arange(len(matrix) - k) == jnp.argmax(jnp.abs(left[:, 0])))[:, None]
+        pivots, (left, *rights) = zip(*(_pivot_and_others(part, is_pivot) for part in (left, *rights)), strict=True)
+        factor = left[:, 0] / pivots[0][0]
+        left = left[:, 1:] - jnp.multiply.outer(factor, pivots[0][1:])
+        rights = [right - jnp.multiply.outer(factor, b) for right, b in zip(rights, pivots[1:], strict=True)]
+        rows.append(pivots)
+    solutions = []
+    for number, rhs in enumerate(right_sides, start=1):
+        x: list = []
+        for pivots in reversed(rows):
+            a, b = pivots[0], pivots[number]
+            known = sum(a[1 + i] * value for i, value in enumerate(reversed(x)))
+            x.append((b - known) / a[0])
+        solutions.append(jnp.stack(x[::-1]).reshape(rhs.shape))
+    return solutions
 
 
 def _pivot_and_others(rows, is_pivot):
@@ -54,9 +62,9 @@ def _pivot_and_others(rows, is_pivot):
     return jnp.where(is_pivot, rows, 0.0).sum(axis=0), jnp.where(is_pivot[1:], rows[:1], rows[1:])
 
 
-def eliminate_in_loop(matrix: Full, rhs: RightSides) -> RightSides:
+def eliminate_in_loop(matrix: Full, *right_sides: RightSides) -> list[RightSides]:
     """As :func:`eliminate`, by Gauss and Jordan's elimination in a loop, which is compiled sooner but takes longer."""
-    row = jnp.arange(len(rhs))
+    row = jnp.arange(len(matrix))
 
     def turn(k, parts):
         column = parts[0][:, k]
@@ -68,15 +76,23 @@ def eliminate_in_loop(matrix: Full, rhs: RightSides) -> RightSides:
             others = jnp.where((row == place)[:, None], part[k][None], part) - jnp.multiply.outer(factor, pivot)
             return jnp.where((row == k)[:, None], pivot[None] / column[place], others)
 
-        return eliminated(parts[0]), eliminated(parts[1])
+        return tuple(map(eliminated, parts))
 
-    return lax.fori_loop(0, len(rhs), turn, (matrix, rhs.reshape(len(rhs), -1)))[1].reshape(rhs.shape)
+    parts = matrix, *(rhs.reshape(len(rhs), -1) for rhs in right_sides)
+    _, *solutions = lax.fori_loop(0, len(matrix), turn, parts)
+    return [x.reshape(rhs.shape) for x, rhs in zip(solutions, right_sides, strict=True)]
 
 
-def _solve_full(matrix, rhs):
-    if len(rhs) <= WRITTEN_OUT:
-        return eliminate(matrix, rhs)
-    return eliminate_in_loop(matrix, rhs) if len(rhs) <= IN_LOOP else jnp.linalg.solve(matrix, rhs)
+def _solve_full(matrix, *right_sides):
+    """The solution for each right side; see :func:`eliminate`."""
+    if len(matrix) <= WRITTEN_OUT:
+        return eliminate(matrix, *right_sides)
+    if len(matrix) <= IN_LOOP:
+        return eliminate_in_loop(matrix, *right_sides)
+    if len(right_sides) == 1:
+        return [jnp.linalg.solve(matrix, *right_sides)]
+    factors = jax.scipy.linalg.lu_factor(matrix)
+    return [jax.scipy.linalg.lu_solve(factors, rhs) for rhs in right_sides]
 
 
 def _solve_tridiagonal(bands, rhs):
@@ -140,9 +156,7 @@ def _solve_banded(bands, rhs):
     def down(above, row):
         upper, right = above
         low, middle, high, b = row
-        rhs = jnp.column_stack([high, b - low @ right])
-        solved = _solve_full(middle - low @ upper, rhs)
-        eliminated = solved[:, :k], solved[:, k]
+        eliminated = tuple(_solve_full(middle - low @ upper, high, b - low @ right))
         return eliminated, eliminated
 
     def up(below, row):
@@ -155,11 +169,11 @@ def _solve_banded(bands, rhs):
     return lax.scan(up, zeros, rows, reverse=True)[1].ravel()[:n]
 
 
-def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
+def _iterate(product: Callable, diagonal, rhs, symmetric: bool):
     """Solve by conjugate gradients, or by GMRES if the matrix is not symmetric, with the diagonal as preconditioner."""
     import lineax  # imported here, because only a matrix-free solution needs it
 
-    diagonal = jnp.broadcast_to(matrix.diagonal, rhs.shape)
+    diagonal = jnp.broadcast_to(diagonal, rhs.shape)
     size = jnp.sqrt(jnp.where(diagonal == 0, 1.0, jnp.abs(diagonal)))
     scaled = rhs / size
     # lineax applies a relative tolerance to each entry, and stops at once if the right side has zeros. The right side
@@ -169,12 +183,20 @@ def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
     tags = lineax.positive_semidefinite_tag if symmetric else ()
     method = lineax.CG if symmetric else lineax.GMRES
     solution = lineax.linear_solve(
-        lineax.FunctionLinearOperator(lambda x: matrix.product(x / size) / size, jax.eval_shape(lambda: rhs), tags),
+        lineax.FunctionLinearOperator(lambda x: product(x / size) / size, jax.eval_shape(lambda: rhs), tags),
         scaled / largest,
         method(rtol=0.0, atol=ITERATIVE_TOLERANCE, max_steps=ITERATIVE_STEPS),
         throw=False,
     ).value
     return largest * solution / size
+
+
+def _solve_free(matrix: MatrixFree, rhs, symmetric: bool):
+    def solved(product, b):
+        return _iterate(product, matrix.diagonal, b, symmetric)
+
+    # the solution is linear in the right side for JAX too, although its scale is not
+    return lax.custom_linear_solve(matrix.product, rhs, solved, solved, symmetric=symmetric)
 
 
 def _solve_sparse(matrix: Sparse, rhs):
@@ -217,8 +239,8 @@ def solve(matrix: Matrix, rhs: Vector, symmetric: bool = True) -> Vector:
         case Form.SPARSE:
             return _solve_sparse(matrix, rhs)
         case Form.FULL:
-            return _solve_full(matrix, rhs)
+            return _solve_full(matrix, rhs)[0]
         case Form.FREE:
-            return _iterate(matrix, rhs, symmetric)
+            return _solve_free(matrix, rhs, symmetric)
         case _:
             return rhs / matrix

@@ -130,8 +130,14 @@ def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tup
     """Observers, given by name or as objects; a single observer need not be in a list."""
     if observe is None:
         raise TypeError(f"observe must be a list of observers; {did_you_mean('', observers)}")
-    listed = [observe] if isinstance(observe, str | Observer) else observe
+    listed = [observe] if isinstance(observe, str | Observer | type) else observe
     chosen = tuple(resolve(o, observers, Observer) for o in listed)  # type: ignore[type-abstract]
+    for observer in chosen:
+        if not hasattr(observer, "variables"):
+            raise TypeError(
+                f"{type(observer).__name__} lacks the class variable 'variables': long_name and units of each variable "
+                "that it returns, by name."
+            )
     names = [*RESERVED, *(name for observer in chosen for name in observer.variables)]
     for name in names:
         if names.count(name) > 1:

@@ -81,7 +81,7 @@ def checked_control(
 
     Parameters
     ----------
-    of_load
+    load_times
         Function that returns the times of the load within a duration at which steps must end.
 
     Raises
@@ -99,6 +99,8 @@ def checked_control(
             raise ValueError(f"{', '.join(observer.variables)} needs steps of one size: give dt and steps.")
     control: Controller = resolve("pi" if controller is None else controller, controllers, Controller)  # type: ignore[type-abstract]
     if estimator is None and not control.needs_tolerance:
+        if tolerance is not None:
+            raise ValueError(f"the controller '{control.title}' takes no tolerance without an estimator; leave it out.")
         estimator = Unestimated()
     elif estimator is None:
         estimator = usual_estimator(scheme, problem)

@@ -295,10 +295,15 @@ class March(eqx.Module):
         """``Progress.failure`` and the variables of the reductions after the steps so far."""
 
         def lane_result(problem, state, carried):
-            return {
-                name: value
-                for reduction, c in zip(self.reductions, carried, strict=True)
-                for name, value in reduction.result(c, problem.at(state), state).items()
-            }
+            values: dict[str, jax.Array] = {}
+            for reduction, c in zip(self.reductions, carried, strict=True):
+                result = reduction.result(c, problem.at(state), state)
+                if unknown := result.keys() - reduction.variables.keys():
+                    raise ValueError(
+                        f"{type(reduction).__name__}.result returns {', '.join(sorted(unknown))}, which is none of its "
+                        f"variables: {', '.join(reduction.variables)}."
+                    )
+                values |= result
+            return values
 
         return progress.failure, joined(self._each(lane_result)(progress.state, progress.carried))

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from study.algebra.arrays import Scalar, ScalarLike, Vector, VectorLike
+from study.algebra.arrays import Scalar, ScalarLike, Vector, VectorLike, real_numbers
 from study.algebra.derivatives import watched
 from study.algebra.reads import reading, reads_of
 from study.marching.arguments import checked_observers, positive_integer, resolve
@@ -44,12 +44,13 @@ def final_state(
     Newton's iteration has no safeguard here unless the problem comes from ``with_safeguard()``. The displacement has no
     bound, and a step beyond the stability limit is not reported.
 
-    Second derivatives of implicit schemes are right if the first derivative is taken in forward mode, as in
-    ``jax.jacfwd(jax.jacfwd(f))`` and ``jax.grad(jax.jacfwd(f))``. They are wrong if the first derivative is taken in
-    reverse mode. JAX 0.10 then ignores the rule for derivatives of an implicit root in a scan, even for its own
-    ``lax.custom_root``.
+    Third derivatives of implicit schemes are right if the first and the second are taken in forward mode.
 
-    Derivatives are NaN where a function of the problem has no finite derivative, such as ``jnp.sqrt(u**2)`` at u = 0.
+    Where steps end at kinks of the load, such as samples of a record, the motion has no derivative with respect to
+    ``dt`` or to the times of the kinks; the value returned there is that of neither side.
+
+    Derivatives are NaN where the force couples unknowns that the form of its tangent leaves out, see ``tangent`` of
+    :class:`study.Problem`, and where a function has no finite derivative, such as ``jnp.sqrt(u**2)`` at u = 0.
     Derivatives in reverse mode are also NaN if ``jnp.where`` leaves out a branch that is not finite or has no finite
     slope, such as ``jnp.where(u > 0, u**1.5, 0.0)`` at u < 0. A warning is given when such a derivative is computed.
 
@@ -99,8 +100,11 @@ def final_state(
     for name, start, default in (("u0", u0, equation.u0), ("v0", v0, equation.v0)):
         if start is not None and np.shape(start) != np.shape(default):
             raise ValueError(f"{name} must have the shape {np.shape(default)} of the problem, not {np.shape(start)}.")
-        starts.append(jnp.asarray(default if start is None else start, float))
-    if np.ndim(dt) or (not isinstance(dt, jax.core.Tracer) and not (np.isfinite(dt) and dt > 0)):
+        given = default if start is None else start
+        if not isinstance(given, jax.core.Tracer) and not np.isfinite(real_numbers(name, given)).all():
+            raise ValueError(f"{name} must be finite, not {given!r}.")
+        starts.append(jnp.asarray(given, float))
+    if np.ndim(dt) or not (isinstance(dt, jax.core.Tracer) or 0 < real_numbers("dt", dt) < np.inf):
         raise ValueError(f"dt must be one number, finite and greater than zero, not {dt}.")
     march = March.of(equation, method, chosen)
     if march.records:
@@ -115,8 +119,9 @@ def final_state(
         if not (reads.traced or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves((march, arguments)))):
             return _end(march, *arguments, count)
         message = (
-            f"a derivative of the final state of '{equation.title}' is NaN, because the run failed, or because a "
-            f"function of the problem has no finite derivative where its value is finite: {DOUBLE_WHERE}."
+            f"a derivative of the final state of '{equation.title}' is NaN, because the run failed, because the force "
+            "couples unknowns that the form of its tangent leaves out (declare it with Problem(tangent='dense')), or "
+            f"because a function of the problem has no finite derivative where its value is finite: {DOUBLE_WHERE}."
         )
         # the numbers that JAX differentiates may also be captured by functions
         converted, numbers = jax.closure_convert(lambda u0, v0, dt: _end(march, u0, v0, dt, count), *arguments)

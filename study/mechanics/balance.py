@@ -52,6 +52,7 @@ from study.mechanics.newton import (
     shortened,
     tolerances_of,
 )
+from study.mechanics.sparse_tangent import SparseTangent
 from study.mechanics.state import Effort
 from study.mechanics.system import System
 from study.mechanics.tangent import FormOfTangent, force_and_tangent
@@ -269,7 +270,8 @@ def balance(
     def differentiable(a):
         opened, captured = opened_closure(residual, a)
         solution, fixed = opened_closure(lambda r, a: solve_effective(internal_and_effective(a)[1], r), a, a)
-        return root(opened, solution, a, captured, fixed)
+        whole = not isinstance(problem.tangent, int | SparseTangent)
+        return root(opened, solution, whole, a, captured, fixed)
 
     zero, first = jnp.zeros((), u.dtype), lax.stop_gradient(guess)
     iterates: Callable = iterate

@@ -96,9 +96,10 @@ class Problem(eqx.Module):
     tangent
         Form of ∂p/∂u with several unknowns: ``diagonal``, ``tridiagonal``, ``dense``, ``matrix_free`` (for symmetric
         tangents), the half bandwidth as a number, or a sparse matrix with an entry wherever ∂p/∂u has one. By default
-        it is dense for at most four unknowns, and a band or dense for up to a thousand, as the tangent near u₀ and at
-        zero requires. With more unknowns or sparse matrices it is diagonal, tridiagonal or sparse. Declare the form if
-        the force couples other unknowns later, as in contact. Bands are eliminated without pivoting between distant
+        it is dense for at most four unknowns, and a band or dense for up to a thousand, as the tangent near u₀, at zero
+        and far away requires, where gaps have closed. With more unknowns or sparse matrices it is diagonal, tridiagonal
+        or sparse. Declare the form if the force couples other unknowns elsewhere: without their entries Newton's
+        iteration is slow or fails, and derivatives are NaN. Bands are eliminated without pivoting between distant
         rows; declare ``dense`` for a saddle point, which needs such pivoting. Number the joints of a mesh along its
         short side: a narrow band is much faster. For sparse matrices the order of the unknowns does not matter.
     positions

@@ -33,6 +33,10 @@ PROBED = (0.05, 1e-3, 1e-6, 1e-9)
 #: Distance from u₀, relative to the larger of max |u₀| and one, within which springs have not yet yielded.
 ELASTIC = 1e-6
 
+#: Distances from u₀, relative to the larger of max |u₀| and one, at which contacts have closed. The first one with a
+#: finite tangent is used.
+FAR = (1e3, 30.0, 1.0)
+
 #: Relative tolerance between the true tangent and the tangent in the declared form, for round-off.
 AGREEMENT = 1e-8
 
@@ -100,9 +104,11 @@ def probed_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarra
 
     Two of them lie around u₀, scattered so that no entry of the derivative is zero by chance. Springs may already
     yield or slip there. A third displacement closer to u₀, u₀ itself and zero show how springs couple unknowns before
-    they yield; these are left out where the derivative is not finite.
+    they yield, and displacements far from u₀ in opposite directions how they do once gaps between any two unknowns have
+    closed; these are left out where the derivative is not finite.
     """
-    scatter = np.random.default_rng(0).uniform(0.5, 1.5, (2, len(u0)))
+    random = np.random.default_rng(0)
+    scatter, directions = random.uniform(0.5, 1.5, (2, len(u0))), random.uniform(-1.0, 1.0, (2, len(u0)))
     slope = jax.jit(lambda u: jax.jvp(force, (u,), (jnp.ones_like(u),))[1])
     scale = max(np.abs(u0).max(), 1.0)
     # the smallest distance is far below any displacement, whatever its units
@@ -110,12 +116,16 @@ def probed_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarra
         around = [u0 + size * scatter[0], u0 - size / 2 * scatter[1]]
         if all(np.isfinite(slope(u)).all() for u in around):
             close = [u0 + ELASTIC * scale * scatter[0], u0, np.zeros_like(u0)]
-            return around + [u for u in close if np.isfinite(slope(u)).all()]
+            states = around + [u for u in close if np.isfinite(slope(u)).all()]
+            for direction in (*directions, *-directions):
+                distant = (u0 + size * scale * direction for size in FAR)
+                states += [u for u in distant if np.isfinite(slope(u)).all()][:1]
+            return states
     raise ValueError(f"the derivative of the force of '{title}' is not finite near u0.")
 
 
 def detected_form(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | str:
-    """Form of the tangent near u₀ and at zero: a half bandwidth, or ``"dense"``; for at most ``FINDABLE`` unknowns.
+    """Form of the tangent, from a few displacements: a half bandwidth, or ``"dense"``; up to ``FINDABLE`` unknowns.
 
     It is ``"dense"`` if the half bandwidth exceeds a quarter of the number of unknowns. It is ``"dense"`` too if the
     mass is singular and the tangent has a zero on its diagonal, because bands are eliminated without pivoting.

@@ -4,7 +4,6 @@ import abc
 import inspect
 import math
 import textwrap
-import warnings
 from dataclasses import fields
 from typing import Any, ClassVar
 
@@ -19,6 +18,7 @@ from study.mechanics.balance import initial_acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.state import Effort, Motion
 from study.scheme.contract import incremented
+from study.warn import warn
 from study.words import listed
 
 
@@ -152,11 +152,9 @@ class Scheme(KeywordsOnly, eqx.Module):
             return
         computed = isinstance(inspect.getattr_static(type(self), "stability_limit"), property)
         if computed and self.stability_limit == 0:
-            warnings.warn(
+            warn(
                 f"{type(self).__name__}({self._parameters()}) has negative numerical damping: without physical damping "
-                "the amplitude grows, however small the step.",
-                RuntimeWarning,
-                stacklevel=3,  # the line that makes the scheme, which equinox calls through one function
+                "the amplitude grows, however small the step."
             )
 
     def _parameters(self) -> str:

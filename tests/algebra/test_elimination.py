@@ -114,7 +114,7 @@ def test_eliminate_takes_several_right_sides(name, seed, n, sides):
     rng = np.random.default_rng(seed)
     full = np.linalg.qr(rng.normal(size=(n, n)))[0]
     rhs = rng.normal(size=n if sides is None else (n, sides))
-    solution = ELIMINATIONS[name](jnp.asarray(full), jnp.asarray(rhs))
+    [solution] = ELIMINATIONS[name](jnp.asarray(full), jnp.asarray(rhs))
     np.testing.assert_allclose(solution, np.linalg.solve(full, rhs), atol=1e-12)
 
 
@@ -122,7 +122,7 @@ def test_eliminate_takes_several_right_sides(name, seed, n, sides):
 def test_eliminate_pivots(name):
     full = np.array([[0.0, 0.0, 3.0], [2.0, 0.0, 1.0], [1.0, 4.0, 1.0]])
     rhs = np.array([3.0, 5.0, 10.0])
-    solution = ELIMINATIONS[name](jnp.asarray(full), jnp.asarray(rhs))
+    [solution] = ELIMINATIONS[name](jnp.asarray(full), jnp.asarray(rhs))
     np.testing.assert_allclose(solution, np.linalg.solve(full, rhs))
 
 

@@ -105,6 +105,8 @@ def test_a_dead_band_with_a_small_bound_repeats_a_step_with_a_smaller_size():
 def test_a_controller_says_what_it_needs():
     with pytest.raises(ValueError, match="controller 'PI' needs a tolerance"):
         study.run(HARDENING, "average_acceleration", controller="pi", duration=1.0)
+    with pytest.raises(ValueError, match="'Prescribed' takes no tolerance without an estimator; leave it out"):
+        study.run(HARDENING, "average_acceleration", controller=study.Prescribed([0.1]), tolerance=1e-3)
     with pytest.raises(ValueError, match="step sizes greater than zero"):
         study.Prescribed([0.1, -0.1])
     with pytest.raises(ValueError, match=r"DeadBand\(low=2.0\)"):

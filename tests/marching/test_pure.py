@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import mpmath
 import numpy as np
 import pytest
+from scipy import sparse
 
 import study
 
@@ -103,6 +104,9 @@ def test_a_failure_is_reported():
         ({"steps": 0}, "steps must be a whole number of at least 1"),
         ({"dt": -0.01}, "dt must be one number, finite and greater than zero, not -0.01"),
         ({"dt": [0.1, 0.2]}, "dt must be one number"),
+        ({"dt": "a"}, "dt must be a real number"),
+        ({"u0": "a"}, "u0 must be a real number"),
+        ({"u0": np.nan}, "u0 must be finite, not nan"),
         ({"u0": [1.0, 2.0]}, r"u0 must have the shape \(\) of the problem, not \(2,\)"),
     ],
 )
@@ -130,8 +134,52 @@ def test_second_derivatives():
 
     slope = jax.grad(motion)
     bend = (float(slope(0.5 + 1e-5)) - float(slope(0.5 - 1e-5))) / 2e-5
-    assert float(jax.jacfwd(jax.jacfwd(motion))(0.5)) == pytest.approx(bend, rel=1e-7)
-    assert float(jax.grad(jax.jacfwd(motion))(0.5)) == pytest.approx(bend, rel=1e-7)
+    for second in (jax.jacfwd(jax.jacfwd(motion)), jax.grad(jax.jacfwd(motion)), jax.hessian(motion), jax.grad(slope)):
+        assert float(second(0.5)) == pytest.approx(bend, rel=1e-7)
+
+
+def _pounding(window):
+    """Six masses on springs, of which the first and the last meet at a gap; beyond ``window`` the contact has gone."""
+
+    def motion(gap, form=None):
+        def force(u):
+            depth = u[0] - u[5] - gap
+            contact = jnp.where((depth > 0) & (depth < window), 1e3 * depth, 0.0)
+            return (4 * u).at[0].add(contact).at[5].add(-contact)
+
+        problem = study.Problem(force, np.zeros(6), v0=np.array([5.0, 0, 0, 0, 0, -3.0]), title="towers", tangent=form)
+        return study.final_state(problem, "average_acceleration", dt=0.005, steps=40)["u"][0]
+
+    return motion
+
+
+def test_a_contact_that_closes_later_is_in_the_derivative():
+    """The form of the tangent is found where the gap is open; the iteration alone converges without the contact."""
+    motion = _pounding(np.inf)
+    expected = float(motion(0.5 + 1e-6) - motion(0.5 - 1e-6)) / 2e-6
+    assert float(jax.grad(motion)(0.5)) == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("transform", [jax.grad, jax.jacfwd])
+def test_a_derivative_without_all_entries_of_the_tangent_is_nan(transform):
+    """The contact acts in a window of depths only, which no displacement hits at which the form is found."""
+    motion = _pounding(2.0)
+    with pytest.warns(RuntimeWarning, match=r"the force couples unknowns that .*tangent='dense'"):
+        assert np.isnan(transform(motion)(0.5))
+    expected = float(motion(0.5 + 1e-6) - motion(0.5 - 1e-6)) / 2e-6
+    assert float(transform(lambda gap: motion(gap, "dense"))(0.5)) == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("form", ["tridiagonal", 2, "matrix_free", "sparse"])
+def test_every_form_of_the_tangent_has_derivatives_in_both_modes(form):
+    def motion(stiffness):
+        declared = sparse.eye_array(6, format="csc") if form == "sparse" else form
+        problem = study.Problem(lambda u: stiffness * u + u**3, np.linspace(0.5, 1.0, 6), tangent=declared)
+        return study.final_state(problem, "average_acceleration", dt=0.05, steps=10)["u"].sum()
+
+    expected = float(motion(2.0 + 1e-5) - motion(2.0 - 1e-5)) / 2e-5
+    assert float(jax.grad(motion)(2.0)) == pytest.approx(expected, rel=1e-8)
+    assert float(jax.jacfwd(motion)(2.0)) == pytest.approx(expected, rel=1e-8)
 
 
 def _end_of_impact(contact, stiffness):

@@ -10,6 +10,25 @@ import pytest
 import study
 
 
+class _Nameless(study.Reduction):
+    """A reduction whose author has not named its variables."""
+
+    def start(self, problem, state):
+        return state.u
+
+    def update(self, carried, problem, state, t, effort):
+        return state.u
+
+    def result(self, carried, problem, state):
+        return {"mine": carried}
+
+
+class _Renamed(_Nameless):
+    """A reduction that returns another variable than it names."""
+
+    variables = {"last": {"long_name": "last displacement", "units": "m"}}
+
+
 def test_the_contract_of_the_labels():
     ds = study.run("hardening", "rk4", dt=0.0075, steps=20, observe=["trajectory", "max_energy_error"])
     assert ds.u.dims == ("t",) and ds.v.attrs["units"] == "s-1"
@@ -87,6 +106,9 @@ def test_problems_and_schemes_of_the_user():
         ({"steps": 1.5}, ValueError, "steps must be a whole number of at least 1, not 1.5."),
         ({"steps": 10**20}, ValueError, "steps must be a whole number of at least 1 and at most 23"),
         ({"dt": True}, ValueError, "dt must be a real number or an array of real numbers, not True."),
+        ({"observe": study.Quantity}, TypeError, "Quantity'> is no observer: give a name or a study.Observer"),
+        ({"observe": _Nameless()}, TypeError, "_Nameless lacks the class variable 'variables'"),
+        ({"observe": _Renamed()}, ValueError, "_Renamed.result returns mine, which is none of its variables: last"),
         ({"observe": None}, TypeError, "observe must be a list of observers; known are trajectory"),
         ({"steps": True}, ValueError, "steps must be a whole number of at least 1, not True."),
         ({"steps": [10, 20]}, ValueError, "'u' is recorded along time, which needs one number of steps for all lanes"),

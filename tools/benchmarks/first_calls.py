@@ -37,7 +37,7 @@ def _by_hand(frame: study.Problem) -> Callable:
                 a, _, count = state
                 place = u_predicted + c_u * a
                 residual = mass @ a + c_v * damping @ a + force(place) - rhs
-                change = eliminate(mass + c_v * damping + c_u * jax.jacfwd(force)(place), residual)
+                [change] = eliminate(mass + c_v * damping + c_u * jax.jacfwd(force)(place), residual)
                 size = c_u * jnp.sqrt(change @ change)
                 return a - change, size > 1e-12 * jnp.sqrt(u_predicted @ u_predicted), count + 1
 
