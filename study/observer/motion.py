@@ -128,7 +128,9 @@ class Quantity(Record):
         Name and attributes of the variable in the dataset.
     reduce
         ``"peak"`` for the largest absolute value over all steps, ``"final"`` for the last value, ``"rms"`` for the root
-        mean square over time by the trapezoidal rule, each for every component; None for the record along time.
+        mean square over time by the trapezoidal rule, each for every component; None for the record along time. Peak
+        and root mean square see the ends of steps only, so that their errors are of second order in the step, whatever
+        the scheme, and no tolerance controls them.
     scale
         Value to which :func:`study.assess` relates the errors of the quantity. ``"own"`` is the value itself: the peak,
         final value or root mean square, or without ``reduce`` the largest value along time. All components share one
