@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy import sparse
 
 import study
 from study.algebra.matrices import times
@@ -82,6 +83,18 @@ def test_a_structure_is_sought_where_the_force_has_a_derivative():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("opening", [0.02, 20.0])
+def test_a_gap_that_is_open_near_the_start_couples_its_unknowns(opening):
+    """In metres and in millimetres; the form of the tangent holds the stop between the unknowns 1 and 6."""
+    stop = study.materials.elements(
+        study.materials.gap(stiffness=2e3, opening=opening), lambda u: (u[1] - u[6])[None], 1
+    )
+    chain = sparse.diags_array([-1.0, 2.0, -1.0], offsets=(-1, 0, 1), shape=(8, 8), format="csc")
+    assert study.Problem(lambda u: stop(u) + u, np.zeros(8)).tangent == "dense"
+    pattern = study.Problem(stop, np.zeros(8), stiffness=chain).tangent.pattern
+    assert {(1, 6), (6, 1)} & set(zip(pattern.rows.tolist(), pattern.columns.tolist(), strict=True))
+
+
 @pytest.mark.parametrize("slip", [2e5, 2.0])
 def test_the_coupling_of_contacts_that_slip_near_the_start_is_found(slip):
     """Even a small motion makes all contacts slip. The tangent is then diagonal, but their coupling is found."""
