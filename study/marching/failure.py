@@ -13,8 +13,9 @@ from study.mechanics.frequencies import frequencies
 from study.mechanics.function_checks import DOUBLE_WHERE
 from study.scheme.base import Scheme
 
-#: Reactions of :func:`study.run` to a failed run.
-ON_FAILURE = ("warn", "raise", "ignore")
+#: Reactions of :func:`study.run` to a failed run, and that of :data:`study.marching.run.sweep` to failed runs and to
+#: steps beyond the stability limit: none.
+ON_FAILURE, SILENT = ("warn", "raise", "ignore"), "silent"
 
 #: Largest ωΔt of the stiffest mode at which smaller steps do not help Newton's iteration.
 RESOLVED = 0.01

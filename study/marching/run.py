@@ -1,24 +1,19 @@
 """``study.run``: one scheme on one problem, or an ensemble of such runs, as a labelled dataset."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
-from tqdm import tqdm
 
 from study.control.controllers import Controller
 from study.control.estimators import Estimator
-from study.marching import failure, stability
 from study.marching.adaptive_run import Adaptive
 from study.marching.arguments import (
-    check_memory,
     checked_bound,
     checked_observers,
     checked_start,
@@ -29,33 +24,18 @@ from study.marching.arguments import (
     resolve,
 )
 from study.marching.control import checked_control
-from study.marching.ensemble import FEW, march_in_tiles, march_one_by_one
-from study.marching.failure import ON_FAILURE
+from study.marching.equal_run import EqualSteps
+from study.marching.failure import ON_FAILURE, SILENT
 from study.marching.family import checked_family, checked_lanes, times_of_lanes
-from study.marching.march import March
-from study.marching.parts import Lane, Parts
-from study.marching.program import Program
-from study.marching.result import COMPLETED, NO_SOLUTION, NOT_FINITE, Labels, Result
-from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
+from study.marching.parts import Parts
+from study.marching.shapes import CountPerRunLike, DisplacementsLike, PerRunLike
 from study.mechanics.definition import Problem
-from study.mechanics.function_checks import NOT_TRACEABLE
-from study.mechanics.function_checks import failure as trace_failure
 from study.mechanics.loads import times_of_problem
-from study.observer.base import Observer, Record
+from study.observer.base import Observer
 from study.observer.energy import ChangeOfEnergy
 from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
-from study.warn import warn
-
-#: Largest number of samples × lanes × unknowns whose records fit into the memory of any machine.
-ANY_MEMORY = 10_000_000
-
-#: Minimum of steps × unknowns of a run that shows a progress bar.
-LONG = 2**24
-
-#: Reaction of :data:`sweep` to failed runs and to steps beyond the stability limit: none.
-_SILENT: Any = object()
 
 
 def _check_fit(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...]) -> None:
@@ -63,46 +43,6 @@ def _check_fit(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...]
     for reason in (scheme.refusal(problem), *(observer.refusal(problem) for observer in observers)):
         if reason:
             raise ValueError(reason)
-
-
-def _march_alone(
-    program: Program, u0: Displacements, v0: Displacements, dt: PerRun, steps: int, every: int, samples: int
-) -> Result:
-    """March a single run, with a progress bar in a terminal if it is long."""
-    if steps * u0.size < LONG:
-        return program.run(u0, v0, dt, steps, every, samples)
-    with tqdm(total=steps, disable=None, leave=False) as bar:
-
-        def show(step):
-            bar.update(step - bar.n)
-            return True
-
-        return program.run(u0, v0, dt, steps, every, samples, on_pause=show)
-
-
-def _samples(records: Sequence[Record], steps: CountPerRun, every: int, samples: int | None) -> int:
-    """Number of samples to store after the first one; zero without records."""
-    if records and steps.ndim:
-        raise ValueError(
-            f"'{next(iter(records[0].variables))}' is recorded along time, which needs one number of steps for all "
-            "lanes: give steps as a number, or observe quantities with one value per run."
-        )
-    if samples is None and np.any(steps % every):
-        raise ValueError(f"every must divide the number of steps; {every} does not divide {steps[()]}.")
-    if not records:
-        return 0
-    return int(steps) // every if samples is None else positive_integer("samples", samples)
-
-
-def _check_memory(march: March, u0: Displacements, v0: Displacements, dt: PerRun, samples: int) -> None:
-    """Refuse records that exceed the memory; their shapes follow from the first sample, which is not computed."""
-    if (samples + 1) * u0.size <= ANY_MEMORY:
-        return
-    one_by_one = u0.ndim > np.ndim(march.problem.u0) and not march.lanes
-    lane = (u0[0], v0[0], dt.ravel()[0]) if one_by_one else (u0, v0, dt)
-    _, _, stored = eqx.filter_eval_shape(march.start, *lane, 1)
-    lanes = u0.size // lane[0].size
-    check_memory({name: lanes * math.prod(a.shape[1:]) * a.dtype.itemsize for name, a in stored.items()}, samples + 1)
 
 
 def run(
@@ -263,6 +203,7 @@ def run(
     start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
     _check_fit(equation, method, chosen)
     make: Any = None if over is None else problem
+    starts = start, velocity
     if controlled:
         load_times = partial(times_of_problem, equation, sides=True)
         if over is not None:
@@ -272,110 +213,17 @@ def run(
         )
         limit = checked_bound(bound, equations, start, velocity, float(control.times[-1]))
         lanes = number_of_lanes(equation, start, velocity, {"tolerance": control.tolerance, "dt": control.dt}, values)
-        silent = on_failure is _SILENT
+        silent = on_failure == SILENT
         watches_energy = not (silent or control.controller.sizes_are_given or ChangeOfEnergy().refusal(equation))
-        starts = start, velocity
         adaptive = Adaptive(equation, method, chosen, starts, make, values, lanes, limit, watches_energy)  # type: ignore[arg-type]
         return adaptive.dataset(control, "ignore" if silent else on_failure)
     step_size, count, every = checked_step_size(dt), checked_steps(steps), positive_integer("every", every)
     lanes = number_of_lanes(equation, start, velocity, {"dt": step_size, "steps": count}, values)
-    few = lanes <= FEW and np.ndim(equation.u0) > 0 and not values and jax.default_backend() == "cpu"
-    side_by_side = bool(lanes) and not few
     limit = checked_bound(bound, equations, start, velocity, float(np.max(step_size * count)))
-    watches = on_failure is not _SILENT and stability.has_limit(method, equation)
-    observed = (*chosen, stability.AtStart()) if watches else chosen
-    march_of = partial(March.of, scheme=method, observers=observed, lanes=side_by_side, bound=limit, make=make)
-    plain = march_of(equation)
-    room = _samples(plain.records, count, every, samples)
-
-    def dataset(part: slice = slice(None)) -> xr.Dataset:
-        """March the lanes of a part, or all of them, or the single run, and label the result."""
-        u0, v0 = (x[part] if x.ndim > np.ndim(equation.u0) else x for x in (start, velocity))
-        sizes, counts = (x[part] if x.ndim else x for x in (step_size, count))
-        lane_values = {name: value[part] for name, value in values.items()}
-        begin = u0, v0, sizes
-        if lanes:
-            shape = (len(range(lanes)[part]), *np.shape(equation.u0))
-            begin = np.broadcast_to(u0, shape), np.broadcast_to(v0, shape), sizes
-        _check_memory(plain.with_arguments(lane_values), *begin, room)
-
-        def marched(march: March, place: Any = slice(None)) -> Result:
-            """March the lanes at ``place``, or the single run."""
-            program = Program(march)
-            if not lanes:
-                return _march_alone(program, *begin, int(count), every, room)
-            march_lanes = march_one_by_one if few else march_in_tiles
-            starts = begin[0][place], begin[1][place], sizes[place] if sizes.ndim else sizes
-            arguments = {name: value[place] for name, value in lane_values.items()}
-            return march_lanes(program, (*starts, arguments), counts[place] if counts.ndim else counts, every, room)
-
-        result = _traced(bool(values), marched, plain)
-        unsolved = result.status == NO_SOLUTION
-        if not (method.explicit or equation.linear):  # a Newton correction may end where the force is not finite
-            unsolved |= result.status == NOT_FINITE
-        if unsolved.any():
-            again = marched(march_of(equation.with_safeguard()), unsolved)
-            result = jax.tree.map(lambda all_, new: _replaced(all_, unsolved, new), result, again) if lanes else again
-        motion = stability.taken_from(result.values) if watches else None
-        if on_failure is not _SILENT:
-            lane_starts = None if values else begin[:2]
-            _report_failures(result, equation, method, lane_starts, sizes, on_failure, motion, part.start or 0)
-        if motion is not None:
-            _report_excess(result, method, motion, sizes, counts, part.start or 0)
-        labels = Labels(equation, method, chosen)
-        ds = labels.dataset(result, u0, v0, sizes, counts, every, room, bool(lanes))
-        if not values:
-            return ds
-        for first_lane in ("u0", "v0"):
-            ds.attrs.pop(first_lane, None)
-        return ds.assign_coords(
-            {name: (("lane", *(f"{name}_{axis}" for axis in range(1, x.ndim))), x) for name, x in lane_values.items()}
-        )
-
-    if save is None:
-        return dataset()
-    if not lanes:
-        raise ValueError("save writes the parts of an ensemble; a single run is written by its method to_netcdf.")
-    first = (
-        x[0] if x.ndim > n else x
-        for x, n in ((start, np.ndim(equation.u0)), (velocity, np.ndim(equation.u0)), (step_size, 0))
+    equal = EqualSteps(
+        equation, method, chosen, starts, step_size, count, every, samples, make, values, lanes, limit, on_failure
     )
-    arguments = {name: value[0] for name, value in values.items()}
-    lane = _traced(
-        bool(values),
-        Lane.traced,
-        partial(March.of, scheme=method, observers=chosen, bound=limit),
-        (lambda: equation) if make is None else make,
-        (*first, arguments),
-        room + 1,
-        {"u0": start, "v0": velocity, "dt": step_size, "steps": count, "every": every, "samples": room} | values,
-    )
-    parts = save if isinstance(save, Parts) else Parts(save)
-    return parts.written(dataset, lanes, lane)
-
-
-def _traced(family: bool, trace: Callable, *arguments: Any) -> Any:
-    """The value of a function that traces a march.
-
-    An error has no traceback through the march; in a family, it names the function that makes the problems.
-    """
-    try:
-        return trace(*arguments)
-    except NOT_TRACEABLE as error:
-        if not family:
-            raise
-        raise ValueError(
-            "the function that makes the problem of each lane, in which a sparse matrix that depends on its arguments "
-            f"is a jax.experimental.sparse.BCOO, {trace_failure(error, 'fails')}"
-        ) from error
-    except TypeError as error:  # a scheme or an observer raised it
-        raise error.with_traceback(None) from error.__cause__
-
-
-def _replaced(values: np.ndarray, place: np.ndarray, new: np.ndarray) -> np.ndarray:
-    values = np.array(values)
-    values[place] = new
-    return values
+    return equal.dataset() if save is None else equal.written(save)
 
 
 def _check_not_traced(arguments: Any) -> None:
@@ -388,40 +236,9 @@ def _check_not_traced(arguments: Any) -> None:
 
 
 def _check_on_failure(on_failure: str) -> None:
-    if on_failure is not _SILENT and on_failure not in ON_FAILURE:
+    if on_failure not in (*ON_FAILURE, SILENT):
         raise ValueError(f"on_failure must be one of {', '.join(map(repr, ON_FAILURE))}, not {on_failure!r}.")
 
 
-def _report_failures(
-    result: Result,
-    problem: Problem,
-    scheme: Scheme,
-    begin: tuple | None,
-    dt: PerRun,
-    on_failure: str,
-    motion: stability.SmallMotion | None,
-    first_lane: int,
-) -> None:
-    """Warn of failed runs, raise an error, or do nothing."""
-    if on_failure != "ignore" and np.any(result.status):
-        message = failure.sentence(result, problem, scheme, begin, dt, motion, first_lane)
-        if on_failure == "raise":
-            raise RuntimeError(message)
-        warn(message, failure.RunFailedWarning)
-
-
-def _report_excess(
-    result: Result, scheme: Scheme, motion: stability.SmallMotion, dt: PerRun, steps: CountPerRun, first_lane: int
-) -> None:
-    """Warn if runs have completed with steps beyond the stability limit; name the lane that is farthest beyond it."""
-    excess = np.where(result.status == COMPLETED, stability.excess(scheme, motion, dt, steps), 0.0)
-    if excess.any():
-        lane = int(np.argmax(excess))
-        step_size = float(np.broadcast_to(dt, excess.shape).ravel()[lane])
-        where = f" in lane {first_lane + lane}" if np.ndim(excess) else ""
-        message = stability.sentence(scheme, motion.matrices_of_lane(lane), step_size, where)
-        warn(f"{message}; the run has completed, but its results may be wrong.")
-
-
 #: ``run`` for maps and searches, whose runs may fail, or exceed the stability limit, on purpose; neither is reported.
-sweep = partial(run, on_failure=_SILENT)
+sweep = partial(run, on_failure=SILENT)

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import study
-from study.marching import components, run
+from study.marching import components, equal_run
+from study.marching.ensemble import FEW
 
 RECORD = np.random.default_rng(1).normal(size=300)
 
@@ -68,7 +69,7 @@ def _check_lanes(monkeypatch, name, scheme, dt=0.02, tolerance=1e-9, **more):
     arguments = {"u0": u0, "v0": 5 * u0[::-1], "dt": dt, "steps": 12, "observe": observe} | more
     one_by_one = study.run(problem, scheme, **arguments)
     assert (one_by_one.status == 0).all() and np.abs(one_by_one.u.diff("t" if np.ndim(dt) == 0 else "sample")).max() > 0
-    monkeypatch.setattr(run, "FEW", 0)
+    monkeypatch.setattr(equal_run, "FEW", 0)
     monkeypatch.setattr(components, "together", None)  # nothing but the start is mapped by jax.vmap
     lanes = study.run(problem, scheme, **arguments)
     for variable in one_by_one.data_vars:
@@ -107,7 +108,7 @@ def test_every_observer_observes_components(caplog):
     named = [name for name, observer in study.observers.items() if not observer.refusal(problem)]
     assert {"peak", "energy_balance", "lyapunov_exponent", "oscillations", "internal_force"} <= set(named)
     with caplog.at_level(logging.INFO, components.LOG.name):
-        study.run(problem, "average_acceleration", dt=0.02, steps=2, u0=np.ones((run.FEW + 1, 3)), observe=named)
+        study.run(problem, "average_acceleration", dt=0.02, steps=2, u0=np.ones((FEW + 1, 3)), observe=named)
     assert [record.message for record in caplog.records if record.name == components.LOG.name] == []
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import study
-from study.marching import kernel, program, run
+from study.marching import equal_run, kernel, program
 from study.marching.march import March
 from study.marching.result import UNBOUNDED
 
@@ -88,7 +88,7 @@ def _check(monkeypatch, problem, scheme, tolerance=1e-12, **arguments):
     monkeypatch.setattr(kernel, "is_chosen", lambda unknowns: False)
     right = study.run(problem, scheme, **arguments)
     monkeypatch.setattr(kernel, "is_chosen", lambda unknowns: True)
-    monkeypatch.setattr(run, "FEW", 0)
+    monkeypatch.setattr(equal_run, "FEW", 0)
     ds = study.run(problem, scheme, **arguments)
     for name, value in right.data_vars.items():
         # An error of the energy is a difference of energies, divided by the energy.
