@@ -110,25 +110,26 @@ class Refinement:
             steps.append(steps[-1] / 2)
             if not refined or self._runs.late or steps[-1] < self._program.smallest * (1 - 1e-9):
                 break
-        if truth is None and self._runs.interrupted:
-            raise KeyboardInterrupt
         if truth is None:
-            short = [s for s in self._program.all_schemes if len(self.last_completed(s)) < FEWEST_RUNS]
-            schemes_by_reason = dict[str, list[str]]()
-            for s in short:
-                if not self.noise[s]:
-                    schemes_by_reason.setdefault(self._reason(s), []).append(f"'{s}'")
-            ends = [
-                f"{listed(schemes)} end{'s' * (len(schemes) == 1)} {reason}"
-                for reason, schemes in schemes_by_reason.items()
-            ]
-            reasons = "; ".join(self.remarks + ends)
-            raise NoTruth(
-                f"there is no reference for '{self._program.title}', as fewer than two different schemes complete "
-                f"{FEWEST_RUNS} runs at successively halved steps{' in the given time' * self._runs.late}: {reasons}."
-            )
+            raise KeyboardInterrupt if self._runs.interrupted else NoTruth(self._lack_of_truth())
         self._judge(truth, target, apart > 1)
         return truth
+
+    def _lack_of_truth(self) -> str:
+        """Sentence on the schemes that give no reference, and why."""
+        schemes_by_reason = dict[str, list[str]]()
+        for scheme in self._program.all_schemes:
+            if len(self.last_completed(scheme)) < FEWEST_RUNS and not self.noise[scheme]:
+                schemes_by_reason.setdefault(self._reason(scheme), []).append(f"'{scheme}'")
+        ends = [
+            f"{listed(schemes)} end{'s' * (len(schemes) == 1)} {reason}"
+            for reason, schemes in schemes_by_reason.items()
+        ]
+        return (
+            f"there is no reference for '{self._program.title}', as fewer than two different schemes complete "
+            f"{FEWEST_RUNS} runs at successively halved steps{' in the given time' * self._runs.late}: "
+            f"{'; '.join(self.remarks + ends)}."
+        )
 
     def _work(self, known: Estimate, target: float) -> float:
         """Estimated time in s of a run with the error ``target``, as if the scheme were of second order."""
