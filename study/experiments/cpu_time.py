@@ -34,7 +34,7 @@ def cpu_time(
 
     The schemes are timed in turns, so that a slow moment of the machine affects all of them. The step size is T/N, with
     T the period printed by Xie (1996) and N = ``steps_per_period``. Times of a step have the shape
-    (problem, scheme, repeat), in nanoseconds.
+    (problem, scheme, repeat).
     """
     # no program may come from the cache of an earlier process, because the compile time is measured too
     jax.config.update("jax_enable_compilation_cache", False)

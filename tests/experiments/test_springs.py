@@ -98,6 +98,9 @@ def test_times_are_ratios_to_average_acceleration():
     assert timed.ratio.sel(scheme="average_acceleration") == 1
     median = timed.seconds_per_step.median("repeat")
     np.testing.assert_allclose(timed.median_seconds_per_step, median)
+    ratios = timed.seconds_per_step / timed.seconds_per_step.sel(scheme="average_acceleration", drop=True)
+    quartiles = ratios.quantile([0.25, 0.5, 0.75], "repeat").transpose("quantile", "problem", "scheme")
+    np.testing.assert_allclose([timed.ratio_low, timed.ratio, timed.ratio_high], quartiles)
 
 
 def test_a_resonance_holds_runge_kutta_at_a_whole_number_of_steps():

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import sparse
 from scipy.optimize import brentq
 
 import study
-from study.mechanics.balance import acceleration, balance
+from study.mechanics.balance import acceleration, balance, initial_acceleration
 
 finite = st.floats(-3.0, 3.0)
 
@@ -121,3 +122,16 @@ def test_steps_are_vectorised_and_differentiated_twice(name):
     np.testing.assert_allclose(first(u0[0]), slope[0], rtol=1e-12)
     np.testing.assert_allclose(slope, (after - before) / (2 * h), rtol=1e-5, atol=1e-7)
     np.testing.assert_allclose(bend, (after - 2 * middle + before) / h**2, rtol=1e-5)
+
+
+@pytest.mark.parametrize("form", ["diagonal", "dense", "sparse"])
+def test_the_initial_acceleration_of_an_unknown_without_mass_is_zero(form):
+    """A = (f − p)/m elsewhere, also for masses below one."""
+    mass, u = np.array([0.5, 0.0, 2.0]), np.array([1.0, 2.0, 3.0])
+    matrix = {"diagonal": mass, "dense": np.diag(mass), "sparse": sparse.diags_array(mass, format="csc")}[form]
+    stiffness = sparse.eye_array(3, format="csc") if form == "sparse" else None
+    problem = study.Problem(
+        None if form == "sparse" else lambda u: u, u, mass=matrix, stiffness=stiffness, load=lambda t: jnp.full(3, 4.0)
+    )
+    a = initial_acceleration(problem, problem.u0, problem.v0)
+    np.testing.assert_allclose(a, [(4 - 1) / 0.5, 0.0, (4 - 3) / 2], rtol=1e-14)
