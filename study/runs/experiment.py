@@ -209,38 +209,52 @@ class _Ladder:
         finer ones are run from all starts, with kinks of the force all finer ones that confirm a need, and all steps if
         the starts are few and march side by side.
         """
-        dividing_counts = self.scale / (self.motion.spacing * np.array(OF_SPACING))  # NaN without a record
         top = COARSEST
         while True:
             known = set(self.rows.get("steps_per_period", ()))
             needed = self.needed(limits) if known else [(math.inf, 0.0)]
             dividing = self.needed(limits, dividing=True) if known and np.isfinite(self.motion.spacing) else []
-            if top <= finest and max(known, default=0) <= max((need for need, _ in needed + dividing), default=0.0):
-                octave = {two_digits(top), two_digits(top * math.sqrt(2))}
-                octave |= {*dividing_counts[(dividing_counts >= top) & (dividing_counts < 2 * top)]}
-                self.run(octave - known)
-                top *= 2
-                continue
-            finer = [between(coarser, need) for need, coarser in needed]
-            if self.motion.several:  # a run costs as much as its steps, so their intervals are halved
-                finer = [numbers[len(numbers) // 2 :][:1] for numbers in finer]
-            new = {count for numbers in finer for count in numbers}
-            if new := new - known:
-                self.run(new)
-                continue
             confirming = {count for need, _ in needed for count in self._finer(need, finest)}
-            if finer_steps := confirming - known:
-                self.confirming |= {count for count in finer_steps if count != two_digits(count)}
-                self.run(finer_steps)
-                continue
-            varied = set(self.varied.steps_per_period) if len(self.varied) else set()
-            wanted = {need for need, _ in needed + dividing if need < math.inf}
-            wanted |= {min((count for count in known if count > need), default=need) for need in wanted}
-            if self.motion.problem.has_kinks and wanted <= varied:  # last, because other starts may refuse a need
-                wanted = confirming
-            if not self.several or not wanted - varied:
+            if top <= finest and max(known, default=0) <= max((need for need, _ in needed + dividing), default=0.0):
+                self.run(self._octave(top) - known)
+                top *= 2
+            elif new := self._between(needed) - known:
+                self.run(new)
+            elif finer := confirming - known:
+                self.confirming |= {count for count in finer if count != two_digits(count)}
+                self.run(finer)
+            elif others := self._to_vary([need for need, _ in needed + dividing if need < math.inf], known, confirming):
+                self.vary(others)
+            else:
                 return
-            self.vary(wanted - varied)
+
+    def _octave(self, top: float) -> set[float]:
+        """Numbers of steps from ``top`` up to twice as many: half octaves, and those that divide a record's spacing."""
+        dividing = self.scale / (self.motion.spacing * np.array(OF_SPACING))  # NaN without a record
+        return {two_digits(top), two_digits(top * math.sqrt(2)), *dividing[(dividing >= top) & (dividing < 2 * top)]}
+
+    def _between(self, needed: list[tuple[float, float]]) -> set[float]:
+        """All numbers of two digits between each need and the next coarser one, or the middle one of several unknowns.
+
+        With several unknowns a run costs as much as its steps, so their intervals are halved.
+        """
+        numbers = [between(coarser, need) for need, coarser in needed]
+        if self.motion.several:
+            numbers = [counts[len(counts) // 2 :][:1] for counts in numbers]
+        return {count for counts in numbers for count in counts}
+
+    def _to_vary(self, needs: list[float], known: set[float], confirming: set[float]) -> set[float]:
+        """Numbers of steps to run from the other starts: the needs and the next finer ones, then those that confirm.
+
+        Those that confirm a need with kinks are run last, because other starts may refuse the need.
+        """
+        if not self.several:
+            return set()
+        varied = set(self.varied.steps_per_period) if len(self.varied) else set()
+        wanted = {*needs, *(min((count for count in known if count > need), default=need) for need in needs)}
+        if self.motion.problem.has_kinks and wanted <= varied:
+            wanted = confirming
+        return wanted - varied
 
     def _finer(self, need: float, finest: int) -> list[float]:
         """Numbers of steps that confirm a need, up to twice as many, on one geometric ladder.
