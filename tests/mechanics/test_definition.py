@@ -31,6 +31,13 @@ def test_a_diagonal_matrix_is_as_regular_as_its_diagonal():
 
 
 @pytest.mark.slow
+def test_a_problem_prints_the_terms_that_it_has():
+    one = study.Problem(lambda u: u, 1.0, mass=2.0, damping=0.1, title="one")
+    assert repr(one) == "one: M ü + C u̇ + p(u) = 0\nu(0) = 1.0, u̇(0) = 0.0"
+    two = study.Problem(None, [1.0, 2.0], stiffness=4.0, load=lambda t: jnp.array([0.0, t]), title="two")
+    assert repr(two) == "two: ü + K u = f(t)\n2 unknowns"
+
+
 def test_numbers_of_numpy_are_numbers():
     problem = _problem(tangent=np.int64(1), damping=study.Rayleigh(a=np.int64(1), b=np.float32(0.5)))
     assert problem.tangent == 1
