@@ -95,7 +95,7 @@ def record_error(
     period
         Period of the oscillator in s, or an array of periods.
     damping
-        Damping ratio ζ.
+        Damping ratio ζ, below 1.
     scheme
         A Newmark method with γ = ½, or the name of one.
 
@@ -106,8 +106,8 @@ def record_error(
     TypeError
         If ``ground`` is not a record.
     ValueError
-        If the scheme is another one, a number is not positive, the step is not stable or as long as the record, or the
-        record is zero at all times.
+        If the scheme is another one, a number is not positive, ζ is not below 1, the step is not stable or as long as
+        the record, or the record is zero at all times.
     """
     if not isinstance(ground, GroundMotion):
         raise TypeError(f"ground must be a record, such as study.GroundMotion.read(path), not {ground!r}.")
@@ -116,6 +116,8 @@ def record_error(
     for name, value in (("dt", dt), ("damping", damping)):
         if not (is_number(value) and 0 < value < math.inf):
             raise ValueError(f"{name} must be a positive number, not {value!r}.")
+    if damping >= 1:
+        raise ValueError(f"damping must be a fraction of the critical damping below 1, such as 0.05, not {damping!r}.")
     if dt >= ground.duration:
         raise ValueError(f"dt must be less than the duration of '{ground.title}', {ground.duration:g} s, not {dt!r}.")
     if not np.size(period) or not all(is_number(value) and 0 < value < math.inf for value in np.ravel(period)):

@@ -191,6 +191,8 @@ def question_of(
     KeyError, TypeError, ValueError
         As :func:`study.assess`.
     """
+    if not isinstance(maps, bool):
+        raise TypeError(f"maps must be True or False, not {maps!r}.")
     scaled = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, selected = chosen_schemes(schemes), wanted_quantities(quantities, scaled)
     length = length_of(scaled, duration)

@@ -16,7 +16,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.frequencies import frequencies, highest_frequency
 from study.mechanics.loads import record_of
 from study.warn import warn
-from study.words import span
+from study.words import printed, span
 
 #: Default duration of a free oscillation, in periods.
 PERIODS = 10
@@ -115,9 +115,12 @@ def _damping_ratios(problem: Problem) -> str:
     roots = roots[np.abs(roots.imag) > ROUND_OFF * np.abs(roots)]
     if not roots.size:
         return "no small motion oscillates"
-    ratios = np.abs(roots.real / np.abs(roots))
-    ratios[ratios < ROUND_OFF] = 0.0
-    return f"damping ratios {span(ratios, '.3g')}" if ratios.any() else "no damping of small motions"
+    ratios = -roots.real / np.abs(roots)
+    ratios[np.abs(ratios) < ROUND_OFF] = 0.0
+    if not ratios.any():
+        return "no damping of small motions"
+    grows = ", and small motions with a negative one grow" if ratios.min() < 0 else ""
+    return f"damping ratios {printed(span(ratios, '.3g'))}{grows}"
 
 
 def model_of(problem: Problem, duration: float, spacing: float | None) -> list[str]:

@@ -1,16 +1,19 @@
 """``study.assess`` for few unknowns, all with a mass: random steps, octave by octave, against a certified reference."""
 
+import math
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from study.algebra.deadline import until
 from study.algebra.reads import reading
+from study.analysis.orders import observed_order
 from study.assessment import failures, oscillation, steps
-from study.assessment.arguments import Question
+from study.assessment.arguments import OFF_ORDER, Question
 from study.assessment.certified import KINKS, cases_of, certified, undeclared
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.deadline import Budget, OutOfTime, within
@@ -27,6 +30,10 @@ from study.scheme.base import Scheme
 from study.settings import cores
 from study.sizes import CERTAIN, Limit
 from study.warn import warn
+
+#: Observed order of your own schemes: largest error that counts, least ratio of an error to the uncertainty of the
+#: reference, ratio of the largest to the smallest step, and least number of runs.
+LARGE, SURE, FINE, LEAST_RUNS = 0.05, 100, 8, 8
 
 
 class _Assessment:
@@ -129,6 +136,33 @@ class _Assessment:
         budget.took("compiling control", search.compiling)
         return {limit: search.verdict(*limit) for limit in limits}
 
+    def _remarks_on(self, results: dict[str, Assessed]) -> list[str]:
+        """Remarks on final values before the end, and on your own schemes whose errors fall more slowly than stated."""
+        problem, quantities = self.question.problem, self.question.quantities
+        remarks = [
+            f"the final value '{name}' is compared at the end of a run's last step, which may be before "
+            f"{self.duration:g} s"
+            for name, quantity in quantities.items()
+            if quantity.reduce == "final" and any(self._ends_early(result, name) for result in results.values())
+        ]
+        along_time = [name for name, quantity in quantities.items() if quantity.reduce is None]
+        if problem.kinked or len(getattr(problem.load, "kinks", ())) or not along_time:
+            return remarks
+        name, damped = along_time[0], problem.damping is not None or problem.takes_velocity
+        for own in [own for own in self.question.own_schemes if own in results]:
+            scheme, order = self.question.schemes[own], order_of_errors(results[own].runs, name, self.uncertainty[name])
+            stated = scheme.order_with_damping if damped else scheme.order
+            if order < stated - OFF_ORDER:
+                remarks.append(
+                    f"errors of {name} of {scheme.title} fall with the order {order:.1f}, and it states {stated}"
+                )
+        return remarks
+
+    def _ends_early(self, result: Assessed, name: str) -> bool:
+        """Whether a run with a recommended step of a quantity ends before the duration."""
+        steps_taken = [self.duration / v.recommended for limit, v in result.verdicts.items() if limit[0] == name]
+        return any(math.isfinite(count) and abs(count - round(count)) > 1e-6 for count in steps_taken)
+
     def dataset(self, results: dict[str, Assessed]) -> xr.Dataset:
         """The results of the schemes as a dataset."""
         question, problem, reference = self.question, self.question.problem, self.reference
@@ -156,7 +190,7 @@ class _Assessment:
         oscillates = reference.oscillation is not None or has_a_period(problem, self.duration)
         ds.attrs |= {
             "model": "\n".join(question.model),
-            "remarks": "; ".join(self.remarks),
+            "remarks": "; ".join([*self.remarks, *self._remarks_on(results)]),
             "asked_for": "; ".join(question.own_schemes),
             "reference": reference.route.name,
             "witness": reference.witness.name,
@@ -177,6 +211,16 @@ class _Assessment:
             **record_of(problem.load),
         }
         return ds
+
+
+def order_of_errors(runs: pd.DataFrame, name: str, uncertainty: float) -> float:
+    """Observed order of the errors of a quantity at the finest steps, above the uncertainty of its reference.
+
+    Other than linear theory it sees the load and a non-linear force. It is NaN if too few runs count.
+    """
+    runs = runs[(runs.start == 1.0) & (runs[name] < LARGE) & (runs[name] > SURE * uncertainty)]
+    runs = runs[runs.dt < FINE * runs.dt.min()]
+    return observed_order(1 / runs.dt.to_numpy(), runs[name].to_numpy(), least=LEAST_RUNS)
 
 
 def assess_small(question: Question, progress: Progress) -> xr.Dataset:

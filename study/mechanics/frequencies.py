@@ -33,9 +33,9 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
 
         \det(\lambda^2 M + \lambda C + K) = 0, \quad \omega = |\lambda| \text{ where } \operatorname{Im} \lambda > 0
 
-    Here C is the damping plus ∂p/∂u̇ at u̇ = 0. If C is symmetric, the frequencies are the undamped ones, from
-    det(K − ω² M) = 0: they equal |λ| for modal damping, and exist for overdamped modes too. Otherwise the motion is
-    gyroscopic, and a mode that does not oscillate has the frequency zero. A mode without mass has an infinite
+    Here C is the damping plus ∂p/∂u̇ at u̇ = 0. If C is symmetric and no mode flutters, the frequencies are the undamped
+    ones, from det(K − ω² M) = 0: they equal |λ| for modal damping, and exist for overdamped modes too. Otherwise a mode
+    that does not oscillate has the frequency zero. A mode without mass has an infinite
     frequency. A mode that grows instead of oscillating, with ω² < 0, has the frequency zero, or infinity if the mass is
     singular; gyroscopic forces are left out then.
 
@@ -61,7 +61,9 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
         with np.errstate(divide="ignore"):
             return np.sort(1 / np.sqrt(periods_squared))
     if np.abs(damping - damping.T).max() <= SYMMETRY * np.abs(damping).max():
-        return np.sqrt(np.clip(_squares(mass, stiffness), 0, None))
+        squares = _squares(mass, stiffness)
+        if np.abs(squares.imag).max() <= ROUND_OFF * np.abs(squares).max():
+            return np.sqrt(np.clip(squares.real, 0, None))
     lower = -np.linalg.solve(mass, np.concatenate([stiffness, damping], axis=1))
     roots = np.linalg.eigvals(np.concatenate([np.eye(n, 2 * n, n), lower]))
     # of a conjugate pair only one root counts; a root whose imaginary part is round-off does not oscillate
@@ -70,11 +72,11 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
 
 
 def _squares(mass: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
-    """ω² in ascending order from det(K − ω² M) = 0; symmetric matrices take half of the time of others."""
+    """ω² in ascending order from det(K − ω² M) = 0, complex for flutter; symmetric matrices take half of the time."""
     if np.abs(stiffness - stiffness.T).max() <= SYMMETRY * np.abs(stiffness).max():
         half = np.linalg.inv(np.linalg.cholesky(mass))
         return np.linalg.eigvalsh(half @ stiffness @ half.T)
-    return np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real)
+    return np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)))
 
 
 def _velocity_tangent(problem: Problem, u: np.ndarray) -> np.ndarray:

@@ -93,6 +93,7 @@ def test_power_that_the_steps_mistake_for_that_of_the_oscillator_is_its_error():
         ({"dt": 0.0}, "dt must be a positive number, not 0.0"),
         ({"dt": "10 ms"}, "dt must be a positive number, not '10 ms'"),
         ({"damping": -1}, "damping must be a positive number"),
+        ({"damping": 5}, "damping must be a fraction of the critical damping below 1, such as 0.05, not 5"),
         ({"dt": 40.0}, "dt must be less than the duration of 'el_centro_1940_ns', 31.18 s, not 40.0"),
         ({"period": []}, "period must be a positive number or an array of them"),
         ({"period": [0.5, 0.0]}, "period must be a positive number or an array of them"),

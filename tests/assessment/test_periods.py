@@ -5,6 +5,7 @@ import pytest
 
 import study
 from study.assessment.periods import model_of, remark_on_record
+from study.mechanics.frequencies import frequencies
 
 
 def test_a_chain_is_described_by_its_periods_and_damping_ratios():
@@ -25,6 +26,17 @@ def test_a_chain_is_described_by_its_periods_and_damping_ratios():
     overdamped = study.Problem(lambda u: u, 1.0, damping=3.0)
     assert model_of(overdamped, 1.0, None)[1] == "no small motion oscillates; no load"
     assert model_of(study.Problem(lambda u: -u, 1.0, damping=0.1), 2.0, None)[0] == "1 unknown, 2 s"
+
+
+def test_motions_that_grow_are_not_called_damped():
+    """Negative damping, and flutter with the roots −0.3786 ± 2.0915i and 0.3286 ± 2.0915i."""
+    growing = study.Problem(lambda u: u, 1.0, damping=-0.1)
+    grow = "small motions with a negative one grow; no load"
+    assert model_of(growing, 1.0, None)[1] == f"damping ratios −0.05, and {grow}"
+    stiffness = np.array([[4.0, 1.5], [-1.5, 4.5]])
+    flutter = study.Problem(lambda u: stiffness @ u, np.array([0.1, 0.2]), damping=0.05)
+    assert model_of(flutter, 1.0, None)[1] == f"damping ratios −0.155 to 0.178, and {grow}"
+    np.testing.assert_allclose(frequencies(flutter), [abs(0.3286 + 2.0915j), abs(-0.3786 + 2.0915j)], rtol=1e-4)
 
 
 def test_units_that_do_not_fit_a_record_are_remarked():

@@ -3,13 +3,16 @@
 import re
 from pathlib import Path
 
+import jax.numpy as jnp
 import numpy as np
+import pandas as pd
 import pytest
 
 import study
 from reference.experiments.amplitudes import amplitudes
 from study.__main__ import main
 from study.assessment.arguments import remarks_on_own
+from study.assessment.small import order_of_errors
 from study.building import Effort, Motion, Phase, acceleration
 from study.experiments.atlas import atlas
 from study.user_files import load
@@ -50,6 +53,34 @@ def test_what_linear_theory_contradicts_is_remarked(heun):
     Boastful.keeps_energy = "maybe"  # type: ignore[assignment]
     with pytest.raises(TypeError, match="keeps_energy of Boastful must be True or False, not 'maybe'"):
         study.assess("hardening", Boastful())
+
+
+def test_the_order_of_errors_is_that_of_the_finest_steps_above_the_uncertainty():
+    dt = np.logspace(-3, 0, 61)
+    errors = np.maximum(0.1 * dt + dt**2, 2e-4)
+    runs = pd.DataFrame({"start": 1.0, "dt": dt, "u": errors})
+    failed = runs.assign(start=0.99, u=np.nan)
+    order = order_of_errors(pd.concat([runs, failed]), "u", 2.1e-6)
+    assert order == pytest.approx(1.0, abs=0.1)
+    assert np.isnan(order_of_errors(runs, "u", 1e-3))
+
+
+@pytest.mark.slow
+def test_errors_that_fall_more_slowly_than_stated_are_remarked(heun):
+    """A scheme that reads the load one step late has its order in linear theory, which has no load."""
+
+    class Late(type(heun)):
+        def increment(self, problem, state, t, dt):
+            u, v = state
+            slope = acceleration(problem, t, u, v)
+            ahead = acceleration(problem, t, u + dt * v, v + dt * slope)
+            return Phase(dt * v + dt**2 / 2 * slope, dt / 2 * (slope + ahead)), Effort()
+
+    driven = study.Problem(lambda u: u + 0.3 * u**3, 1.0, damping=0.1, load=lambda t: 0.5 * jnp.cos(1.3 * t))
+    schemes = {"heun": heun, "late": Late(title="Late")}
+    ds = study.assess(driven, schemes, duration=10.0, allowed_errors=(0.1, 0.01), maps=False)
+    assert re.search(r"errors of displacement of Late fall with the order (0\.9|1\.[01]), and it states 2", ds.remarks)
+    assert "errors of displacement of Heun" not in ds.remarks
 
 
 def test_unfit_names_are_refused(heun):
