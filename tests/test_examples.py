@@ -51,7 +51,6 @@ def test_a_problem_is_assessed(place):
     assert (ds.verdict <= 1).any()
 
 
-@pytest.mark.slow
 def test_the_scheme_of_the_examples_has_its_order():
     """A change of the interface of schemes after which the one of the examples no longer works."""
     heun = load(f"{FOLDER / 'scheme.py'}:heun", (study.Scheme,))

@@ -231,7 +231,6 @@ def test_a_constant_may_be_bound_by_a_default():
     assert study.Problem(lambda u, k=3.0: k * u, u0=1.0).arguments == 1
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("factor", [1.0, 0.5, -1.0])
 def test_a_stored_energy_is_compared_with_the_force_after_a_reversal(factor):
     spring = materials.elements(

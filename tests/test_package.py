@@ -37,7 +37,6 @@ def test_the_help_names_all_that_is_public():
     assert public <= named
 
 
-@pytest.mark.slow
 def test_your_own_scheme_needs_no_other_import():
     """The implicit Euler method is defined, run and analysed by linear theory with names of ``study`` only."""
 

@@ -88,7 +88,6 @@ def test_interpolation_between_exact_steps_is_of_sixth_order():
     assert errors[0] < 1e-8 and errors[0] / errors[1] > 50
 
 
-@pytest.mark.slow
 def test_a_motion_without_crossings_has_no_period():
     reference, _ = _harmonic(50)
     dt, observers = against(reference, 50, longest=50)

@@ -141,7 +141,6 @@ def test_the_dataset_of_central_difference_has_its_closed_forms():
     assert all({"long_name", "units"} <= set(variable.attrs) for variable in ds.variables.values())
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
     """The order of the principal roots is the claimed order of the scheme, unless ``expected`` states another order."""
@@ -324,7 +323,6 @@ def test_a_scheme_that_grows_weakly_is_stable_at_no_step():
     assert study.LinearTheory(scope["heun"], np.logspace(-3, 0, 5)).stability_limit() == 0.0
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "name, from_u, from_v",
     [

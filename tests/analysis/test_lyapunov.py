@@ -9,7 +9,6 @@ from study.analysis.lyapunov import statistics
 from study.mechanics.loads import HarmonicLoad
 
 
-@pytest.mark.slow
 def test_a_damped_linear_oscillator_has_the_exponents_of_its_roots():
     """Exponents are −c/2 for each root below critical damping, and ln|λ|/Δt of the scheme; the mean square is known."""
     spring = study.Problem(lambda u: u, 1.0, damping=0.2, load=HarmonicLoad(1.0, frequency=2.0, phase=0.0))
@@ -35,7 +34,6 @@ def test_the_exponents_of_central_difference_add_up_to_minus_the_damping(name):
     assert (np.diff(estimate.exponents.mean(axis=0)) < 0.1).all()
 
 
-@pytest.mark.slow
 def test_the_largest_exponent_is_that_of_a_run():
     """The exponent of ``study.run`` follows one vector; both agree within the first turns of the vectors."""
     steps, runs = 200, np.array([2.5, 3.0])

@@ -129,7 +129,6 @@ def test_from_rest_average_acceleration_delays_twice_as_much_as_central_differen
     assert (average / central).values[1:] == pytest.approx([2, 2], rel=1e-9)
 
 
-@pytest.mark.slow
 def test_the_displacement_is_wrong_by_the_delay():
     """A reference with steps forty times as small; the error oscillates within a period by a hundredth of its end."""
     ds = step_bound(PENDULUM, "average_acceleration", allowed_error=0.01, periods=50)

@@ -7,7 +7,6 @@ from study.experiments.chaos import chaos
 from study.problem.oscillators import UEDA_EXPONENT
 
 
-@pytest.mark.slow
 def test_a_fine_step_keeps_the_exponent_and_a_long_one_makes_the_motion_regular():
     ds = chaos("ueda", ["average_acceleration"], [24, 64], 400, 32).sel(problem="ueda", scheme="average_acceleration")
     largest = ds.lyapunov_exponent.isel(place=0)

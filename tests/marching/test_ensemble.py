@@ -94,7 +94,6 @@ def test_short_and_long_groups_use_one_program(monkeypatch, compiled):
     assert len(compiled) == before + 1  # the program without stretches
 
 
-@pytest.mark.slow
 def test_a_failed_lane_leaves_the_others_alone():
     dt = [0.001, 0.9, 0.002]
     lanes = study.run("hardening", "central_difference", dt=dt, steps=100, observe=["trajectory", "max_energy_error"])

@@ -70,7 +70,6 @@ def test_lanes_may_have_their_own_number_of_steps():
         assert float(ds["last"][lane]) == pytest.approx(float(alone["last"]), abs=1e-13)
 
 
-@pytest.mark.slow
 def test_a_lane_that_fails_is_reported_and_the_others_go_on():
     with pytest.warns(study.RunFailedWarning, match="1 of 2 runs failed, the first of them, lane 1"):
         ds = study.run(_spring, "central_difference", dt=0.5, steps=400, over={"stiffness": [1.0, 1e4]})

@@ -267,7 +267,6 @@ def test_a_derivative_that_is_finite_is_not_warned_about(force, load):
         jax.effects_barrier()
 
 
-@pytest.mark.slow
 def test_the_step_size_may_be_traced():
     spring = study.Problem(lambda u: 10 * u, u0=-0.1, v0=1.0, load=jnp.cos)
 

@@ -39,7 +39,6 @@ def test_steps_that_single_precision_cannot_count_are_refused():
         study.run("hardening", "rk4", dt=0.01, steps=2**31, observe=["max_energy_error"])
 
 
-@pytest.mark.slow
 def test_a_structure_in_single_precision():
     """The tolerances of Newton's iteration for several unknowns depend on the precision, so that the run succeeds."""
     with jax.enable_x64(False):
@@ -68,7 +67,6 @@ def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
     assert _single_round_off(verlet, long, 60_000) < 2 * steady
 
 
-@pytest.mark.slow
 def test_single_precision_comes_back_bit_for_bit():
     """Without an energy drift the run becomes periodic, because few single-precision numbers lie near the orbit."""
     with jax.enable_x64(False):

@@ -90,13 +90,11 @@ def test_the_limit_with_damping_is_that_of_the_damping_ratio():
     )
 
 
-@pytest.mark.slow
 def test_gyroscopic_motion_has_a_limit():
     proton = study.Problem(lambda u, v: 10.0 * jnp.stack([-v[1], v[0], 0 * v[2]]), np.zeros(3), [1.0, 0.0, 1.0])
     assert not warned(proton, "rk4", dt=0.1 * 2.82) and "ωΔt = 2.83 " in warned(proton, "rk4", dt=0.283)
 
 
-@pytest.mark.slow
 def test_a_stiff_mode_that_is_not_excited_counts():
     problem = study.Problem(stiffness=np.array([[101.0, -100.0], [-100.0, 101.0]]), u0=[1.0, 1.0])
     limit = 2 / np.sqrt(201)
@@ -168,7 +166,6 @@ def test_the_vector_of_the_largest_eigenvalue_of_a_tridiagonal_matrix():
         assert vector @ (np.diag(a) + np.diag(b, 1) + np.diag(b, -1)) @ vector == pytest.approx(values[-1], rel=1e-12)
 
 
-@pytest.mark.slow
 def test_a_force_that_is_bounded_bounds_the_run_but_not_its_error():
     softening = warned("softening", "central_difference", dt=0.9, steps=1000)
     # about u = 0 the spring 100 tanh(u) has ω = 10

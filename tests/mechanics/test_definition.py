@@ -169,7 +169,6 @@ def test_neither_force_nor_potential_is_refused():
         study.Problem(u0=ZERO, v0=ZERO)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "mass, massless",
     [

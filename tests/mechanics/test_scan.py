@@ -105,7 +105,6 @@ def test_a_load_that_calls_the_host_is_scanned_one_time_after_the_other():
     assert events(load, 10.0, intervals=251) == pytest.approx([3.0], abs=1e-9)
 
 
-@pytest.mark.slow
 def test_kinks_that_a_load_declares_are_not_sought_and_those_of_its_other_part_are():
     ground = study.GroundMotion(np.array([0.0, 1.0, -2.0, 0.0]), 0.5)
     shaken = study.Problem(lambda u: u, 0.0, ground=ground, load=lambda t: jnp.where(t > 1.2, 1.0, 0.0))

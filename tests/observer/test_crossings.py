@@ -48,7 +48,6 @@ def test_steps_beyond_the_digits_of_single_precision_are_counted():
     assert ds.last_crossing_step == steps - 1 and ds.last_crossing_part == 0.5
 
 
-@pytest.mark.slow
 def test_lanes_and_unknowns_oscillate_on_their_own():
     problem = study.Problem(lambda u: jnp.asarray([1.0, 4.0]) * OMEGA**2 * u, u0=[1.0, 1.0], tangent="diagonal")
     arguments = {"steps": 4000, "observe": ["oscillations"]}

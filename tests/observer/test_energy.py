@@ -31,7 +31,6 @@ def test_the_balance_closes_with_the_second_order(damped_chain, scheme):
     assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx(2, abs=0.1)
 
 
-@pytest.mark.slow
 def test_what_a_force_without_a_potential_dissipates_the_kinetic_energy_loses():
     problem = study.Problem(lambda u, v: 9 * u + 0.5 * v, 1.0, 2.0, mass=2.0)
     ds = _balance(problem, "average_acceleration", dt=0.1, steps=200)

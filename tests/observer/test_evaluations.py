@@ -60,7 +60,6 @@ def test_estimates_and_rejected_steps_are_counted():
     assert ds.force_evaluations == 1 + 2 * int(ds.steps + ds.steps_rejected_by_estimate)
 
 
-@pytest.mark.slow
 def test_lanes_count_their_own_evaluations():
     ds = study.run("hardening", "average_acceleration", dt=[0.0075, 0.001], steps=20, observe="effort")
     alone = [study.run("hardening", "average_acceleration", dt=dt, steps=20, observe="effort") for dt in ds.dt.values]

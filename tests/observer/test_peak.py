@@ -8,7 +8,6 @@ import scipy.interpolate
 import study
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("dt", [0.3, 0.9])
 def test_the_peak_is_that_of_the_cubic_through_the_steps(dt):
     stiffness, load = jnp.array([1.0, 4.0]), lambda t: jnp.cos(t) * jnp.ones(2)

@@ -16,7 +16,6 @@ def test_a_soliton_keeps_its_form():
         np.testing.assert_allclose(values[-1], exact, rtol=0, atol=1e-6)
 
 
-@pytest.mark.slow
 def test_a_bar_that_moves_as_a_whole_but_for_its_wall_strains_its_last_element_alone():
     bar = study.problems["impact_bar"]
     n = bar.u0.size

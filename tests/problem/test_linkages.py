@@ -31,7 +31,6 @@ def _rates(y):
     return jnp.concatenate([rate, jnp.linalg.solve(mass, generalized_force)])
 
 
-@pytest.mark.slow
 def test_the_double_pendulum_obeys_the_equations_of_lagrange():
     problem = study.problems["double_pendulum"]
     for y in np.random.default_rng(2).normal(size=(5, 4)):

@@ -77,7 +77,6 @@ def test_the_shallow_arch_snaps_through_at_eight_twentysevenths(part, snaps):
     assert bool((ds.u > 2 / 3).any()) == snaps
 
 
-@pytest.mark.slow
 def test_mathieu_s_oscillator_moves_on_the_boundary_of_stability_as_mathieu_s_function():
     q = 0.4
     boundary = special.mathieu_a(1, q)

@@ -484,7 +484,6 @@ def _scattered(scheme, dt):
     return {"drift": 1 + (1 if scheme == "a" else -1) * dt**2 * (1 + 0.9 * np.sin(1e3 * dt))}
 
 
-@pytest.mark.slow
 def test_a_cheap_program_confirms_its_steps_by_many(tmp_path, monkeypatch):
     model = program(_scattered, tmp_path, ["a", "b"])
     dear = study.assess(model, allowed_errors=[0.1])

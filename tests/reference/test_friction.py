@@ -93,7 +93,6 @@ def test_a_motion_that_sticks_is_refused_at_the_time_of_the_closed_form():
         Reference(rubbing, 12.0)
 
 
-@pytest.mark.slow
 def test_a_motion_that_only_reverses_has_a_kink_at_each_reversal(capfd):
     problem = study.Problem(
         lambda u, v: 100 * u + 5 * jnp.sign(v), u0=1.0, load=lambda t: 600 * jnp.sin(5 * t), title="rubbing"

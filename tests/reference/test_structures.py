@@ -27,7 +27,6 @@ def test_two_solvers_agree_on_a_stiff_chain():
     np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", closed_form.STRUCTURE_TRAJECTORIES)
 def test_closed_forms_solve_the_equation_of_motion(name):
     """The closed form satisfies the equation of motion, checked by central differences, and the initial conditions."""

@@ -93,7 +93,6 @@ def test_houbolt_has_its_polynomial():
         np.testing.assert_allclose(polynomial[4:], 0, atol=1e-10)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bdf2", "park"])
 def test_backward_differences_have_their_polynomials(name):
     """(Σ d_k λ⁻ᵏ)² + Ω² = 0."""

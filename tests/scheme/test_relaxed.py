@@ -33,7 +33,6 @@ class _WithoutLead(study.Relaxed):
         return type(new)(new.inner, 0 * new.lead), effort
 
 
-@pytest.mark.slow
 def test_a_step_that_makes_up_for_the_last_one_keeps_the_order():
     """Without compensation of the last step's shift in time the order is three (Ketcheson, 2019, section 2)."""
     assert _order(RELAXED) == pytest.approx(4, abs=0.1)

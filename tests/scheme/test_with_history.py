@@ -95,7 +95,6 @@ def test_the_history_is_committed_once_a_step():
         assert float(ds.internal_force[step]) == pytest.approx(float(force), abs=1e-9)
 
 
-@pytest.mark.slow
 def test_sub_steps_commit_where_they_end():
     """Bathe's method commits the history at the end of its first sub-step, a step of the trapezoidal rule."""
     problem, dt = YIELDING, 0.4

@@ -134,7 +134,6 @@ def test_a_figure_fits_the_width_of_a_journal(width, tmp_path):
     plt.close(figure)
 
 
-@pytest.mark.slow
 def test_the_same_figure_gives_the_same_files(tmp_path):
     for folder in ("first", "second"):
         (tmp_path / folder).mkdir()

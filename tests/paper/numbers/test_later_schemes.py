@@ -33,7 +33,6 @@ def _numbers(**changed):
     return later_scheme_numbers(claims, decisions, needs, xr.Dataset({"largest_stiffening": ratios}))
 
 
-@pytest.mark.slow
 def test_facts_need_the_verdict_of_all_their_statements():
     assert all(_numbers()[fact] for fact in STATED)
     for fact, (_, *statements) in STATED.items():
