@@ -255,24 +255,34 @@ class _Elements(eqx.Module):
     elongations: Callable
     count: int = eqx.field(static=True)
 
+    def _of(self, u):
+        """The elongations, after a check of their shape."""
+        elongations = self.elongations(u)
+        if jnp.shape(elongations) != (self.count,):
+            raise ValueError(
+                f"elongations of {self.count} elements must return the shape ({self.count},), not "
+                f"{jnp.shape(elongations)}."
+            )
+        return elongations
+
     def _to_nodes(self, u, forces):
         return jax.vjp(self.elongations, u)[1](forces)[0]
 
     def potential(self, u, *history):
         """Stored energy of all elements."""
-        return self.material.potential(self.elongations(u), *history)
+        return self.material.potential(self._of(u), *history)
 
 
 class _Elastic(_Elements):
     def __call__(self, u):
         """The nodal forces."""
-        return self._to_nodes(u, self.material(self.elongations(u)))
+        return self._to_nodes(u, self.material(self._of(u)))
 
 
 class _Damping(_Elements):
     def __call__(self, u, v):
         """The nodal forces."""
-        return self._to_nodes(u, self.material(*jax.jvp(self.elongations, (u,), (v,))))
+        return self._to_nodes(u, self.material(*jax.jvp(self._of, (u,), (v,))))
 
 
 class _WithHistory(_Elements):
@@ -283,7 +293,7 @@ class _WithHistory(_Elements):
 
     def __call__(self, u, v, history):
         """The nodal forces and the new history."""
-        forces, history = self.material(*jax.jvp(self.elongations, (u,), (v,)), history)
+        forces, history = self.material(*jax.jvp(self._of, (u,), (v,)), history)
         return self._to_nodes(u, forces), history
 
 
@@ -312,7 +322,7 @@ def elements(material: Callable, elongations: Callable[[Vector], Vector], count:
         If the material or the elongations are not functions.
     ValueError
         If ``count`` is not a whole number of at least one, or the history of the material belongs to another number of
-        elements.
+        elements; when the force is called, if the elongations have another shape.
     """
     if not is_whole(count, 1):
         raise ValueError(f"count must be a whole number of at least 1, not {count!r}.")

@@ -160,6 +160,10 @@ def test_elements_assemble_nodal_forces():
             "arrays of one shape, a value for each element",
         ),
         (
+            lambda: materials.elements(materials.gap(stiffness=1.0), jnp.diff, count=3)(jnp.zeros(3)),
+            r"elongations of 3 elements must return the shape \(3,\), not \(2,\)",
+        ),
+        (
             lambda: materials.elements(
                 materials.elastoplastic(stiffness=[1.0, 2.0], yield_force=1.0), jnp.diff, count=3
             ),

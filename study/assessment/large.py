@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
+from scipy.interpolate import BarycentricInterpolator
 
 from study.algebra.matrices import diagonal, times
 from study.assessment.arguments import Question
@@ -78,15 +79,24 @@ class _Runs:
         return self.problem.title
 
     def __call__(self, scheme: str, dt: float) -> dict[str, np.ndarray]:
-        """Times and quantities of a run; a reduced quantity is constant along time."""
+        """Times and quantities of a run; a reduced quantity is constant along time.
+
+        A final value is that at the end of the duration, by a cubic through the last steps, because the last step may
+        end before it.
+        """
         steps = int(np.floor(self.duration / dt * (1 + 1e-9)))
-        options: dict[str, Any] = {"dt": dt, "steps": steps, "observe": self.quantities}
+        observe = [
+            replace(quantity, reduce=None) if quantity.reduce == "final" else quantity for quantity in self.quantities
+        ]
+        options: dict[str, Any] = {"dt": dt, "steps": steps, "observe": observe}
         ds = sweep(self.problem, self.schemes[scheme], **options)
         if ds.status.item():  # the run once more, which raises an error with the cause of the failure
             run(self.problem, self.schemes[scheme], **options, on_failure="raise")
         result: dict[str, np.ndarray] = {"t": dt * np.arange(steps + 1)}
         for quantity in self.quantities:
             value = ds[quantity.name].values
+            if quantity.reduce == "final":
+                value = np.asarray(BarycentricInterpolator(result["t"][-4:], value[-4:])(self.duration))
             result[quantity.name] = np.broadcast_to(value, (steps + 1, *value.shape)) if quantity.reduce else value
         return result
 
@@ -181,10 +191,10 @@ def assess_large(question: Question, progress: Progress) -> xr.Dataset:
     program = program_of(problem, question.fit, question.duration, question.given, question.spacing)
     ds = assess_program(program, question.allowed, question.seconds, progress.report)
     remarks = [*question.remarks]
-    if any(quantity.reduce for quantity in question.quantities.values()):
+    if any(quantity.reduce in ("peak", "rms") for quantity in question.quantities.values()):
         remarks.append(
-            "reduced quantities are compared with those of the whole duration, also if the last step of a run ends "
-            "before it"
+            "peaks and root mean squares are compared with those of the whole duration, also if the last step of a run "
+            "ends before it"
         )
     remarks += [ds.attrs["remarks"]] if ds.attrs["remarks"] else []
     ds.attrs |= {"model": "\n".join(question.model), "asked_for": "; ".join(question.own_schemes)}

@@ -118,10 +118,14 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
 
 def _measured(curve: Curve) -> Measured:
     """How a quantity is measured, and its value in the reference."""
-    if curve.values.ndim:
+    reduced = None if curve.quantity is None else curve.quantity.reduce
+    if reduced is not None:  # a run of a problem returns it as constant along time
+        value = np.atleast_1d(curve.values[-1])
+        result = Measured("", value=value, time=np.full(len(value), curve.t[-1] if reduced == "final" else np.nan))
+    elif curve.values.ndim:
         flat = curve.values.reshape(len(curve.t), -1)
-        sizes = np.abs(flat)
-        result = Measured("", value=curve.sizes, time=curve.t[sizes.argmax(axis=0)], along=(curve.t, flat))
+        time, value = np.transpose([_largest(curve.t, sizes) for sizes in np.abs(flat).T])
+        result = Measured("", value=value, time=time, along=(curve.t, flat))
         result = result._replace(scaled_from=scaled_from(curve.quantity, curve.t, flat))
     else:
         result = Measured("", value=np.atleast_1d(curve.values))
@@ -130,6 +134,17 @@ def _measured(curve: Curve) -> Measured:
         return result._replace(relative_to=curve.quantity.relative_to(len(result.value)), units=curve.quantity.units)
     relation = relative_to(components=len(result.value))
     return result._replace(relative_to=relation if curve.values.ndim else "relative to the value itself")
+
+
+def _largest(t: np.ndarray, sizes: np.ndarray) -> tuple[float, float]:
+    """Time and largest value of the parabola through the largest of some sizes and its neighbours, or of the former."""
+    place = int(sizes.argmax())
+    if 0 < place < len(t) - 1:
+        before, middle, after = sizes[place - 1 : place + 2]
+        rise, bend = (after - before) / 2, 2 * middle - before - after
+        if bend > 0:
+            return t[place] + rise / bend * (t[place + 1] - t[place]), middle + rise**2 / (2 * bend)
+    return t[place], sizes[place]
 
 
 def _remarks_on_components(search: Search) -> list[str]:

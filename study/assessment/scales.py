@@ -27,6 +27,8 @@ SAME = 1e-3
 #: Number of parts of the duration for each of which the lowest and highest value of a quantity are kept.
 PARTS = 400
 
+#: Ratio of the largest values in the second and the first half of the time from which on a motion runs away.
+RUNS_AWAY = 1e3
 #: Smallest ratio of the energy at the start to the largest kinetic energy. Below this ratio, the balance of energies is
 #: not assessed for a problem without a load.
 LEAST_ENERGY = 0.01
@@ -167,9 +169,15 @@ def remark_on_components(name: str, sizes: np.ndarray, remedy: str) -> list[str]
 
 
 def remarks_on_scales(targets: Mapping[str, Target]) -> list[str]:
-    """Remarks, with warnings, on quantities whose scale hides errors, or is close to zero."""
+    """Remarks, with warnings, on quantities whose scale hides errors, is close to zero, or grows without end."""
     remarks = []
     for name, target in targets.items():
+        first_half = np.abs(target.values[target.times <= target.times[-1] / 2]).max(initial=0.0)
+        if 0 < first_half * RUNS_AWAY < target.sizes.max():
+            remarks.append(
+                f"'{name}' grows {target.sizes.max() / first_half:.1g}-fold in the second half of the time: the motion "
+                "runs away, as in a collapse, and its errors are relative to its last values"
+            )
         if target.quantity.scale in ("own", "peak"):
             remedy = f"study.Quantity(..., scale='each') as quantities['{name}'] gives each component its own scale"
             remarks += remark_on_components(

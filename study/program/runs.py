@@ -31,7 +31,7 @@ from study.warn import warn
 from study.words import listed, percent
 
 #: Version of the format of files; a run in a file of another version is made again.
-FORM = 3
+FORM = 4
 
 #: Names of arrays in the file of a run: ``words`` has its scheme, status and reason, ``numbers`` its step, seconds and
 #: elapsed time, and ``t`` its times.

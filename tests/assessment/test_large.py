@@ -8,7 +8,7 @@ import pytest
 from scipy import sparse
 
 import study
-from study.assessment import arguments, errors, large
+from study.assessment import arguments, errors, large, program
 from study.program import search
 from study.program.refinement import NoTruth
 
@@ -46,10 +46,18 @@ def test_quantities_that_are_reduced_are_single_numbers(damped_chain, like_progr
     peak = {
         "peak": study.Quantity(lambda u: u[-1], reduce="peak"),
         "both": study.Quantity(lambda u: u[:2], reduce="rms"),
+        "last": study.Quantity(lambda u: u[-1], reduce="final"),
     }
     ds = study.assess(damped_chain(), SCHEMES, quantities=peak, **OPTIONS)
-    assert list(ds.quantity.values) == ["peak", "both"] and (ds.recommended_step_size > 0).all()
-    assert "reduced quantities are compared with those of the whole duration" in ds.attrs["remarks"]
+    np.testing.assert_array_equal(ds.reference_time.isel(component=0), [np.nan, np.nan, OPTIONS["duration"]])
+    assert list(ds.quantity.values) == [*peak] and (ds.recommended_step_size > 0).all()
+    assert "peaks and root mean squares are compared with those of the whole duration" in ds.attrs["remarks"]
+
+
+def test_the_largest_value_may_lie_between_two_samples():
+    t = np.linspace(0, 1, 11)
+    assert program._largest(t, 3 - (t - 0.33) ** 2) == pytest.approx((0.33, 3.0), rel=1e-12)
+    assert program._largest(t, t) == (1.0, 1.0) and program._largest(t, np.ones(11)) == (0.0, 1.0)
 
 
 def test_what_there_is_no_time_for_is_said(damped_chain, like_programs):

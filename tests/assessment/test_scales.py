@@ -79,6 +79,17 @@ def test_a_final_value_near_zero_gets_a_remark(decaying):
 
 
 @pytest.mark.slow
+def test_a_motion_that_runs_away_gets_a_remark():
+    """U = cosh t grows by cosh 20/cosh 10 = 22,026 in the second half of 20 s."""
+    leaning = study.Problem(lambda u: -u, 1.0, title="leaning")
+    along = {"drift": study.Quantity(lambda u: u)}
+    with pytest.warns(
+        RuntimeWarning, match=r"'drift' grows 2e\+04-fold in the second half of the time: the motion runs"
+    ):
+        remarks_on_scales(_targets(leaning, 20.0, along))
+    assert remarks_on_scales(_targets(leaning, 10.0, along)) == []
+
+
 def test_components_of_different_units_have_errors_of_their_own_size():
     problem = study.Problem(stiffness=STIFFNESS, mass=np.diag(MASS), u0=[50.0, 0.0], v0=[0.0, 0.5], title="mixed")
     quantities = {scale: study.Quantity(lambda u: u, scale=scale) for scale in ("own", "each")}
