@@ -131,3 +131,11 @@ def test_a_full_system_of_any_size_is_solved(n):
     """Written out, in a loop, and by LAPACK."""
     full, rhs = np.random.default_rng(n).normal(size=(n, n)), np.arange(1.0, n + 1)
     np.testing.assert_allclose(_solve(jnp.asarray(full), jnp.asarray(rhs)), np.linalg.solve(full, rhs), rtol=1e-9)
+
+
+@pytest.mark.parametrize("form", ["tridiagonal", "pentadiagonal", "dense", "matrix_free"])
+def test_solutions_have_derivatives_in_reverse_mode(make, form):
+    """The gradient of the sum of a solution by its right side is the solution of the transposed system."""
+    matrix, full = make.matrix(form, 6, np.random.default_rng(3))
+    gradient = jax.grad(lambda rhs: _solve(matrix, rhs, False).sum())(jnp.arange(1.0, 7.0))
+    np.testing.assert_allclose(gradient, np.linalg.solve(full.T, np.ones(6)), atol=1e-9)
