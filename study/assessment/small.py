@@ -1,6 +1,5 @@
 """``study.assess`` for few unknowns, all with a mass: random steps, octave by octave, against a certified reference."""
 
-import math
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -160,8 +159,9 @@ class _Assessment:
 
     def _ends_early(self, result: Assessed, name: str) -> bool:
         """Whether a run with a recommended step of a quantity ends before the duration."""
-        steps_taken = [self.duration / v.recommended for limit, v in result.verdicts.items() if limit[0] == name]
-        return any(math.isfinite(count) and abs(count - round(count)) > 1e-6 for count in steps_taken)
+        recommended = [verdict.recommended for limit, verdict in result.verdicts.items() if limit[0] == name]
+        counts = [self.duration / step for step in recommended if step > 0]
+        return any(abs(count - round(count)) > 1e-6 for count in counts)
 
     def dataset(self, results: dict[str, Assessed]) -> xr.Dataset:
         """The results of the schemes as a dataset."""
