@@ -20,7 +20,7 @@ from study.mechanics.tangent import FormOfTangent
 def form_of_tangent(
     force: Callable | None, u0: np.ndarray, declared: Any, massless: bool, others: list[ScipySparse], title: str
 ) -> FormOfTangent:
-    """The form of the tangent, as declared or as found near u₀.
+    """The form of the tangent, as declared or as found at a few displacements.
 
     It is None for one unknown. It is 0, a diagonal, if the problem has neither a force nor a sparse matrix.
 
