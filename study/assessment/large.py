@@ -9,7 +9,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
-from scipy.interpolate import BarycentricInterpolator
 
 from study.algebra.matrices import diagonal, times
 from study.assessment.arguments import Question
@@ -84,6 +83,8 @@ class _Runs:
         A final value is that at the end of the duration, by a cubic through the last steps, because the last step may
         end before it.
         """
+        from scipy.interpolate import BarycentricInterpolator  # imported here, because only large problems need it
+
         steps = int(np.floor(self.duration / dt * (1 + 1e-9)))
         observe = [
             replace(quantity, reduce=None) if quantity.reduce == "final" else quantity for quantity in self.quantities
@@ -180,7 +181,7 @@ def assess_large(question: Question, progress: Progress) -> xr.Dataset:
     Raises
     ------
     ValueError
-        If controlled steps are asked for; also as :func:`program_of` and
+        If a controller is given; also as :func:`program_of` and
         :func:`study.assessment.program.assess_program`.
     """
     problem = question.problem

@@ -98,11 +98,13 @@ def final_state(
             raise ValueError(reason)
     starts = []
     for name, start, default in (("u0", u0, equation.u0), ("v0", v0, equation.v0)):
-        if start is not None and np.shape(start) != np.shape(default):
-            raise ValueError(f"{name} must have the shape {np.shape(default)} of the problem, not {np.shape(start)}.")
         given = default if start is None else start
-        if not isinstance(given, jax.core.Tracer) and not np.isfinite(real_numbers(name, given)).all():
+        if any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(given)):
+            given = jnp.asarray(given, float)
+        elif not np.isfinite(real_numbers(name, given)).all():
             raise ValueError(f"{name} must be finite, not {given!r}.")
+        if np.shape(given) != np.shape(default):
+            raise ValueError(f"{name} must have the shape {np.shape(default)} of the problem, not {np.shape(given)}.")
         starts.append(jnp.asarray(given, float))
     if np.ndim(dt) or not (isinstance(dt, jax.core.Tracer) or 0 < real_numbers("dt", dt) < np.inf):
         raise ValueError(f"dt must be one number, finite and greater than zero, not {dt}.")

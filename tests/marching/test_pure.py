@@ -267,6 +267,13 @@ def test_a_derivative_that_is_finite_is_not_warned_about(force, load):
         jax.effects_barrier()
 
 
+def test_a_start_may_be_a_list_with_traced_numbers():
+    pair = study.Problem(lambda u: 4 * u, [1.0, 2.0])
+    end = jax.jit(lambda x: study.final_state(pair, "central_difference", dt=0.1, steps=3, u0=[x, 2.0])["u"])
+    expected = study.final_state(pair, "central_difference", dt=0.1, steps=3)["u"]
+    np.testing.assert_allclose(end(1.0), expected, rtol=1e-14)
+
+
 def test_the_step_size_may_be_traced():
     spring = study.Problem(lambda u: 10 * u, u0=-0.1, v0=1.0, load=jnp.cos)
 
